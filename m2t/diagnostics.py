@@ -47,14 +47,11 @@ class Constraint:
     reason: str
 
 
-_REASONS: Mapping[str, str] = MappingProxyType(
-    {
-        "file": "says something about the file, of which nothing is left once Eclipse has "
-        "loaded it",
-        "refused": "Eclipse refuses to load such a file",
-        "dropped": "Eclipse drops what is wrong while it loads the file, without a word",
-    }
-)
+_REASONS: Mapping[str, str] = {
+    "file": "says something about the file, of which nothing is left once Eclipse has loaded it",
+    "refused": "Eclipse refuses to load such a file",
+    "dropped": "Eclipse drops what is wrong while it loads the file, without a word",
+}
 """Why a constraint is not stated in EVL. In brackets stands the key of the reason below, or the
 file that states the constraint."""
 
@@ -146,9 +143,10 @@ def _constraints(severity: Severity, text: str) -> dict[str, Constraint]:
     }
 
 
-CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
-    _constraints("error", _ERRORS) | _constraints("warning", _WARNINGS)
-)
+CONSTRAINTS: Mapping[str, Constraint] = {
+    **_constraints("error", _ERRORS),
+    **_constraints("warning", _WARNINGS),
+}
 """All constraints by name, in the order in which they are checked; no other name is reported."""
 
 

@@ -99,7 +99,6 @@ class _Comparison:
         self._new = {outline.key: outline for outline in new.walk()}
 
     def compare(self, old: Outline, new: Outline) -> Iterator[Change]:
-        """Yield how an element and all in it has changed."""
         for name in dict.fromkeys((*new.values, *old.values)):
             before, after = old.values.get(name), new.values.get(name)
             if before != after:

@@ -12,13 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-from m2t.protected_regions import (
-    FileRecord,
-    is_hand_written,
-    merge,
-    parse,
-    record_of,
-)
+from m2t.protected_regions import FileRecord, is_hand_written, merge, parse, record_of
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 from mrsfi_runtime.model.semantics import SEMANTICS
 
@@ -52,14 +46,13 @@ class GenerationPlan:
     @property
     def unchanged(self) -> tuple[str, ...]:
         """Files that stand there as they are to."""
-        return tuple(
-            name for name, text in self.contents.items() if self.existing.get(name) == text
-        )
+        return tuple(name for name in self.contents if name not in self.written)
 
     @property
     def stale(self) -> tuple[str, ...]:
         """What does not follow from what the models mean, the manifest included."""
-        is_recorded = is_alike(self.existing.get(MANIFEST), self.manifest)
+        recorded, coming = self.existing.get(MANIFEST), self.manifest
+        is_recorded = recorded is not None and _but_sources(recorded) == _but_sources(coming)
         return self.written + self.removed + (() if is_recorded else (MANIFEST,))
 
     @property
@@ -158,12 +151,8 @@ def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
         ) from error
 
 
-def is_alike(one: str | None, other: str) -> bool:
-    """Return whether manifests differ at most in how models were spelt that mean the same."""
-    return one is not None and _but_sources(one) == _but_sources(other)
-
-
 def _but_sources(text: str) -> dict[str, Any]:
+    """Return a manifest without how models were spelt that may mean the same."""
     return {**json.loads(text), "sources": None}
 
 

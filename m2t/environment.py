@@ -16,6 +16,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 LINE_LENGTH = 100
 _REMARK_LENGTH = 40
+_EXCHANGED_QUOTES = str.maketrans("'\"", "\"'")
+"""Python prefers single quotes, formatters prefer double ones."""
+
 _PLAIN_REMARK = re.compile(r"(?!noqa|nosec)[A-Za-z0-9_.-]{1,40}", re.ASCII | re.IGNORECASE)
 
 Scalar: TypeAlias = str | int | float | bool | None
@@ -59,36 +62,19 @@ def literal(value: Scalar | tuple[object, ...]) -> str:
     if value is None or isinstance(value, bool):
         return repr(value)
     if isinstance(value, str):
-        return _text_literal(value)
+        if value.count('"') > value.count("'"):
+            return ascii(value)
+        return ascii(value.translate(_EXCHANGED_QUOTES)).translate(_EXCHANGED_QUOTES)
     if isinstance(value, int):
         return int.__repr__(value)
     if isinstance(value, float):
-        return _float_literal(value)
+        if not math.isfinite(value):
+            raise ValueError(f"no literal for the number {value!r}; expected a finite one")
+        return float.__repr__(value).replace("e+", "e")
     if isinstance(value, tuple):
         entries = ", ".join(literal(entry) for entry in value)  # type: ignore[arg-type]
         return f"({entries},)" if len(value) == 1 else f"({entries})"
     raise TypeError(f"no literal for a value of type {type(value).__name__}")
-
-
-def _float_literal(value: float) -> str:
-    if not math.isfinite(value):
-        raise ValueError(f"no literal for the number {value!r}; expected a finite one")
-    return float.__repr__(value).replace("e+", "e")
-
-
-def _text_literal(text: str) -> str:
-    quote = "'" if text.count('"') > text.count("'") else '"'
-    is_plain = text.isascii() and text.isprintable() and quote not in text and "\\" not in text
-    escaped = text if is_plain else "".join(_escaped(character, quote) for character in text)
-    return f"{quote}{escaped}{quote}"
-
-
-def _escaped(character: str, quote: str) -> str:
-    if character in {quote, "\\"}:
-        return "\\" + character
-    if " " <= character <= "~":
-        return character
-    return ascii(character)[1:-1]
 
 
 def remark(text: str) -> str:
@@ -169,6 +155,6 @@ def template_environment(folder: str = "templates") -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"literal": literal, "expression": expression, "remark": remark}
-    environment.filters["docstring"] = docstring
+    filters = (literal, expression, remark, docstring)
+    environment.filters |= {each.__name__: each for each in filters}
     return environment

@@ -7,7 +7,6 @@ offered to an element too many.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from m2t.constraints.fault_rules import (
@@ -92,7 +91,6 @@ def _round_ticks(kind: Any) -> None:
 
 
 def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
-    """Return the remedy that exchanges the values of pairs of features."""
 
     def exchange(element: Any) -> None:
         for one, other in pairs(element):
@@ -107,24 +105,22 @@ def _nothing(_: Any) -> None:
     """Leave the element as it is: the list of objects holds every element once already."""
 
 
-FIXES: Mapping[str, Fix] = MappingProxyType(
-    {
-        "UniqueReference": Fix("Delete the repeated references", _nothing),
-        "GoalDependsOnOthers": Fix(
-            "Delete the goal from its own dependentGoals", _delete_self_dependence
-        ),
-        "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
-        "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
-        "RandomBoundsOrdered": Fix(
-            "Exchange the lowest and the highest random value", _exchanging(exchanged_draw)
-        ),
-        "SearchBoundsOrdered": Fix(
-            "Exchange the lowest and the highest value", _exchanging(exchanged_bounds)
-        ),
-        "WholeTicks": Fix("Round to whole ticks", _round_ticks),
-        "WindowOrdered": Fix("Exchange start and finish", _exchanging(exchanged_window)),
-    }
-)
+FIXES: Mapping[str, Fix] = {
+    "UniqueReference": Fix("Delete the repeated references", _nothing),
+    "GoalDependsOnOthers": Fix(
+        "Delete the goal from its own dependentGoals", _delete_self_dependence
+    ),
+    "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
+    "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
+    "RandomBoundsOrdered": Fix(
+        "Exchange the lowest and the highest random value", _exchanging(exchanged_draw)
+    ),
+    "SearchBoundsOrdered": Fix(
+        "Exchange the lowest and the highest value", _exchanging(exchanged_bounds)
+    ),
+    "WholeTicks": Fix("Round to whole ticks", _round_ticks),
+    "WindowOrdered": Fix("Exchange start and finish", _exchanging(exchanged_window)),
+}
 """Fixes by constraint; the ``.evl`` files offer the same under the same titles."""
 
 _TITLES = {name: fix.title for name, fix in FIXES.items()}
@@ -167,7 +163,6 @@ def _loses(element: Any, alive: Iterable[Any]) -> bool:
 
 
 def _take(holder: Any, name: str, element: Any) -> None:
-    """Take an element from a feature."""
     if slots(holder.eClass)[name].many:
         getattr(holder, name).remove(element)
     else:

@@ -31,17 +31,15 @@ from m2t.visitors import (
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.files import changing
 
-VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = MappingProxyType(
-    {
-        "mission_loader.py": mission_loader.visit,
-        "fault_loader.py": fault_loader.visit,
-        "fault_effects.py": fault_effects.visit,
-        "topics.py": topics.visit,
-        "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
-        "simulation.py": lambda _: {},
-        "collective_intelligence.py": collective_intelligence.visit,
-    }
-)
+VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = {
+    "mission_loader.py": mission_loader.visit,
+    "fault_loader.py": fault_loader.visit,
+    "fault_effects.py": fault_effects.visit,
+    "topics.py": topics.visit,
+    "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
+    "simulation.py": lambda _: {},
+    "collective_intelligence.py": collective_intelligence.visit,
+}
 """The visitor of each generated file, whose template has the name of the file.
 
 It computes what the template needs, free of metamodel objects.
@@ -88,22 +86,13 @@ def diff(models: Path, target: Path) -> str:
     )
 
 
-def fault_loader_text(loaded: LoadedModels) -> str:
-    """Return the text of the fault loader for a fault pool or any written specification."""
-    return _render("fault_loader.py", loaded)
-
-
-def mission_loader_text(loaded: LoadedModels) -> str:
-    """Return the text of the mission loader."""
-    return _render("mission_loader.py", loaded)
-
-
 def rendered(loaded: LoadedModels) -> dict[str, str]:
     """Return the text of every generated file by name, as its template renders it."""
-    return {name: _render(name, loaded) for name in VISITORS}
+    return {name: rendered_file(name, loaded) for name in VISITORS}
 
 
-def _render(name: str, loaded: LoadedModels) -> str:
+def rendered_file(name: str, loaded: LoadedModels) -> str:
+    """Return the text of one; a fault loader is also that of any written specification."""
     template = template_environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
     header = f"# Generated from mission {mission} by {template.name}.\n"
@@ -130,17 +119,11 @@ def sources(
 
     ``contents`` are those that files are going to have in place of what stands in them.
     """
-    metamodels = metamodel_folder()
-    folder = loaded.mission_path.parent
-    paths = {_source_name(file.path, folder): file.path for file in loaded.files}
+    folder, metamodels = loaded.mission_path.parent, metamodel_folder()
+    paths = {file.seen_from(folder): file.path for file in loaded.files}
     paths |= {name: metamodels / name for name in (MISSION_FILE, FAULTS_FILE)}
     return {
         name: hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
         for name, path in paths.items()
         for content in (contents.get(path) or path.read_bytes(),)
     }
-
-
-def _source_name(path: Path, folder: Path) -> str:
-    """Return the name of a model's file, relative to its folder; parts may lie elsewhere."""
-    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()

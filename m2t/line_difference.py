@@ -9,6 +9,7 @@ from bisect import bisect_left
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from difflib import SequenceMatcher
+from itertools import groupby
 
 SHORT = 400
 """Lines that are compared undivided; more only where nothing divides them."""
@@ -52,23 +53,14 @@ def _range(first: int, last: int) -> str:
 
 
 class _Aligned(SequenceMatcher[str]):
-    """A matcher that knows what two files have in common before it is asked."""
+    """A matcher that knows the runs of equal lines of two files before it is asked."""
 
     def __init__(self, old: Sequence[str], new: Sequence[str]) -> None:
         super().__init__(None, (), ())
-        self._end = (len(old), len(new), 0)
-        self._pairs = [*_pairs(old, new)]
-
-    def get_matching_blocks(self) -> list[tuple[int, int, int]]:  # type: ignore[override]
-        """Return runs of equal lines: where they begin in both files, and how long they are."""
-        blocks: list[tuple[int, int, int]] = []
-        begin, length = (0, 0), 0
-        for pair in self._pairs:
-            if pair != (begin[0] + length, begin[1] + length):
-                blocks.append((*begin, length))
-                begin, length = pair, 0
-            length += 1
-        return [*blocks, (*begin, length), self._end]
+        pairs = enumerate(_pairs(old, new))
+        runs = [[*run] for _, run in groupby(pairs, lambda each: [p - each[0] for p in each[1]])]
+        blocks = [(*run[0][1], len(run)) for run in runs]
+        self.matching_blocks = [*blocks, (len(old), len(new), 0)]
 
 
 def _pairs(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int]]:

@@ -5,15 +5,14 @@ defects of a file pass and stumbles over others, is not asked.
 """
 
 import gc
-from collections.abc import Callable, Iterator, Mapping
+import os
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pyecore.resources import URI, ResourceSet
-from pyecore.resources.xmi import XMIResource
 
 from m2t.check.references import referred_files, resolve
 from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
@@ -42,6 +41,10 @@ class LoadedFile:
     path: Path
     spelling: Spelling
     roots: tuple[Any, ...]
+
+    def seen_from(self, folder: Path) -> str:
+        """Return the relative path of the file from a folder, with slashes."""
+        return Path(os.path.relpath(self.path.resolve(), folder.resolve())).as_posix()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,20 +88,12 @@ class Inspection:
     draft: LoadedModels | None = field(default=None, repr=False)
     remains: LoadedModels | None = field(default=None, repr=False)
 
-    @property
-    def models(self) -> LoadedModels | None:
-        """The models; ``None`` if an error stands in the way."""
-        return None if self._errors else self.draft
-
     def require_models(self) -> LoadedModels:
         """Return the models; raise a ``ModelError`` with all errors, if there are any."""
-        if self.models is None:
-            raise ModelError("\n".join(map(str, self._errors)))
-        return self.models
-
-    @property
-    def _errors(self) -> list[Diagnostic]:
-        return [found for found in self.diagnostics if found.severity == "error"]
+        errors = [found for found in self.diagnostics if found.severity == "error"]
+        if errors or self.draft is None:
+            raise ModelError("\n".join(map(str, errors)))
+        return self.draft
 
 
 def load_mission_folder(folder: Path) -> LoadedModels:
@@ -195,7 +190,6 @@ class _Loading:
         self._report = Report(self._nodes)
         self._files = ModelFiles(self._report)
         self._resources = ResourceSet()
-        self._resources.resource_factory["xmi"] = _CheckedResource
 
     @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
@@ -258,14 +252,14 @@ class _Loading:
     def _object(self, tree: ModelTree) -> Any:
         """Return the root object of a sound model; what it refers to was made before it."""
         uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
-        self._resources.get_resource(uri, build=partial(self._built, tree.root))
+        resource = self._resources.create_resource(uri)
+        resource.append(self._built(tree.root, resource.uuid_dict))
         for reference, targets in tree.resolved:
             for target in targets:
                 put(self._objects[reference.source], reference.slot, self._objects[target])
         return self._objects[tree.root]
 
     def _built(self, node: Node, by_id: dict[str, Any]) -> Any:
-        """Return the object of a node with its attributes and all that it contains."""
         built = node.metaclass()
         self._nodes[built] = node
         self._objects[node] = built
@@ -285,16 +279,3 @@ class _Loading:
             if known[child.tag].is_contained:
                 put(built, known[child.tag], self._built(child, by_id))
         return built
-
-
-class _CheckedResource(XMIResource):  # type: ignore[misc] # pyecore has no types
-    """A resource that is built from nodes that were read and checked already."""
-
-    def __init__(self, uri: URI, build: Callable[[dict[str, Any]], Any]) -> None:
-        super().__init__(uri)
-        self._build = build
-
-    def load(self, options: Any = None) -> None:
-        """Build all objects of the resource."""
-        self.options = options or {}
-        self.append(self._build(self.uuid_dict))

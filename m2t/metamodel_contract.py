@@ -8,7 +8,6 @@ not named: what they mean is said by annotations, which ``m2t.metamodel_fault_ty
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TypeAlias
 
 BOUNDS = ("_MIN", "_MAX")
@@ -80,7 +79,7 @@ ObstacleFault extends FaultType: ref Obstacle[1] affectedObstacle
 
 _CLASS = re.compile(r"^(\w+)(?: extends (\w+))?:(.*(?:\n    .*)*)", re.MULTILINE)
 _FEATURE = re.compile(r"(id|attr|val|ref) ([\w|]+)\[(\S+)\] (\w+)")
-_LEAST = MappingProxyType({"?": 0, "*": 0, "1": 1, "+": 1, "2..*": 2})
+_LEAST = {"?": 0, "*": 0, "1": 1, "+": 1, "2..*": 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,23 +118,17 @@ Needs: TypeAlias = Mapping[str, Need]
 
 def needs(text: str) -> Mapping[str, Needs]:
     """Return what a text in the notation of this module needs, by class and feature."""
-    return MappingProxyType(
-        {
-            name: {feature: Need(*need) for *need, feature in _FEATURE.findall(features)}
-            for name, _, features in _CLASS.findall(text)
-        }
-    )
+    return {
+        name: {feature: Need(*need) for *need, feature in _FEATURE.findall(features)}
+        for name, _, features in _CLASS.findall(text)
+    }
 
 
-CONTRACT: Mapping[str, Mapping[str, Needs]] = MappingProxyType(
-    {"mission": needs(_MISSION), "faults": needs(_FAULTS)}
-)
+CONTRACT: Mapping[str, Mapping[str, Needs]] = {"mission": needs(_MISSION), "faults": needs(_FAULTS)}
 """What is read, by package, class and feature, inherited features included."""
 
-SUPERTYPES: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {
-        package: {name: parent for name, parent, _ in _CLASS.findall(text) if parent}
-        for package, text in (("mission", _MISSION), ("faults", _FAULTS))
-    }
-)
+SUPERTYPES: Mapping[str, Mapping[str, str]] = {
+    package: {name: parent for name, parent, _ in _CLASS.findall(text) if parent}
+    for package, text in (("mission", _MISSION), ("faults", _FAULTS))
+}
 """What a class has to inherit from, by package and class."""

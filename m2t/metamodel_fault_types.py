@@ -6,7 +6,6 @@ its attributes the range of the parameter. A class that says nothing means what 
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from pyecore.ecore import EAnnotation, EClass
@@ -31,24 +30,22 @@ from mrsfi_runtime.model.fault_types import (
 
 Said: TypeAlias = Mapping[str, Any]
 
-_STRUCK = MappingProxyType({f"{struck.value.title()}Fault": struck for struck in Struck})
+_STRUCK = {f"{struck.value.title()}Fault": struck for struck in Struck}
 _OF_CLASS = ("mode", "property")
 _OF_PARAMETER = ("range", "role", "search")
-_WORDS: Mapping[str, Mapping[str, object]] = MappingProxyType(
-    {
-        "mode": Mode.__members__,
-        "property": Field.__members__,
-        "range": Range.__members__,
-        "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
-        "search": {"true": True, "false": False},
-    }
-)
+_WORDS: Mapping[str, Mapping[str, object]] = {
+    "mode": Mode.__members__,
+    "property": Field.__members__,
+    "range": Range.__members__,
+    "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
+    "search": {"true": True, "false": False},
+}
 """What annotations may say, by key: the words with their meanings."""
 
 _VALUES = (Role.VALUE, Role.LOWEST, Role.HIGHEST)
-_ROLE_OF_RANGE = MappingProxyType(
-    {of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)}
-)
+_ROLE_OF_RANGE = {
+    of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)
+}
 
 
 def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
@@ -66,7 +63,7 @@ def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
     numbered = (
         replace(kind, effect=own.index(kind.name)) if kind.name in own else kind for kind in types
     )
-    return MappingProxyType({kind.name: kind for kind in numbered})
+    return {kind.name: kind for kind in numbered}
 
 
 class _Reader:
@@ -159,16 +156,14 @@ class _Reader:
         said = (self._said(known, _OF_CLASS) for known in reversed(lineage(kind)))
         found = next(filter(None, said), {})
         if "mode" not in found:
-            self._add(
-                kind,
-                "RequiredFeature",
+            finding = (
                 f"says no mode; expected an annotation of source {MEANING} with a mode "
-                f"({', '.join(Mode.__members__)}) and the property that it acts on; add one",
+                f"({', '.join(Mode.__members__)}) and the property that it acts on; add one"
             )
+            self._add(kind, "RequiredFeature", finding)
         return found
 
     def _parameters(self, kind: Any) -> dict[Parameter, Role]:
-        """Return the parameters of a class in the order of the metamodel, with their roles."""
         numbers = {feature.name: feature for feature in features(kind) if _is_number(feature)}
         found = {}
         for feature in features(kind):
@@ -186,14 +181,13 @@ class _Reader:
                 (role,) = said.get("role", (_ROLE_OF_RANGE.get(of, Role.VALUE),))
                 found[Parameter(feature.name, of, evolves, is_integer)] = role
             elif said or not is_bound:
-                self._add(
-                    feature,
-                    "RequiredFeature",
+                finding = (
                     f"of {kind.name} is a number without a range; every number of a fault type is "
                     f"a parameter; expected an annotation of source {MEANING} with a range "
                     f"({', '.join(Range.__members__)}); add one, or put what is no parameter into "
-                    "Fault",
+                    "Fault"
                 )
+                self._add(feature, "RequiredFeature", finding)
         return found
 
     def _require_reach(self, node: Any, kind: FaultType) -> None:
@@ -232,7 +226,6 @@ class _Reader:
     def _in_order(
         self, node: Any, kind: FaultType, declared: Mapping[Parameter, Role]
     ) -> tuple[Parameter, ...]:
-        """Return the parameters in the order in which the mode takes them."""
         known, mode = ROLES[kind.mode], kind.mode.name
         affected = kind.properties[0] if kind.properties else None
         if len(kind.properties) > 1 or affected not in known:

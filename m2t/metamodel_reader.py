@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable, Mapping
 from io import BytesIO
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from lxml import etree
@@ -22,9 +21,7 @@ from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
-_STORED: Mapping[str, bool] = MappingProxyType(
-    {"volatile": False, "transient": False, "derived": False, "changeable": True}
-)
+_STORED = {"volatile": False, "transient": False, "derived": False, "changeable": True}
 
 
 class _Values(NamedTuple):
@@ -34,21 +31,18 @@ class _Values(NamedTuple):
     pattern: str
 
     def has(self, text: str) -> bool:
-        """Whether a text is a value of the type."""
         return re.fullmatch(self.pattern, text, re.ASCII | re.DOTALL) is not None
 
 
-_VALUES: Mapping[str, _Values] = MappingProxyType(
-    {
-        "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
-        "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
-        "Some": _Values("a text that is not empty", r".+"),
-        "EString": _Values("a text", r".*"),
-        "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
-        "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
-        "EBoolean": _Values("true or false", r"true|false"),
-    }
-)
+_VALUES: Mapping[str, _Values] = {
+    "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
+    "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
+    "Some": _Values("a text that is not empty", r".+"),
+    "EString": _Values("a text", r".*"),
+    "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
+    "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
+    "EBoolean": _Values("true or false", r"true|false"),
+}
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
 
@@ -141,7 +135,6 @@ class MetamodelReader:
                 self._place(part, child)
 
     def _check(self, node: Node, kind: str) -> None:
-        """Check a node, and all below it, as an element of a kind."""
         self._kinds[node] = kind
         if node.text.strip():
             finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
@@ -204,7 +197,7 @@ class MetamodelReader:
             self.report.add(node, "ReferenceType", f"{finding}; choose one")
         elif kind == "EAnnotation" and node.attributes.get("source") == MEANING:
             keys = [entry.attributes.get("key", "") for entry in node.tagged("details")]
-            for key in {key for key in keys if keys.count(key) > 1}:
+            for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
                 finding = f"has the key {shown(key)} again; expected each once; delete one"
                 self.report.add(node, "KnownFeature", finding)
 
@@ -246,7 +239,6 @@ class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
     """A file that pyecore reads without comments, which it would take for elements."""
 
     def create_instream(self) -> BytesIO:
-        """Return the content."""
         parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
         return BytesIO(etree.tostring(etree.parse(self.plain, parser)))
 

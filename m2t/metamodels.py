@@ -69,16 +69,12 @@ def load_metamodels() -> Metamodels:
 
     Files that are missing or cannot be used are a ``ModelError``.
     """
-    return _kept(metamodel_folder())
+    return read_metamodels(metamodel_folder())
 
 
-def forget_metamodels() -> None:
-    """Have the metamodels read anew, because their files have changed."""
-    _kept.cache_clear()
-
-
+@cache
 def read_metamodels(folder: Path) -> Metamodels:
-    """Read ``mission.ecore`` and ``faults.ecore`` from a folder.
+    """Read ``mission.ecore`` and ``faults.ecore`` from a folder, once.
 
     All that is wrong with the files, one defect a line, is a ``ModelError``.
     """
@@ -88,9 +84,6 @@ def read_metamodels(folder: Path) -> Metamodels:
     types = read_fault_types(faults, reader.report)
     reader.report.require_no_errors()
     return Metamodels(mission, faults, types)
-
-
-_kept = cache(read_metamodels)
 
 
 def meaning(fault_type: Any) -> FaultType:

@@ -26,23 +26,19 @@ def identifier(text: str) -> str:
     >>> identifier("Scout-1")
     'scout_1'
     """
-    if not _ALLOWED.fullmatch(text):
-        raise ModelError(
-            f"ID {_shown(text)} cannot be a name in Python; expected ASCII letters, digits, "
-            "'_', '-', '.' or spaces; rename the element"
-        )
     name = plain_name(text)
-    if not _IDENTIFIER.fullmatch(name):
-        raise ModelError(
-            f"ID {_shown(text)} becomes '{name[:40]}', which is no name in Python; "
-            "expected a letter at the start; rename the element"
+    if not _ALLOWED.fullmatch(text):
+        wrong = (
+            "cannot be a name in Python; expected ASCII letters, digits, '_', '-', '.' or spaces"
         )
-    if keyword.iskeyword(name) or name in RESERVED:
-        raise ModelError(
-            f"ID {_shown(text)} becomes '{name}', which Python or generated code uses itself; "
-            "rename the element"
-        )
-    return name
+    elif not _IDENTIFIER.fullmatch(name):
+        wrong = f"becomes '{name[:40]}', which is no name in Python; expected a letter at the start"
+    elif keyword.iskeyword(name) or name in RESERVED:
+        wrong = f"becomes '{name}', which Python or generated code uses itself"
+    else:
+        return name
+    shown = ascii(text if len(text) <= 60 else f"{text[:60]}...")
+    raise ModelError(f"ID {shown} {wrong}; rename the element")
 
 
 def constant(text: str) -> str:
@@ -59,7 +55,3 @@ def snake_case(class_name: str) -> str:
     'fixed_distance_between_robots'
     """
     return _WORD_START.sub("_", class_name).lower()
-
-
-def _shown(text: str) -> str:
-    return ascii(text if len(text) <= 60 else text[:60] + "...")

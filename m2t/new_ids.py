@@ -161,7 +161,6 @@ def _rewritten(
 
 
 def _require_free(path: Path, text: str, names: Mapping[str, str]) -> None:
-    """Refuse a new name that a region uses already, for something of its own."""
     regions = lines_in_regions(text)
     new = {*names.values()} - {*names}
     for token in _tokens(text):

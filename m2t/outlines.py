@@ -1,11 +1,10 @@
 """Outlines of models, to compare: elements with ID, and all else as values of theirs."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeAlias
 from urllib.parse import unquote
 
@@ -25,9 +24,7 @@ Key: TypeAlias = tuple[str, str, int]
 """What makes an element the same in two models: class, ID, and number among those of that ID."""
 
 _FILES = ("mission.xmi", "faults.xmi")
-_WORDS: Mapping[str, str] = MappingProxyType(
-    {"MotionSource": "motion source", "FaultSpecification": "fault specification"}
-)
+_WORDS = {"MotionSource": "motion source", "FaultSpecification": "fault specification"}
 
 
 @dataclass(slots=True, eq=False)
@@ -189,7 +186,6 @@ class _Outliner:
 
 
 def _kind(node: Node) -> str:
-    """Return the name of an element's class; of an unknown one, what its xsi:type says."""
     if node.metaclass is not None:
         return str(node.metaclass.name)
     return (node.xsi_type or "").rpartition(":")[2]

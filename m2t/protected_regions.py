@@ -16,8 +16,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from itertools import zip_longest
-from types import MappingProxyType
 
 from mrsfi_runtime.errors import ProtectedRegionError
 from mrsfi_runtime.markers import MARKER
@@ -56,8 +56,7 @@ class GeneratedFile:
     @cached_property
     def regions(self) -> Mapping[str, Region]:
         """Regions by ID, in order."""
-        found = {part.id: part for part in self.parts if isinstance(part, Region)}
-        return MappingProxyType(found)
+        return {part.id: part for part in self.parts if isinstance(part, Region)}
 
     @property
     def text(self) -> str:
@@ -160,15 +159,12 @@ def _unexpected_end(end: re.Match[str], expected: str) -> str:
 
 
 def _line(marker: re.Match[str]) -> int:
-    """Return the number of the line that a marker stands in."""
     return marker.string.count("\n", 0, marker.start()) + 1
 
 
 def text_lines(text: str) -> list[str]:
     r"""Return the lines with their ends; unlike ``splitlines``, only ``\n`` ends a line."""
-    lines = [f"{line}\n" for line in text.split("\n")]
-    lines[-1] = lines[-1].removesuffix("\n")
-    return lines if lines[-1] else lines[:-1]
+    return StringIO(text).readlines()
 
 
 def merge(

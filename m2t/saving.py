@@ -1,6 +1,5 @@
 """Save loaded models: every file as Eclipse would, and only what changed."""
 
-import os
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,9 +97,8 @@ def addresses(
 
     ``folder`` is that of the file that refers, and ``without`` the one that is left out: itself.
     """
-    here = folder.resolve()
     return {
-        root: quote(Path(os.path.relpath(file.path.resolve(), here)).as_posix())
+        root: quote(file.seen_from(folder))
         for file in models.files
         if file is not without
         for root in file.roots

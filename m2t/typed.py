@@ -12,27 +12,9 @@ from mrsfi_runtime.errors import ModelError
 def with_classes(models: LoadedModels, *packages: ModuleType) -> LoadedModels:
     """Return a copy of loaded models whose objects belong to the static classes.
 
-    Parameters
-    ----------
-    models
-        The models, as ``m2t.load`` returns them; they are left as they are.
-    packages
-        Modules ``mission`` and ``faults`` of ``generated/metamodel``.
-
-    Returns
-    -------
-    LoadedModels
-        The copy; ``m2t.saving`` writes it as it writes the original. New elements of the same
-        classes may be added to it.
-
-    Raises
-    ------
-    ModelError
-        If no package has the class of an object.
-
-    Examples
-    --------
-    ``with_classes(load_mission_folder(folder), mission, faults)``
+    ``packages`` are the modules ``mission`` and ``faults`` of ``generated/metamodel``; if none has
+    the class of an object, that is a ``ModelError``. ``m2t.saving`` writes the copy as it writes
+    the original, with new elements of the same classes that were added to it.
     """
     classifiers = {
         (package.nsURI, name): classifier

@@ -8,7 +8,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from pyecore.ecore import EEnum
 
@@ -44,31 +43,23 @@ class Range:
         return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
 
 
-_SPEED = Range("SpeedNotNegative", 0)
 _ENERGY = Range("EnergyNotNegative", 0)
 _TICKS = Range("DelayNotNegative", 0, LAST)
-_WINDOW = Range("WindowNotNegative", 0)
 
-RANGES: Mapping[str, Range] = MappingProxyType(
-    {
-        "duration": Range("DurationInRange", 1, 10_000_000),
-        "radius": Range("RadiusPositive", 0, is_open=True),
-        "speed": _SPEED,
-        "maxSpeed": _SPEED,
-        "energyPerSample": _ENERGY,
-        "totalEnergy": _ENERGY,
-        "energyPerDistanceUnit": _ENERGY,
-        "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
-        "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
-        "period": Range("PeriodPositive", 1),
-        "deadline": Range("DeadlinePositive", 1),
-        "tolerance": Range("TolerancePositive", 0, is_open=True),
-        "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
-        "start": _WINDOW,
-        "finish": _WINDOW,
-        "likelihood": Range("LikelihoodInRange", 0, 1),
-    }
-)
+RANGES: Mapping[str, Range] = {
+    "duration": Range("DurationInRange", 1, 10_000_000),
+    "radius": Range("RadiusPositive", 0, is_open=True),
+    **dict.fromkeys(("speed", "maxSpeed"), Range("SpeedNotNegative", 0)),
+    **dict.fromkeys(("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), _ENERGY),
+    "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
+    "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
+    "period": Range("PeriodPositive", 1),
+    "deadline": Range("DeadlinePositive", 1),
+    "tolerance": Range("TolerancePositive", 0, is_open=True),
+    "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
+    **dict.fromkeys(("start", "finish"), Range("WindowNotNegative", 0)),
+    "likelihood": Range("LikelihoodInRange", 0, 1),
+}
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
 
 

@@ -44,7 +44,6 @@ class _Resolver:
         self._known = cache(_known)
 
     def resolve(self, reference: Reference) -> None:
-        """Find the nodes of one reference."""
         slot = reference.slot
         if not slot.many and len(reference.targets) > 1:
             report_count(reference.node, slot, len(reference.targets), self._report)
@@ -106,7 +105,6 @@ class _Resolver:
         )
 
     def _find_file(self, folder: Path, address: str) -> tuple[ModelFile | None, bool]:
-        """Return the file that an address means if it was read, and whether it is the mission's."""
         path = local_path(folder, address)
         if path is None:
             return None, False

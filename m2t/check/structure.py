@@ -76,11 +76,10 @@ def check_structure(
         _report_wrong_root(file, metaclass, report)
         return None
     for other in roots[1:]:
-        report.add(
-            other,
-            "RootElement",
-            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others",
+        finding = (
+            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others"
         )
+        report.add(other, "RootElement", finding)
     file.claimed.update(roots)
     checker = _Checker(ModelTree(roots[0], files), metaclass.ePackage, report)
     checker.element(roots[0], metaclass)
@@ -92,12 +91,11 @@ def check_claims(files: ModelFiles, report: Report) -> None:
     for file in files:
         for root in file.roots:
             if root not in file.claimed:
-                report.add(
-                    root,
-                    "ContainedElement",
+                finding = (
                     f"is a root of {file.path.name} that no model contains; expected an element "
-                    f'with href="{file.path.name}#..." in its place; add one or delete the root',
+                    f'with href="{file.path.name}#..." in its place; add one or delete the root'
                 )
+                report.add(root, "ContainedElement", finding)
 
 
 def report_count(element: Any, slot: Slot, count: int, report: Report) -> None:
@@ -115,13 +113,12 @@ def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:
     file.claimed.update(file.roots)
     for root in file.roots[:1]:
         found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
-        report.add(
-            root,
-            "RootElement",
+        finding = (
             f"is the root ({shown(found)}); expected {metaclass.name} of namespace "
             f"{metaclass.ePackage.nsURI}; "
-            "correct the root or give the right file",
+            "correct the root or give the right file"
         )
+        report.add(root, "RootElement", finding)
 
 
 class _Checker:
@@ -139,7 +136,9 @@ class _Checker:
             if child.namespace == self._package.nsURI:
                 child.namespace = ""  # a feature, as Eclipse takes it
         given = Counter(child.tag for child in node.children if not child.namespace)
-        self._require_no_text(node)
+        if text := node.text.strip():
+            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
+            self._report.add(node, "NoText", finding)
         for name, text in node.attributes.items():
             given[name] += self._attribute(node, name, text)
         self._qualified(node)
@@ -159,11 +158,10 @@ class _Checker:
             self.tree.references.append(Reference(node, slot, node, targets))
             return len(targets)
         elif slot.is_contained:
-            self._report.add(
-                node,
-                "ContainedElement",
-                f"has {name} as an attribute; expected an element <{name}> in place; move it there",
+            finding = (
+                f"has {name} as an attribute; expected an element <{name}> in place; move it there"
             )
+            self._report.add(node, "ContainedElement", finding)
         else:
             self._value(node, slot, text)
         return 1
@@ -185,12 +183,11 @@ class _Checker:
         first = in_file if in_file is not node else in_model
         if first is not node:
             place = f"line {first.line}" + ("" if first.path == node.path else f" of {first.path}")
-            self._report.add(
-                node,
-                "UniqueId",
+            finding = (
                 f"has the ID of {first.tag} in {place}; expected IDs that are unique in "
-                "the file, over all classes; rename one",
+                "the file, over all classes; rename one"
             )
+            self._report.add(node, "UniqueId", finding)
 
     def _qualified(self, node: Node) -> None:
         """Check attributes of other namespaces: only those of XMI itself have a place."""
@@ -200,22 +197,20 @@ class _Checker:
             if (namespace, name) == (XMI, "id"):
                 self._remember_xmi_id(node, text)
             elif (namespace, name) not in expected:
-                self._report.add(
-                    node,
-                    "KnownFeature",
+                finding = (
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
-                    "expected attributes of the metamodel; delete it",
+                    "expected attributes of the metamodel; delete it"
                 )
+                self._report.add(node, "KnownFeature", finding)
 
     def _remember_xmi_id(self, node: Node, identity: str) -> None:
         first = self.tree.files.containing(node).by_xmi_id.setdefault(identity, node)
         if first is not node:
-            self._report.add(
-                node,
-                "UniqueId",
+            finding = (
                 f"has xmi:id {shown(identity)}, as has an element in line {first.line}; expected "
-                "different ones; change one",
+                "different ones; change one"
             )
+            self._report.add(node, "UniqueId", finding)
 
     def _child(self, node: Node, child: Node) -> Node:
         """Check a child; return the node that stands for it, from another file if it says so."""
@@ -315,19 +310,17 @@ class _Checker:
         )
 
     def _named_class(self, kinds: Mapping[str, Any], node: Node) -> Any:
-        """Return the one of some classes that an xsi:type names; ``None`` if it names none."""
         prefix, _, name = (node.xsi_type or "").rpartition(":")
         return kinds.get(name) if node.prefixes.get(prefix) == self._package.nsURI else None
 
     def _refer(self, source: Node, slot: Slot, child: Node) -> None:
         target = child.attributes.get("href")
         if target is None or set(child.attributes) != {"href"} or child.children:
-            self._report.add(
-                child,
-                "ContainedElement",
+            finding = (
                 "is a reference; expected nothing but href, such as "
-                f'<{child.tag} href="mission.xmi#m1"/>; correct it',
+                f'<{child.tag} href="mission.xmi#m1"/>; correct it'
             )
+            self._report.add(child, "ContainedElement", finding)
             return
         self.tree.references.append(Reference(source, slot, child, (target,)))
 
@@ -346,15 +339,8 @@ class _Checker:
         return metaclass
 
     def _unknown(self, node: Node, name: str, finding: str, element: Node, what: str) -> None:
-        """Report a feature that an element's class does not have, and name those it has."""
         known = slots(element.metaclass).items()
         names = [each for each, slot in known if slot.is_contained == (what == "element")]
         expected = listed(names, name) or f"no {what}s"
-        self._report.add(
-            node, "KnownFeature", f"{finding}; expected {expected}; correct or delete it"
-        )
-
-    def _require_no_text(self, node: Node) -> None:
-        if text := node.text.strip():
-            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
-            self._report.add(node, "NoText", finding)
+        finding = f"{finding}; expected {expected}; correct or delete it"
+        self._report.add(node, "KnownFeature", finding)

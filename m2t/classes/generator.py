@@ -1,6 +1,6 @@
 """Generate the static Python classes of the metamodels, ``generated/metamodel``.
 
-The generator is that of pyecoregen, with its faults cured:
+The tasks are those of pyecoregen, with the faults of its generator cured:
 
 - texts do not depend on the order of sets: everything comes in the order of the ``.ecore``;
 - modules import each other relatively, so that they load from a folder of any name;
@@ -13,13 +13,13 @@ Stubs stand beside the modules: editors complete names, and mypy finds misspelt 
 """
 
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from jinja2 import Environment
-from pyecore.ecore import EPackage
-from pyecoregen.ecore import EcoreGenerator, EcoreTask
+from pyecoregen.ecore import EcoreTask
 
 from m2t.classes.views import package_view
 from m2t.environment import template_environment
@@ -32,9 +32,11 @@ _SHARED = ("__init__.py", "elements.py", "elements.pyi")
 
 
 class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
-    """Writes one file of a package: the classes, suffix ``.py``, or their stub, ``.pyi``."""
+    """Writes one file of a package: the classes, suffix ``.py``, or their stub, ``.pyi``.
 
-    element_type = EPackage
+    The generator of pyecoregen renames keywords by patching pyecore, and leaves it patched if a
+    template fails; ``views`` renames them instead.
+    """
 
     def __init__(self, environment: Environment, suffix: str) -> None:
         super().__init__()
@@ -51,34 +53,18 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
         return {"header": HEADER, "package": package_view(element)}
 
 
-class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no types
-    """Generates classes and stubs of packages; see the notes of this module."""
-
-    def __init__(self, environment: Environment) -> None:
-        super().__init__(environment=environment)
-        self.tasks = [PackageTask(environment, suffix) for suffix in (".py", ".pyi")]
-
-    def generate(self, model: Any, outfolder: str, **_: Any) -> None:
-        """Write the files of one package.
-
-        pyecoregen renames keywords by patching pyecore here, and leaves it patched if a template
-        fails; ``views`` renames them instead.
-        """
-        super(EcoreGenerator, self).generate(model, outfolder)
-
-
 def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
     """Return the texts of all files by name; each package refers to those before it only.
 
     A package with a name that Python or the classes themselves use is a ``ModelError``.
     """
     environment = template_environment("templates/metamodel")
-    generator = ClassGenerator(environment)
+    tasks = [PackageTask(environment, suffix) for suffix in (".py", ".pyi")]
     shared = {name: environment.get_template(f"{name}.j2") for name in _SHARED}
     files = {name: template.render(header=HEADER) for name, template in shared.items()}
     with TemporaryDirectory() as folder:
-        for package in packages:
-            generator.generate(package, folder)
+        for package, task in product(packages, tasks):
+            task.run(package, folder)
         files |= {path.name: path.read_text(encoding="ascii") for path in Path(folder).iterdir()}
     return dict(sorted(files.items()))
 

@@ -5,9 +5,8 @@ classes could not express: an incomplete class would write incomplete models.
 """
 
 import keyword
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from pyecore.ecore import EClass, EEnum, EObject
@@ -35,13 +34,11 @@ _MODULE_NAMES = _BODY_NAMES | _HELPERS | _PACKAGE_NAMES
 _OBJECT_NAMES = frozenset({"dyn_inst", "listeners"})
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
-_PYTHON_TYPES: Mapping[str, str] = MappingProxyType(
-    {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
-)
-_FLAGS: Mapping[str, bool] = MappingProxyType(
-    dict.fromkeys(("containment", "iD", "unsettable", "transient"), False)
-    | dict.fromkeys(("changeable", "ordered", "unique"), True)
-)
+_PYTHON_TYPES = {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
+_FLAGS = {
+    **dict.fromkeys(("containment", "iD", "unsettable", "transient"), False),
+    **dict.fromkeys(("changeable", "ordered", "unique"), True),
+}
 """Properties of features, with the values that they have unless something else is said."""
 
 Details: TypeAlias = tuple[tuple[str, str], ...]
@@ -166,7 +163,6 @@ def _bases_first(metaclasses: Iterable[Any]) -> tuple[Any, ...]:
 
 
 def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
-    """Return the classes of other packages that this one refers to, by module."""
     own = {entry.name for entry in package.eClassifiers}
     types = [slot.type for metaclass in metaclasses for slot in slots(metaclass).values()]
     types += [known for metaclass in metaclasses for known in lineage(metaclass)]
@@ -194,7 +190,6 @@ def _class(metaclass: Any) -> ClassView:
 
 
 def _own(metaclass: Any) -> Iterator[Slot]:
-    """Yield the features that a class declares itself."""
     return (slots(metaclass)[feature.name] for feature in metaclass.eStructuralFeatures)
 
 
@@ -269,7 +264,6 @@ def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
 
 
 def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details], ...]]:
-    """Return the name and annotations of an element."""
     documentation = None
     others = []
     for annotation in element.eAnnotations:
@@ -288,7 +282,6 @@ def _python_name(name: str) -> str:
 
 
 def _global_name(element: Any) -> str:
-    """Return the name of a class, an enumeration or a package, which becomes a global name."""
     name = str(element.name)
     if name in _MODULE_NAMES or keyword.iskeyword(name):
         raise _reserved(f"'{name}'")
@@ -296,7 +289,6 @@ def _global_name(element: Any) -> str:
 
 
 def _reserved(what: str) -> ModelError:
-    """Return the error that says that a name is taken."""
     return ModelError(f"{what} is a name that Python or another element uses; rename it")
 
 

@@ -87,27 +87,24 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
     has_start, has_finish = is_set(fault, "start"), is_set(fault, "finish")
     if has_start != has_finish:
         given, missing = ("start", "finish") if has_start else ("finish", "start")
-        report.add(
-            fault,
-            "WindowComplete",
-            f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}",
+        finding = (
+            f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}"
         )
+        report.add(fault, "WindowComplete", finding)
     if not (has_start and has_finish):
         return
     if exchanged_window(fault):
-        report.add(
-            fault,
-            "WindowOrdered",
+        finding = (
             f"starts at {fault.start} and finishes at {fault.finish}; expected start <= finish; "
-            "exchange them",
+            "exchange them"
         )
+        report.add(fault, "WindowOrdered", finding)
     elif fault.start >= duration:
-        report.add(
-            fault,
-            "WindowInsideMission",
+        finding = (
             f"starts at {fault.start} in a mission of {duration} ticks and never acts; expected "
-            "an earlier start; correct one of them",
+            "an earlier start; correct one of them"
         )
+        report.add(fault, "WindowInsideMission", finding)
 
 
 def _check_parameters(kind: Any, report: Report) -> None:
@@ -115,18 +112,16 @@ def _check_parameters(kind: Any, report: Report) -> None:
     searched = [("SearchBoundsOrdered", *pair) for pair in exchanged_bounds(kind)]
     for constraint, low, high in drawn + searched:
         lowest, highest = number(getattr(kind, low)), number(getattr(kind, high))
-        report.add(
-            kind,
-            constraint,
+        finding = (
             f"has {low} {lowest} above {high} {highest}; expected the lower one first; "
-            "exchange them",
+            "exchange them"
         )
+        report.add(kind, constraint, finding)
     for name in broken_ticks(kind):
-        report.add(
-            kind,
-            "WholeTicks",
-            f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks; round it",
+        finding = (
+            f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks; round it"
         )
+        report.add(kind, "WholeTicks", finding)
 
 
 def _check_field(kind: Any, report: Report) -> None:
@@ -138,12 +133,11 @@ def _check_field(kind: Any, report: Report) -> None:
     for affected in meaning(kind).properties:
         if not _carries(carried, affected):
             wanted = affected.name
-            report.add(
-                kind,
-                "FaultFieldCarried",
+            finding = (
                 f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "
-                f"that the fault has no effect; expected a message with {wanted}; choose another",
+                f"that the fault has no effect; expected a message with {wanted}; choose another"
             )
+            report.add(kind, "FaultFieldCarried", finding)
 
 
 def _carries(body: Sequence[str], affected: Field) -> bool:

@@ -34,12 +34,11 @@ def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> 
         name = identifier(text)
         first = named.setdefault(name, node)
         if first is not node:
-            report.add(
-                node,
-                "IdClash",
+            finding = (
                 f"and {first.description} (line {first.line}) both become '{name}' in Python; "
-                "rename one",
+                "rename one"
             )
+            report.add(node, "IdClash", finding)
 
 
 def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:

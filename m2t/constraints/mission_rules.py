@@ -9,7 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, product
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from pyecore.ecore import EObject
 
@@ -28,7 +28,6 @@ _LENGTHS = {
 }
 
 Point: TypeAlias = tuple[float, float]
-T = TypeVar("T")
 
 
 def check_mission(mission: Any, report: Report) -> None:
@@ -44,12 +43,12 @@ def check_mission(mission: Any, report: Report) -> None:
         _check_goal(mission, goal, report)
 
 
-def point(coordinates: Any) -> tuple[float, float]:
+def point(coordinates: Any) -> Point:
     """Return a point in the plane; the origin stands for an absent one."""
     return (0.0, 0.0) if coordinates is None else (coordinates.x, coordinates.y)
 
 
-def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+def distance(one: Point, other: Point) -> float:
     """Return the distance of two points, rounded as ``mission.evl`` rounds it."""
     dx, dy = one[0] - other[0], one[1] - other[1]
     return math.sqrt(dx * dx + dy * dy)
@@ -87,27 +86,24 @@ def areas(mission: Any) -> Iterator[Any]:
 
 
 def _ids(elements: Any) -> str:
-    """Return the IDs of elements, for messages."""
     return listed([str(element.ID) for element in elements]) or "none"
 
 
 def _check_robot(mission: Any, robot: Any, report: Report) -> None:
     if is_set(robot, "maxSpeed") and robot.speed > robot.maxSpeed:
-        report.add(
-            robot,
-            "SpeedWithinMaximum",
+        finding = (
             f"has speed {number(robot.speed)} above maxSpeed {number(robot.maxSpeed)}; expected a "
-            "nominal speed that it can reach; correct one of them",
+            "nominal speed that it can reach; correct one of them"
         )
+        report.add(robot, "SpeedWithinMaximum", finding)
     _check_figures(mission, robot, report)
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
-        report.add(
-            robot,
-            "RobotInsideMission",
+        finding = (
             f"starts outside the mission area (radius {number(area.radius)}); expected a position "
-            "inside it; correct the position or the area",
+            "inside it; correct the position or the area"
         )
+        report.add(robot, "RobotInsideMission", finding)
     if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
         finding = "has no energy to begin with and will never move; expected a battery; add one"
         report.add(robot, "RobotHasBattery", finding)
@@ -116,28 +112,25 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
 def _check_property_names(station: Any, report: Report) -> None:
     properties = (station.intProperties, station.stringProperties, station.doubleProperties)
     for entry in repeated(chain(*properties)):
-        report.add(
-            entry,
-            "UniquePropertyName",
+        finding = (
             f"is a property of {report.place(station).description} for the second time; "
-            "expected different names; rename one",
+            "expected different names; rename one"
         )
+        report.add(entry, "UniquePropertyName", finding)
 
 
 def _check_area(mission: Any, area: Any, report: Report) -> None:
     outer = mission.missionArea
     if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
-        report.add(
-            area,
-            "AreaInsideMission",
+        finding = (
             f"reaches beyond the mission area (radius {number(outer.radius)}); expected an area "
-            "inside it; correct one of them",
+            "inside it; correct one of them"
         )
+        report.add(area, "AreaInsideMission", finding)
 
 
 def _check_starts(mission: Any, report: Report) -> None:
-    """Check that no robot starts in contact with an obstacle or with a robot before it."""
-    others: Discs[Any] = Discs(distance)
+    others = Discs()
     for obstacle in mission.obstacles:
         reach = obstacle.area.radius + ROBOT_RADIUS
         others.add(obstacle, point(obstacle.area.center), reach)
@@ -146,11 +139,10 @@ def _check_starts(mission: Any, report: Report) -> None:
         touched = others.first_around(place)
         if touched is not None:
             other = report.place(touched).description
-            report.add(
-                robot,
-                "RobotStartsClear",
-                f"starts in contact with {other}; expected some distance; correct its position",
+            finding = (
+                f"starts in contact with {other}; expected some distance; correct its position"
             )
+            report.add(robot, "RobotStartsClear", finding)
         others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
 
 
@@ -174,12 +166,11 @@ def _check_figures(mission: Any, element: Any, report: Report) -> None:
         limits["period"] = (mission.duration, f"{mission.duration} ticks")
     for name, (most, size) in limits.items():
         if is_set(element, name) and getattr(element, name) > most:
-            report.add(
-                element,
-                "FigureInsideMission",
+            finding = (
                 f"has {name} {number(getattr(element, name))} in a mission of {size}; expected no "
-                "more than that; correct one of them, or the unit",
+                "more than that; correct one of them, or the unit"
             )
+            report.add(element, "FigureInsideMission", finding)
 
 
 def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
@@ -188,42 +179,38 @@ def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
         report.add(goal, "GatherSamplesArea", finding)
     sensor = goal.task.sensor
     if sensor.eContainer() not in goal.members:
-        report.add(
-            goal.task,
-            "SensorOfMember",
+        finding = (
             f"uses sensor '{sensor.ID}' of robot '{sensor.eContainer().ID}'; expected a sensor of "
-            f"a member ({_ids(goal.members)}); correct the sensor or the members",
+            f"a member ({_ids(goal.members)}); correct the sensor or the members"
         )
+        report.add(goal.task, "SensorOfMember", finding)
 
 
 def _check_avoid_collision(_: Any, goal: Any, report: Report) -> None:
     found = strangers(goal)
     if found:
-        report.add(
-            goal.task,
-            "AvoidCollisionMembers",
+        finding = (
             f"names {_ids(found)}; expected members of the goal "
-            f"({_ids(goal.members)}); correct the robots or the members",
+            f"({_ids(goal.members)}); correct the robots or the members"
         )
+        report.add(goal.task, "AvoidCollisionMembers", finding)
 
 
 def _check_visit(mission: Any, goal: Any, report: Report) -> None:
     if goal.task.deadline >= mission.duration:
-        report.add(
-            goal.task,
-            "DeadlineInsideMission",
+        finding = (
             f"has deadline {goal.task.deadline} in a mission of {mission.duration} ticks, so that "
-            "it can never be violated; expected an earlier one; correct one of them",
+            "it can never be violated; expected an earlier one; correct one of them"
         )
+        report.add(goal.task, "DeadlineInsideMission", finding)
 
 
 def _check_fixed_distance(_: Any, goal: Any, report: Report) -> None:
     if len(goal.members) < 2:
-        report.add(
-            goal,
-            "PairOfMembers",
-            "keeps a distance between robots but has one member; expected two or more; add one",
+        finding = (
+            "keeps a distance between robots but has one member; expected two or more; add one"
         )
+        report.add(goal, "PairOfMembers", finding)
 
 
 _TASK_CHECKS: dict[str, Callable[[Any, Any, Report], None]] = {
@@ -237,18 +224,16 @@ _TASK_CHECKS: dict[str, Callable[[Any, Any, Report], None]] = {
 def _check_message(goal: Any, message: Any, report: Report) -> None:
     sender = message.sender
     if sender is message.receiver:
-        report.add(
-            message,
-            "SenderIsNotReceiver",
-            f"is sent by '{sender.ID}' to itself; expected somebody else; correct the receiver",
+        finding = (
+            f"is sent by '{sender.ID}' to itself; expected somebody else; correct the receiver"
         )
+        report.add(message, "SenderIsNotReceiver", finding)
     if sender not in goal.members:
-        report.add(
-            message,
-            "SenderIsMember",
+        finding = (
             f"is sent by '{sender.ID}'; expected a member of the goal "
-            f"({_ids(goal.members)}); correct the sender or the members",
+            f"({_ids(goal.members)}); correct the sender or the members"
         )
+        report.add(message, "SenderIsMember", finding)
     again = set(repeated(message.body))
     for entry in message.body:
         _check_field(sender, entry, report)
@@ -261,51 +246,45 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
     enumeration = sender.eClass.ePackage.getEClassifier("SensorType")
     sensor_types = [literal.name for literal in enumeration.eLiterals]
-    if entry.name not in (*ROBOT_FIELDS, *sensor_types):
-        report.add(
-            entry,
-            "MessageFieldName",
-            f"is no field of a message; expected one of "
-            f"{', '.join((*ROBOT_FIELDS, *sensor_types))}; correct the name",
-        )
+    known = (*ROBOT_FIELDS, *sensor_types)
+    if entry.name not in known:
+        finding = f"is no field of a message; expected one of {', '.join(known)}; correct the name"
+        report.add(entry, "MessageFieldName", finding)
     elif entry.name in sensor_types and entry.name not in carried:
-        report.add(
-            entry,
-            "FieldOfSender",
+        finding = (
             f"is a sensor type of which '{sender.ID}' has no sensor; expected one of "
-            f"{', '.join(dict.fromkeys(carried)) or 'none'}; correct the field or the sender",
+            f"{', '.join(dict.fromkeys(carried)) or 'none'}; correct the field or the sender"
         )
+        report.add(entry, "FieldOfSender", finding)
     if entry.type not in FIELD_TYPES:
-        report.add(
-            entry,
-            "MessageFieldType",
+        finding = (
             f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "
-            "correct the type",
+            "correct the type"
         )
+        report.add(entry, "MessageFieldType", finding)
 
 
-class Discs(Generic[T]):
-    """Discs in the plane, in order, each for an element; ``distance`` is that of two points.
+class Discs:
+    """Discs in the plane, in order, each for an element.
 
     A disc lies in one cell of a grid whose cells are as wide as its radius or wider, up to twice,
     so that whatever it holds is in that cell or one beside it. Discs of like radius share a
     grid; there are as many grids as there are magnitudes of radii.
     """
 
-    def __init__(self, distance: Callable[[Point, Point], float]) -> None:
-        self._distance = distance
-        self._discs: list[tuple[T, Point, float]] = []
+    def __init__(self) -> None:
+        self._discs: list[tuple[Any, Point, float]] = []
         self._grids: dict[float, dict[tuple[int, int], list[int]]] = {}
 
-    def add(self, element: T, center: Point, radius: float) -> None:
+    def add(self, element: Any, center: Point, radius: float) -> None:
         """Add a disc after all others."""
         width = 2.0 ** math.frexp(radius)[1]
         cells = self._grids.setdefault(width, defaultdict(list))
         cells[_cell(center, width)].append(len(self._discs))
         self._discs.append((element, center, radius))
 
-    def first_around(self, point: Point) -> T | None:
-        """Return the element of the first disc that a point lies in, not on its edge."""
+    def first_around(self, point: Point) -> Any:
+        """Return the element of the first disc that a point lies inside of; ``None`` if none."""
         found = []
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
@@ -316,7 +295,7 @@ class Discs(Generic[T]):
 
     def _holds(self, number: int, point: Point) -> bool:
         _, center, radius = self._discs[number]
-        return self._distance(point, center) < radius
+        return distance(point, center) < radius
 
 
 def _cell(point: Point, width: float) -> tuple[int, int]:

@@ -13,7 +13,7 @@ from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import Report, shown
 from m2t.importing.identities import give_ids
-from m2t.importing.notes import Note, Notes
+from m2t.importing.notes import KINDS, Note, Notes
 from m2t.importing.reading import ROOT, SETUP_NAMESPACE, PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metaclasses import contained
@@ -104,15 +104,17 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
         notes.add("default", setup, "specification", said)
     _require_sound(mission, specifications, reader, report)
-    for found in report:
-        notes.add_found(found)
+    notes += [
+        Note("inconsistent", found.line, found.element, found.constraint, found.message)
+        for found in report
+    ]
     files = _write(_models(mission, specifications), folder)
     return Imported(
         folder=folder,
         files=files,
-        n_xmi_ids=reader.n_xmi_ids,
+        n_xmi_ids=len(reader.by_xmi_id),
         counts=_counts(mission, specifications),
-        notes=tuple(notes),
+        notes=tuple(sorted(notes, key=lambda note: (KINDS.index(note.kind), note.line))),
     )
 
 
@@ -128,7 +130,6 @@ def _require_free(folder: Path, *, is_forced: bool) -> None:
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, list[Any]]:
-    """Read the mission and all fault specifications."""
     missions = setup.tagged("mission")
     if len(missions) != 1:
         finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
@@ -138,12 +139,11 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
     mission = reader.element(missions[0], known.mission_class)
     found = setup.tagged("specification")
     specifications = [reader.element(child, known.faults_class) for child in found]
-    reader.drop_rest(setup, ("mission", "specification"))
+    reader.drop_rest()
     return mission, specifications
 
 
 def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
-    """Return the root objects of the models by file name."""
     models = {MISSION_XMI: mission}
     for number, root in enumerate(specifications, 1):
         name = FAULTS_XMI if number == 1 else f"faults_{root.ID}.xmi"
@@ -196,20 +196,10 @@ def _campaign_files(mission: Any) -> dict[str, bytes]:
 
     Case b takes both a goal that avoids collisions and one about energy; it names the first each.
     """
-    files = {"case_a.toml": _case(_ABOUT_A, _FITNESS_A)}
-    firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]
-    goals = [goal for goal in firsts if goal is not None]
-    if len(goals) == len(firsts):
-        listed = ", ".join(f'"{goal}"' for goal in goals)
-        files["case_b.toml"] = _case(_ABOUT_B, _FITNESS_B.format(goals=listed))
-    return files
-
-
-def _case(about: str, fitness: str) -> bytes:
-    return _CASE.format(about=about, fitness=fitness).encode("ascii")
-
-
-def _first(mission: Any, task: str) -> str | None:
-    """Return the ID of the first goal with a task; IDs need no quoting in TOML."""
-    found = (goal.ID for goal in mission.goals if goal.task.eClass.name == task)
-    return next(found, None)
+    files = {"case_a.toml": _CASE.format(about=_ABOUT_A, fitness=_FITNESS_A)}
+    firsts = {goal.task.eClass.name: goal.ID for goal in reversed(mission.goals)}
+    energy, collisions = map(firsts.get, ("SufficientEnergy", "AvoidCollision"))
+    if collisions and energy:
+        fitness = _FITNESS_B.format(goals=f'"{collisions}", "{energy}"')  # IDs need no quoting
+        files["case_b.toml"] = _CASE.format(about=_ABOUT_B, fitness=fitness)
+    return {name: text.encode("ascii") for name, text in files.items()}

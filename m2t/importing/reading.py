@@ -6,8 +6,7 @@ says nothing.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from types import MappingProxyType
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from m2t.check.attribute_values import require_value
@@ -22,18 +21,12 @@ SETUP_NAMESPACE = "acs_project_setup"
 NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
 ROOT = "Setup"
 
-RENAMED: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {"Message": MappingProxyType({"from": "sender", "to": "receiver"})}
-)
+RENAMED: Mapping[str, Mapping[str, str]] = {"Message": {"from": "sender", "to": "receiver"}}
 """Old names of features by class, with ours."""
 
-WRAPPED: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {
-        "Goal": MappingProxyType(
-            {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
-        )
-    }
-)
+WRAPPED: Mapping[str, Mapping[str, str]] = {
+    "Goal": {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
+}
 """Features that the old format holds one level deeper, by class, with their name there."""
 
 BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
@@ -45,19 +38,17 @@ ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
 OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish", "likelihood"})
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
-USUAL: Mapping[str, str] = MappingProxyType({"EDouble": "0.0", "EInt": "0", "EString": ""})
+USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}
 """What any other absent attribute means, by its type."""
 
-DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = MappingProxyType(
-    {
-        ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
-        ("Visit", "deadline"): lambda duration: str(max(1, duration - 1)),
-        ("Visit", "tolerance"): lambda _: "1.0",
-        ("Track", "tolerance"): lambda _: "10.0",
-        ("FixedDistanceBetweenRobots", "tolerance"): lambda _: "1.0",
-        ("Sensor", "type"): lambda _: "GPS_POSITION",
-    }
-)
+DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = {
+    ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
+    ("Visit", "deadline"): lambda duration: str(max(1, duration - 1)),
+    ("Visit", "tolerance"): lambda _: "1.0",
+    ("Track", "tolerance"): lambda _: "10.0",
+    ("FixedDistanceBetweenRobots", "tolerance"): lambda _: "1.0",
+    ("Sensor", "type"): lambda _: "GPS_POSITION",
+}
 """Values of attributes that the old format lacks or leaves out, given the mission's duration.
 
 Patrol: a tenth of the mission. Visit: by its last tick, within the radius of a robot. Track:
@@ -116,7 +107,7 @@ class _Given:
 
 
 class PublishedReader:
-    """Reads the elements of one published file, of which ``n_xmi_ids`` have an xmi:id.
+    """Reads the elements of one published file, of which those with an xmi:id are ``by_xmi_id``.
 
     ``origins`` gets the node of every object that is made, ``own_ids`` the ID that the file gives
     it, if any. What cannot be carried over is reported as it is read, what is missing by
@@ -131,25 +122,20 @@ class PublishedReader:
         self._notes = notes
         self._objects: dict[Node, Any] = {}
         self._references: list[Reference] = []
-        self._by_xmi_id: dict[str, Node] = {}
+        self.by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
         for node in root.walk():
             if "ID" in node.attributes:
                 self._by_id.setdefault(node.attributes["ID"], []).append(node)
             if (identity := node.xmi_id) is None:
                 continue
-            first = self._by_xmi_id.setdefault(identity, node)
+            first = self.by_xmi_id.setdefault(identity, node)
             if first is not node:
                 finding = (
                     f"has xmi:id {shown(identity)}, as has an element in line {first.line}; "
                     "expected different ones, because references use them; change one"
                 )
                 report.add(node, "UniqueId", finding)
-
-    @property
-    def n_xmi_ids(self) -> int:
-        """Number of elements with an xmi:id."""
-        return len(self._by_xmi_id)
 
     def element(self, node: Node, metaclass: Any) -> Any:
         """Return an object with all that it contains; references stay open."""
@@ -197,10 +183,10 @@ class PublishedReader:
             if count < slot.lower_bound:
                 report_count(element, slot, count, self._report)
 
-    def drop_rest(self, node: Node, used: Iterable[str]) -> None:
+    def drop_rest(self) -> None:
         """Note what of the root is not carried over."""
-        given = _Given(node)
-        for name in used:
+        given = _Given(self._root)
+        for name in ("mission", "specification"):
             given.take_children(name)
         self._drop(given, "")
 
@@ -299,8 +285,8 @@ class PublishedReader:
 
     def _find(self, fragment: str) -> Node | None:
         """Return a node by xmi:id, by path of Eclipse, or by an ID that only one element has."""
-        if fragment in self._by_xmi_id:
-            return self._by_xmi_id[fragment]
+        if fragment in self.by_xmi_id:
+            return self.by_xmi_id[fragment]
         if fragment.startswith("/"):
             return follow(self._root, fragment.partition("/")[2].partition("/")[2])
         known = self._by_id.get(fragment, [])

@@ -213,7 +213,6 @@ def _project(folder: Path, path: str) -> Path | None:
 
 
 def _nearest(folder: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
-    """Return the nearest folder of a kind, from a folder upwards."""
     here = folder.resolve()
     return next((place for place in (here, *here.parents) if is_wanted(place)), None)
 

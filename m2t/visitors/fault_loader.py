@@ -112,7 +112,6 @@ def _bound(fault_type: Any, name: str) -> float | None:
 
 
 def _own(fault: Any, fault_type: Any, kind: FaultType, reference: str) -> Table:
-    """Return what a team has added to faults, and to the type of this one."""
     parameters = {f"{known.name}{end}" for known in kind.parameters for end in ("", *BOUNDS)}
     holding = {fault_type.eContainmentFeature().name, *CONTRACT["faults"]["Fault"]}
     return Table((*_features(fault, holding), *_features(fault_type, {*parameters, reference})))

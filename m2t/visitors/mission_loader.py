@@ -1,7 +1,6 @@
 """Visitor of ``mission_loader.py``: the mission as one nested expression."""
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from pyecore.ecore import EEnumLiteral
@@ -12,7 +11,7 @@ from m2t.metaclasses import Slot, base_class, is_read, slots, values
 from m2t.metamodel_contract import OWN_TASK
 from m2t.naming import snake_case
 
-_NAMES: Mapping[str, str] = MappingProxyType({"missionArea": "area"})
+_NAMES: Mapping[str, str] = {"missionArea": "area"}
 _ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
 
 

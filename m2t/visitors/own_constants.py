@@ -101,7 +101,6 @@ class OwnFeatures:
                 yield from self._constants(held, slot, name)
 
     def _class(self, held: Held, declared: Any) -> Any:
-        """Return the class of parts, which have to be of the same one."""
         parts = list(_flat(held))
         for part in parts:
             if part.eClass is not parts[0].eClass:

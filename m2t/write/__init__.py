@@ -1,1 +1,1 @@
-"""Write models and metamodels byte for byte as Eclipse EMF does."""
+"""Write models byte for byte as Eclipse EMF does."""

@@ -5,7 +5,7 @@ and truncates the file before it knows that it can write the new content.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from functools import cache
 from types import MappingProxyType
@@ -47,14 +47,9 @@ def dumps_file(
     roots: Sequence[Any], spelling: Spelling, hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
-    writer = _Writer(roots, hrefs, xmi_ids, spelling.schema_location)
-    return document(writer.lines(), spelling.encoding, spelling.line_end)
-
-
-def document(lines: Iterable[str], encoding: str, line_end: str = "\n") -> bytes:
-    """Return the bytes of an XML file with the lines of its root element."""
-    whole = (f'<?xml version="1.0" encoding="{encoding}"?>', *lines, "")
-    return _encoded(line_end.join(whole), encoding)
+    lines = _Writer(roots, hrefs, xmi_ids, spelling.schema_location).lines()
+    whole = (f'<?xml version="1.0" encoding="{spelling.encoding}"?>', *lines, "")
+    return _encoded(spelling.line_end.join(whole), spelling.encoding)
 
 
 def _encoded(text: str, encoding: str) -> bytes:
@@ -74,20 +69,12 @@ def java_double(value: float) -> str:
     >>> java_double(250.0), java_double(1e-5), java_double(12345678.9)
     ('250.0', '1.0E-5', '1.23456789E7')
     """
-    if value == 0:
-        return "-0.0" if str(value).startswith("-") else "0.0"
-    shortest = repr(value)
-    if float(f"{value:.1e}") == value:  # Java never shows fewer than two digits
-        shortest = f"{value:.1e}"
-    sign, digits, exponent = Decimal(shortest).as_tuple()
-    text = "".join(map(str, digits)).rstrip("0") or "0"
-    point = len(digits) + int(exponent)
-    minus = "-" if sign else ""
-    if 1e-3 <= abs(value) < 1e7:
-        if point <= 0:
-            return f"{minus}0.{'0' * -point}{text}"
-        return f"{minus}{text[:point].ljust(point, '0')}.{text[point:] or '0'}"
-    return f"{minus}{text[0]}.{text[1:] or '0'}E{point - 1}"
+    if value == 0 or 1e-3 <= abs(value) < 1e7:
+        return repr(value)
+    two_digits = f"{value:.1e}"  # Java never shows fewer
+    shortest = Decimal(two_digits if float(two_digits) == value else repr(value))
+    mantissa, _, exponent = f"{shortest.normalize():e}".partition("e")
+    return f"{mantissa}{'' if '.' in mantissa else '.0'}E{int(exponent)}"
 
 
 class _Writer:
@@ -118,9 +105,9 @@ class _Writer:
         elements = [(_tag(root), *self._content(root, indent)) for root in self._roots]
         if len(elements) == 1:
             ((tag, attributes, inner),) = elements
-            return element_lines("", tag, self._head() + attributes, inner)
-        lines = [line for element in elements for line in element_lines(indent, *element)]
-        return element_lines("", "xmi:XMI", self._head(), lines)
+            return _element_lines("", tag, self._head() + attributes, inner)
+        lines = [line for element in elements for line in _element_lines(indent, *element)]
+        return _element_lines("", "xmi:XMI", self._head(), lines)
 
     def _head(self) -> str:
         xsi = f' xmlns:xsi="{XSI}"' if self._uses_xsi else ""
@@ -128,13 +115,12 @@ class _Writer:
             f' xmlns:{prefix}="{uri}"' for prefix, uri in sorted(self._namespaces.items())
         )
         location = self._schema_location
-        schemas = "" if location is None else attribute("xsi:schemaLocation", location)
+        schemas = "" if location is None else _attribute("xsi:schemaLocation", location)
         return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}{schemas}'
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
-        """Return the attributes of an element as one text, and the lines of its children."""
         identity = self._xmi_ids.get(element)
-        attributes = [] if identity is None else [attribute("xmi:id", identity)]
+        attributes = [] if identity is None else [_attribute("xmi:id", identity)]
         lines: list[str] = []
         indent += "  "
         for slot in slots(element.eClass).values():
@@ -146,41 +132,35 @@ class _Writer:
                 lines.extend(self._contained(slot, held, indent))
             elif slot.is_reference:
                 self._require_addresses(element, slot, held)
-                self._refer(slot, held, indent, attributes, lines)
+                own, inner = self._references(slot, held, indent)
+                attributes += own
+                lines += inner
             elif slot.many:
                 texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
             elif held and _is_written(feature, held[0]):
-                attributes.append(attribute(slot.name, _text(slot, held[0])))
+                attributes.append(_attribute(slot.name, _text(slot, held[0])))
         return "".join(attributes), lines
 
     def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
         for value in held:
-            kind = self._type(slot, value)
             if value in self._starts:  # the root of another file
-                yield self._reference(slot, value, kind, indent)
+                yield self._reference(slot, value, indent)
                 continue
+            kind = self._type(slot, value)
             attributes, lines = self._content(value, indent)
-            yield from element_lines(indent, slot.name, kind + attributes, lines)
+            yield from _element_lines(indent, slot.name, kind + attributes, lines)
 
-    def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
-        href = attribute("href", f"{self._address(value)}#{self._fragment(value)}")
-        return f"{indent}<{slot.name}{kind}{href}/>"
+    def _reference(self, slot: Slot, value: Any, indent: str) -> str:
+        href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
+        return f"{indent}<{slot.name}{self._type(slot, value)}{href}/>"
 
-    def _refer(
-        self,
-        slot: Slot,
-        held: list[Any],
-        indent: str,
-        attributes: list[str],
-        lines: list[str],
-    ) -> None:
-        """Refer by attribute within the file, by elements as soon as one value is outside."""
+    def _references(self, slot: Slot, held: list[Any], indent: str) -> tuple[list[str], list[str]]:
+        """Return an attribute within the file, elements as soon as one value is outside."""
         if any(self._address(value) for value in held):
-            lines += [self._reference(slot, each, self._type(slot, each), indent) for each in held]
-        elif held:
-            fragments = " ".join(self._fragment(value) for value in held)
-            attributes.append(attribute(slot.name, fragments))
+            return [], [self._reference(slot, each, indent) for each in held]
+        fragments = " ".join(self._fragment(value) for value in held)
+        return [_attribute(slot.name, fragments)] if held else [], []
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -189,7 +169,7 @@ class _Writer:
         package = value.eClass.ePackage
         self._uses_xsi = True
         self._namespaces[package.nsPrefix] = package.nsURI
-        return f' xsi:type="{package.nsPrefix}:{value.eClass.name}"'
+        return f' xsi:type="{_tag(value)}"'
 
     def _require_addresses(self, element: Any, slot: Slot, held: list[Any]) -> None:
         """Refuse a reference to an object that stands in no known file, as a deleted one does."""
@@ -205,11 +185,9 @@ class _Writer:
                 )
 
     def _address(self, value: Any) -> str:
-        """Return the address of the file that an object stands in, empty for this one."""
         return self._addresses[self._top(value)]
 
     def _top(self, value: Any) -> Any:
-        """Return the root, in its file, of an object."""
         if value not in self._tops:
             container = value.eContainer()
             self._tops[value] = value if container is None else self._top(container)
@@ -233,7 +211,6 @@ class _Writer:
 
 
 def _positions(container: Any, feature: Any) -> dict[Any, int]:
-    """Return where each element stands among those that one contains as a feature."""
     return {element: index for index, element in enumerate(container.eGet(feature))}
 
 
@@ -247,7 +224,7 @@ def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[An
             yield root, f"/{number}" if len(entries) > 1 else "/"
 
 
-def attribute(name: str, value: str) -> str:
+def _attribute(name: str, value: str) -> str:
     """Return an attribute of an element, after a space."""
     return f' {name}="{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
 
@@ -256,7 +233,7 @@ def _tag(root: Any) -> str:
     return f"{root.eClass.ePackage.nsPrefix}:{root.eClass.name}"
 
 
-def element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
+def _element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
     """Yield the lines of an element: its tags around those of what it holds."""
     if not lines:
         yield f"{indent}<{name}{attributes}/>"

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from m2t.generate import fault_loader_text, mission_loader_text
+from m2t.generate import rendered_file
 from m2t.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
@@ -102,8 +102,8 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
         models = load_mission_folder(folder.model)
-        mission = mission_from_text(mission_loader_text(models))
-        pool = pool_from_text(fault_loader_text(models))
+        mission = mission_from_text(rendered_file("mission_loader.py", models))
+        pool = pool_from_text(rendered_file("fault_loader.py", models))
         yield OpenCampaign(folder, store, mission, pool)
 
 
@@ -150,7 +150,8 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
     )
     folders = find_mission(place)
     if manifest.sha256.get(MISSION_XMI) != hashes(folders.models).get(MISSION_XMI):
-        found = mission_from_text(mission_loader_text(load_mission_folder(folders.models)))
+        models = load_mission_folder(folders.models)
+        found = mission_from_text(rendered_file("mission_loader.py", models))
         if found.name != campaign.mission.name:
             raise UsageError(
                 f"{folders.models}: found mission '{found.name}'; {campaign.folder.path} searched "

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from m2t.generate import fault_loader_text
+from m2t.generate import rendered_file
 from m2t.load import LoadedModels, load_mission_folder, load_specification
 from m2t.specification import write_specification
 from mrsfi.folders import MissionFolders
@@ -79,7 +79,7 @@ def read_specification(path: Path, code: MissionCode) -> Written:
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
     models = load_specification(path)
-    pool = pool_from_text(fault_loader_text(models))
+    pool = pool_from_text(rendered_file("fault_loader.py", models))
     try:
         require_effects(code.pool, pool)
         specification = Gate(code.mission, pool).admitted(pool.written_specification())

@@ -4,9 +4,8 @@ from mrsfi_runtime.cosimulation.interface_parts import RobotInterface, SensorInt
 from mrsfi_runtime.cosimulation.simulation_parts import SimulatedRobot, SimulatedSensor
 from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.cosimulation.world import initial_state, move
-from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
+from mrsfi_runtime.kernel import commands, forecast, geometry, goal_tasks, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from m2t.generate import diff, fault_loader_text, generate, stale
+from m2t.generate import diff, generate, rendered_file, stale
 from m2t.load import load_mission_folder
 from mrsfi_runtime.api import (
     AvoidCollision,
@@ -154,7 +154,7 @@ def test_bounds_and_windows_reach_the_pool(models):
     )
     edit(models / "faults.xmi", 'ID="f2" name="f2"', 'ID="f2.1" name="f2" start="0" finish="20"')
 
-    pool = pool_from_text(fault_loader_text(load_mission_folder(models)))
+    pool = pool_from_text(rendered_file("fault_loader.py", load_mission_folder(models)))
 
     assert pool["f2.1"].bounds == {"BLOCK_DURATION": (None, 10.0)}
     assert (pool["f2.1"].start, pool["f2.1"].finish) == (0, 20)

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from pyecore.resources import URI, ResourceSet
 
 from m2t.load import load_mission_folder
 from m2t.saving import saved
 from m2t.specification import write_specification
-from m2t.write.ecore import dumps_metamodel
 from m2t.write.xmi import dumps
 from tests.interop.eclipse import (
     METAMODELS,
@@ -22,7 +20,6 @@ from tests.interop.eclipse import (
     require_same,
     resave,
 )
-from tests.interop.random_metamodels import draw_metamodel
 from tests.interop.spellings import respelt
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
 from tests.support.models.copies import copy_models
@@ -30,8 +27,6 @@ from tests.support.models.random_models import coverage, draw, everything
 
 N_DRAWN = 150
 """Drawn missions, each with faults: 300 files."""
-
-N_METAMODELS = 100
 
 ENCODINGS = ("ASCII", "UTF-8", "ISO-8859-1")
 MISSION_FILE = "mission.xmi"
@@ -166,22 +161,6 @@ def test_emf_validates_drawn_models_and_saves_the_same_bytes(drawn, tmp_path, no
     files = resave([file for folder in drawn for file in folder.files], tmp_path)
 
     _require_equal("(b) drawn models, from us to EMF", files, note)
-
-
-def test_emf_validates_drawn_metamodels_and_both_save_the_same_bytes(tmp_path, note):
-    paths = [tmp_path / f"{seed}.ecore" for seed in range(N_METAMODELS)]
-    for seed, path in enumerate(paths):
-        path.write_bytes(dumps_metamodel(draw_metamodel(seed)))
-
-    files = resave(paths, tmp_path / "out")
-
-    again = [_loaded_metamodel(file.saved) for file in files]
-    _require_equal("(b) drawn metamodels, from us to EMF", files, note)
-    require_same("(b) drawn metamodels, from EMF to us", files, again, note)
-
-
-def _loaded_metamodel(path: Path) -> bytes:
-    return dumps_metamodel(ResourceSet().get_resource(URI(str(path))).contents[0])
 
 
 def test_what_emf_saves_we_load_and_write_with_the_same_bytes(drawn, emf, tmp_path, note):

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from m2t.constraints_page import constraints_page
+from docs.constraints import constraints_page
 from m2t.diagnostics import CONSTRAINTS
 
 PAGE = Path(__file__).parent.parent.parent / "docs" / "constraints.md"

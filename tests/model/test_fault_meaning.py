@@ -215,6 +215,14 @@ def test_what_is_said_wrong_is_named_with_file_line_and_class(faults, parent, co
     assert found.startswith(f"{faults}:{line}: ")
 
 
+def test_keys_that_stand_there_again_are_named_in_their_order(faults):
+    once = meaning(**dict.fromkeys("fbdaec", "x"))
+    entries = once.partition(">")[2].removesuffix("</eAnnotations>")
+    add_fault_type(faults, "Odd", "RobotFault", once.replace(entries, 2 * entries))
+
+    assert [line.split("'")[3] for line in error(faults).split("\n")] == list("fbdaec")
+
+
 @pytest.mark.parametrize(
     ("said", "expected"),
     [

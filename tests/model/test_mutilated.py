@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.metamodels import FAULTS_FILE, MISSION_FILE, forget_metamodels
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, read_metamodels
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models
@@ -92,7 +92,7 @@ def test_mutilated_metamodel_ends_with_exit_code_3_and_its_place(
     files = [installed / MISSION_FILE, installed / FAULTS_FILE]
 
     def validate() -> int:
-        forget_metamodels()
+        read_metamodels.cache_clear()
         return _validate(models, tmp_path, capsys)
 
     _mutilate(kind, files, n_wanted, validate)

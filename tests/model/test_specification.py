@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.generate import fault_loader_text
+from m2t.generate import rendered_file
 from m2t.load import inspect_specification, load_mission_folder, load_specification
 from m2t.specification import SpecificationRow, write_specification
 from mrsfi_runtime.errors import SpecificationError
@@ -59,8 +59,8 @@ def test_the_likelihood_of_the_pool_reaches_code_and_what_is_written(tmp_path):
 
     write_specification(folder, [("f8", 0, 1, {}), ("f9", 0, 1, {})], path, identifier="s")
 
-    pool = pool_from_text(fault_loader_text(load_mission_folder(folder)))
-    written = pool_from_text(fault_loader_text(load_specification(path)))
+    pool = pool_from_text(rendered_file("fault_loader.py", load_mission_folder(folder)))
+    written = pool_from_text(rendered_file("fault_loader.py", load_specification(path)))
     assert (pool["f8"].likelihood, pool["f9"].likelihood) == (1e-4, None)
     assert [fault.likelihood for fault in written] == [1e-4, None]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.metamodels import FAULTS_FILE, MISSION_FILE, forget_metamodels, metamodel_folder
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder, read_metamodels
 
 Mutilation = Callable[[bytes, random.Random], bytes]
 
@@ -182,4 +182,4 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
         shutil.copy(metamodel_folder() / name, folder / name)
     monkeypatch.setenv("MRSFI_METAMODELS", str(folder))
     yield folder
-    forget_metamodels()
+    read_metamodels.cache_clear()

@@ -9,7 +9,7 @@ from unittest.mock import patch
 import pytest
 
 from m2t.metamodel_contract import MEANING
-from m2t.metamodels import FAULTS_FILE, MISSION_FILE, forget_metamodels, metamodel_folder
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder, read_metamodels
 from tests.support.cli import edit
 
 ECORE_TYPE = "ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//"
@@ -102,11 +102,11 @@ def metamodels_of(folder: Path) -> Iterator[None]:
     """Let everything in this process read the metamodels of a folder."""
     targets = ("m2t.metamodels.metamodel_folder", "m2t.generate.metamodel_folder")
     with patch(targets[0], lambda: folder), patch(targets[1], lambda: folder):
-        forget_metamodels()
+        read_metamodels.cache_clear()
         try:
             yield
         finally:
-            forget_metamodels()
+            read_metamodels.cache_clear()
 
 
 def add_faults(path: Path, faults: Mapping[str, str]) -> None:
@@ -126,12 +126,12 @@ class OwnMetamodels:
     def add(self, *classifiers: str, file: str = MISSION_FILE) -> None:
         """Add classes and enumerations."""
         add_classes(self.folder / file, *classifiers)
-        forget_metamodels()
+        read_metamodels.cache_clear()
 
     def extend(self, class_name: str, *features: str, file: str = MISSION_FILE) -> None:
         """Add features to a class of ours."""
         add_feature(self.folder / file, class_name, "".join(features))
-        forget_metamodels()
+        read_metamodels.cache_clear()
 
 
 @pytest.fixture

@@ -38,13 +38,8 @@ States carry it, because a compiler would copy a constant tuple at every use.
 def initial_state(mission: Mission, seed: int) -> State:
     """Return the state of a mission before its first tick.
 
-    Parameters
-    ----------
-    mission
-        The mission.
-    seed
-        Mission seed, a non-negative integer: decides the first headings, the samples drawn,
-        the reference behaviour's choices and the values of random faults.
+    The mission seed, a non-negative integer, decides the first headings, the samples drawn, the
+    reference behaviour's choices and the values of random faults.
 
     Notes
     -----
@@ -66,17 +61,8 @@ def initial_state(mission: Mission, seed: int) -> State:
             y=float(area.center.y),
             radius=float(area.radius),
         ),
-        robots=[],
-        sensors=[],
         obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
-        goals=[],
-        members=[],
-        hazards=[],
-        waypoints=[],
-        chances=(),
         directions=DIRECTIONS,
-        commands=[],
-        switches=[],
         map=map_,
         cells=cells,
         mapped=shown,
@@ -99,13 +85,6 @@ def _lookup(mission: Mission) -> LookupState:
     n_charted = most if buckets else 0
     n_robots = len(mission.robots)
     return LookupState(
-        first_member=-1,
-        reach=0.0,
-        asked=0.0,
-        slack=0.0,
-        is_listed=0,
-        n_strays=0,
-        cells_per_unit=1.0,
         n_buckets=buckets,
         stride=stride(buckets),
         heads=[0] * (buckets + 1),
@@ -187,15 +166,8 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
             distance=float(terms.fixed_distance),
             period=terms.period,
             deadline=terms.deadline,
-            count=0,
-            seen=0,
-            sampled_x=0.0,
-            sampled_y=0.0,
         )
     )
-    state.members.extend(
-        MemberState(robot=mission.robot_index[robot], since=-1, reached=0, waypoint=0)
-        for robot in terms.robots
-    )
+    state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

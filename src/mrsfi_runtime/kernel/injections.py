@@ -260,11 +260,4 @@ OF_SENSOR = _ELEMENTS[Field.COUNT]
 OF_OBSTACLE = _ELEMENTS[Field.OBSTACLE]
 """On what a fault of a team's own type acts, if on no robot: ``OwnFault.kind``."""
 
-POSITION = int(Field.POSITION)
-SPEED = int(Field.SPEED)
-ENERGY = int(Field.ENERGY)
-COUNT = int(Field.COUNT)
-RATE = int(Field.RATE)
-COST = int(Field.COST)
-OBSTACLE = int(Field.OBSTACLE)
-ACTIVATION = int(Field.ACTIVATION)
+POSITION, SPEED, ENERGY, COUNT, RATE, COST, OBSTACLE, MOTION, ACTIVATION = map(int, Field)

@@ -17,14 +17,8 @@ from mrsfi_runtime.kernel.tolerance import excess
 def move(world: State, valid: Sequence[int], tick: int) -> None:
     """Move every robot by its commanded speed along its heading, spend energy, take samples.
 
-    Parameters
-    ----------
-    world
-        True state after the tick before; its commands are obeyed.
-    valid
-        How many samples of each sensor are valid in this tick, if it is active.
-    tick
-        The tick.
+    ``world`` is the true state after the tick before, whose commands are obeyed; ``valid`` says
+    how many samples of each sensor are valid in this tick, if it is active.
 
     Notes
     -----

@@ -2,41 +2,28 @@
 
 import struct
 from collections.abc import Mapping
-from types import MappingProxyType
+from typing import get_args, get_type_hints
 
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Field
 
-_COLUMNS = {
-    "robots": (
-        "x y z speed energy nominal_speed max_speed energy_per_distance first_sensor n_sensors gps"
-    ),
-    "sensors": "robot count active rate cost nominal_rate nominal_cost first_chance n_chances",
-    "obstacles": "x y radius model_x model_y",
-    "goals": (
-        "task x y radius first_member n_members first_hazard n_hazards first_waypoint n_waypoints "
-        "sensor target tolerance distance period deadline count seen sampled_x sampled_y"
-    ),
-    "members": "robot since reached waypoint",
-    "commands": "heading_x heading_y speed sent_speed heading_claimed speed_claimed",
-    "switches": "active claimed",
+_CHANGING = ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
+_HINTS = get_type_hints(State)
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    name: tuple(hint for hint in get_type_hints(get_args(_HINTS[name])[0]) if hint != "memory")
+    for name in _CHANGING
 }
-COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {name: tuple(columns.split()) for name, columns in _COLUMNS.items()}
-)
 """Columns of the lists of a state whose records change in a flight, list after list."""
 
-PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        Field.POSITION: ("robots", ("x", "y", "z")),
-        Field.SPEED: ("robots", ("speed",)),
-        Field.ENERGY: ("robots", ("energy",)),
-        Field.COUNT: ("sensors", ("count",)),
-        Field.RATE: ("sensors", ("rate",)),
-        Field.COST: ("sensors", ("cost",)),
-        Field.OBSTACLE: ("obstacles", ("x", "y")),
-    }
-)
+PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = {
+    Field.POSITION: ("robots", ("x", "y", "z")),
+    Field.SPEED: ("robots", ("speed",)),
+    Field.ENERGY: ("robots", ("energy",)),
+    Field.COUNT: ("sensors", ("count",)),
+    Field.RATE: ("sensors", ("rate",)),
+    Field.COST: ("sensors", ("cost",)),
+    Field.OBSTACLE: ("obstacles", ("x", "y")),
+}
 """Where a state has what may be believed otherwise than it is: the list, and the columns there."""
 
 

@@ -106,10 +106,10 @@ class GoalState:
     distance: float
     period: int
     deadline: int
-    count: int
-    seen: int
-    sampled_x: float
-    sampled_y: float
+    count: int = 0
+    seen: int = 0
+    sampled_x: float = 0.0
+    sampled_y: float = 0.0
     memory: MutableSequence[float] = field(default_factory=no_memory)
 
 
@@ -122,9 +122,9 @@ class MemberState:
     """
 
     robot: int
-    since: int
-    reached: int
-    waypoint: int
+    since: int = -1
+    reached: int = 0
+    waypoint: int = 0
 
 
 @dataclass(slots=True)
@@ -200,7 +200,7 @@ class ChartedState:
     y: float
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, kw_only=True)
 class LookupState:
     """Room in which ``kernel.neighbours`` looks robots up; nothing in it is known.
 
@@ -213,13 +213,13 @@ class LookupState:
     is the reach wanted last, ``nearby`` are the robots found last.
     """
 
-    first_member: int
-    reach: float
-    asked: float
-    slack: float
-    is_listed: int
-    n_strays: int
-    cells_per_unit: float
+    first_member: int = -1
+    reach: float = 0.0
+    asked: float = 0.0
+    slack: float = 0.0
+    is_listed: int = 0
+    n_strays: int = 0
+    cells_per_unit: float = 1.0
     n_buckets: int
     stride: int
     heads: list[int]
@@ -232,7 +232,7 @@ class LookupState:
     listed: list[int]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, kw_only=True)
 class State:
     """All that is known: by the simulation the truth, by the collective intelligence a belief.
 
@@ -242,17 +242,17 @@ class State:
     """
 
     mission: MissionState
-    robots: list[RobotState]
-    sensors: list[SensorState]
+    robots: list[RobotState] = field(default_factory=list)
+    sensors: list[SensorState] = field(default_factory=list)
     obstacles: list[ObstacleState]
-    goals: list[GoalState]
-    members: list[MemberState]
-    hazards: list[int]
-    waypoints: list[PointState]
-    chances: tuple[int, ...]
+    goals: list[GoalState] = field(default_factory=list)
+    members: list[MemberState] = field(default_factory=list)
+    hazards: list[int] = field(default_factory=list)
+    waypoints: list[PointState] = field(default_factory=list)
+    chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
-    commands: list[CommandState]
-    switches: list[SwitchState]
+    commands: list[CommandState] = field(default_factory=list)
+    switches: list[SwitchState] = field(default_factory=list)
     map: MapState
     cells: tuple[int, ...]
     mapped: tuple[MappedState, ...]

@@ -11,7 +11,6 @@ Source paper, section III-B b).
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
-from types import MappingProxyType
 
 
 class Field(IntEnum):
@@ -53,8 +52,8 @@ class Range(Enum):
     TICKS = "ticks"
     PERCENT = "percent"
     SHARE = "share"
-    SPEED = "speed"
-    ENERGY = "energy"
+    SPEED = "units per tick"
+    ENERGY = "energy units"
     COUNT = "samples"
     RATE = "samples per tick"
     COST = "energy per sample"
@@ -63,17 +62,8 @@ class Range(Enum):
     Z = "height"
 
 
-UNITS: Mapping[Range, str] = MappingProxyType(
-    {
-        Range.TICKS: "ticks",
-        Range.PERCENT: "percent",
-        Range.SPEED: "units per tick",
-        Range.ENERGY: "energy units",
-        Range.COUNT: "samples",
-        Range.RATE: "samples per tick",
-        Range.COST: "energy per sample",
-    }
-)
+_PLAIN = (Range.SHARE, Range.X, Range.Y, Range.Z)
+UNITS: Mapping[Range, str] = {of: of.value for of in Range if of not in _PLAIN}
 """What the values of a parameter are told in; shares and coordinates are plain numbers."""
 
 
@@ -137,16 +127,13 @@ class FaultType:
 
     def named(self, values: Sequence[float]) -> dict[str, float]:
         """Return values by the names of the parameters."""
-        names = (parameter.name for parameter in self.parameters)
-        return dict(zip(names, values, strict=True))
+        return dict(zip((each.name for each in self.parameters), values, strict=True))
 
     def in_words(self, values: Sequence[float]) -> str:
         """Return values with names and units, of six digits: ``DELAY 200 ticks``."""
-        units = (UNITS.get(parameter.range, "") for parameter in self.parameters)
-        named = self.named(values).items()
         return ", ".join(
-            f"{name} {value:.6g} {unit}".rstrip()
-            for (name, value), unit in zip(named, units, strict=True)
+            f"{each.name} {value:.6g} {UNITS.get(each.range, '')}".rstrip()
+            for each, value in zip(self.parameters, values, strict=True)
         )
 
 
@@ -161,23 +148,21 @@ def _on(properties: tuple[Field, ...], *roles: Role) -> Mapping[Field | None, tu
     return dict.fromkeys(properties, roles)
 
 
-ROLES: Mapping[Mode, Mapping[Field | None, tuple[Role, ...]]] = MappingProxyType(
-    {
-        Mode.DELAY: {None: (Role.TICKS,)},
-        Mode.BLOCK: {None: (Role.TICKS,)},
-        Mode.RANDOM: {**_on(REPORTED, Role.LOWEST, Role.HIGHEST), **_on(PLACES)},
-        Mode.ZERO: _on(REPORTED),
-        Mode.FIXED: {**_on(REPORTED, Role.VALUE), **_on(PLACES, Role.X, Role.Y, Role.Z)},
-        Mode.INCREMENT: _on(REPORTED, Role.VALUE),
-        Mode.DECREMENT: _on(REPORTED, Role.VALUE),
-        Mode.INCREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
-        Mode.DECREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
-        Mode.STOP: {Field.MOTION: ()},
-        Mode.START: {Field.MOTION: ()},
-        Mode.DEACTIVATE: {Field.ACTIVATION: ()},
-        Mode.ACTIVATE: {Field.ACTIVATION: ()},
-    }
-)
+ROLES: Mapping[Mode, Mapping[Field | None, tuple[Role, ...]]] = {
+    Mode.DELAY: {None: (Role.TICKS,)},
+    Mode.BLOCK: {None: (Role.TICKS,)},
+    Mode.RANDOM: {**_on(REPORTED, Role.LOWEST, Role.HIGHEST), **_on(PLACES)},
+    Mode.ZERO: _on(REPORTED),
+    Mode.FIXED: {**_on(REPORTED, Role.VALUE), **_on(PLACES, Role.X, Role.Y, Role.Z)},
+    Mode.INCREMENT: _on(REPORTED, Role.VALUE),
+    Mode.DECREMENT: _on(REPORTED, Role.VALUE),
+    Mode.INCREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
+    Mode.DECREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
+    Mode.STOP: {Field.MOTION: ()},
+    Mode.START: {Field.MOTION: ()},
+    Mode.DEACTIVATE: {Field.ACTIVATION: ()},
+    Mode.ACTIVATE: {Field.ACTIVATION: ()},
+}
 """The properties that a mode acts on, and the parameters that it takes there in order; ``None``
 stands for whatever a message carries. A height, ``Role.Z``, may be absent."""
 
@@ -196,13 +181,11 @@ ELEMENTS = (OF_ROBOT, OF_SENSOR, (Field.OBSTACLE,))
 N_VALUES = 8
 """Parameters of a type of a team's own, at most."""
 
-WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = MappingProxyType(
-    {
-        Struck.MESSAGE: (None, *OF_ROBOT, *OF_SENSOR),
-        Struck.ROBOT: (*OF_ROBOT, *OF_SENSOR, Field.MOTION),
-        Struck.SENSOR: (*OF_SENSOR, Field.ACTIVATION),
-        Struck.OBSTACLE: (Field.OBSTACLE,),
-    }
-)
+WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
+    Struck.MESSAGE: (None, *OF_ROBOT, *OF_SENSOR),
+    Struck.ROBOT: (*OF_ROBOT, *OF_SENSOR, Field.MOTION),
+    Struck.SENSOR: (*OF_SENSOR, Field.ACTIVATION),
+    Struck.OBSTACLE: (Field.OBSTACLE,),
+}
 """The properties that a fault can touch, by what it refers to: those of a message's sender, of a
 robot and its sensors, of a sensor, of an obstacle."""

@@ -5,11 +5,11 @@ References
 Source paper, sections III-B b) and III-E a).
 """
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import MappingProxyType
+from itertools import count
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, expected
@@ -71,12 +71,8 @@ Specification: TypeAlias = tuple[TimedFault, ...]
 
 def numbered(faults: Iterable[str]) -> tuple[str, ...]:
     """Return a name for each timed fault, by pool faults: ``f9.1``, ``f9.2`` for two of ``f9``."""
-    n_met: Counter[str] = Counter()
-    names = []
-    for fault in faults:
-        n_met[fault] += 1
-        names.append(f"{fault}.{n_met[fault]}")
-    return tuple(names)
+    numbers: dict[str, count[int]] = defaultdict(lambda: count(1))
+    return tuple(f"{fault}.{next(numbers[fault])}" for fault in faults)
 
 
 def fault_ticks(specification: Specification, duration: int) -> int:
@@ -84,9 +80,10 @@ def fault_ticks(specification: Specification, duration: int) -> int:
     return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)
 
 
-COSTS: Mapping[str, Callable[[Specification, int], int]] = MappingProxyType(
-    {"faults": lambda specification, _: len(specification), "fault_ticks": fault_ticks}
-)
+COSTS: Mapping[str, Callable[[Specification, int], int]] = {
+    "faults": lambda specification, _: len(specification),
+    "fault_ticks": fault_ticks,
+}
 """What a search can keep few of, of a specification and the duration of its mission in ticks."""
 
 
@@ -104,7 +101,6 @@ class FaultPool:
         return {fault.id: fault for fault in self.faults}
 
     def __getitem__(self, fault_id: str) -> Fault:
-        """Return one fault; refuse an ID that none has."""
         try:
             return self.by_id[fault_id]
         except (KeyError, TypeError):

@@ -164,7 +164,6 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         }
 
     def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
-        """Return the error that two conflicting faults overlap."""
         others = {*self[second.fault][2]}
         shared = (key for key in self[first.fault][2] if key in others and not isinstance(key, str))
         what = ", ".join(describe(self.mission, key) for key in shared) or "nothing"

@@ -12,7 +12,6 @@ Version 2
 """
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 SEMANTICS = 2
 """The version that this runtime flies."""
@@ -20,7 +19,7 @@ SEMANTICS = 2
 UNNUMBERED = 1
 """The version of what says none: there was no other when it was written."""
 
-RELEASES: Mapping[int, str] = MappingProxyType({1: "0.1", 2: "0.2"})
+RELEASES: Mapping[int, str] = {1: "0.1", 2: "0.2"}
 """The releases of mrsfi that fly each version, by the beginning of their number."""
 
 

@@ -4,13 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import (
-    IN_NO_MESSAGE,
-    OF_ROBOT,
-    OF_SENSOR,
-    Field,
-    Struck,
-)
+from mrsfi_runtime.model.fault_types import IN_NO_MESSAGE, OF_ROBOT, OF_SENSOR, Field, Struck
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Sensor
 
@@ -75,7 +69,6 @@ def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
 
 
 def _of_robot(mission: Mission, robot: int, properties: Iterable[Field]) -> Iterator[Target]:
-    """Yield properties of a robot, and of all its sensors."""
     sensors = [mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors]
     for affected in properties:
         if affected in OF_SENSOR:

@@ -5,6 +5,7 @@ import random
 
 import pytest
 
+from m2t.constraints import mission_rules
 from m2t.constraints.mission_rules import Discs, Point, distance
 
 SPREADS = (0.0, 1.0, 5.0, 100.0, 1e12)
@@ -19,7 +20,7 @@ def _first(discs: list[tuple[Point, float]], point: Point) -> int | None:
 @pytest.mark.parametrize("spread", SPREADS)
 def test_first_disc_is_that_of_asking_all_in_order(spread):
     draw = random.Random(f"discs {spread}")
-    found: Discs[int] = Discs(distance)
+    found = Discs()
     discs: list[tuple[Point, float]] = []
 
     for number in range(400):
@@ -34,14 +35,14 @@ def test_first_disc_is_that_of_asking_all_in_order(spread):
 
 @pytest.mark.parametrize("step", [(2.0, 0.0), (0.0, -2.0), (-1.2, 1.6)])
 def test_point_on_the_edge_lies_outside(step):
-    found: Discs[str] = Discs(distance)
+    found = Discs()
     found.add("disc", (1.0, 1.0), 2.0)
 
     assert found.first_around((1.0 + step[0], 1.0 + step[1])) is None
     assert found.first_around((1.0 + 0.99 * step[0], 1.0 + 0.99 * step[1])) == "disc"
 
 
-def test_asks_few_discs_of_many_that_lie_apart():
+def test_asks_few_discs_of_many_that_lie_apart(monkeypatch):
     n_asked = 0
 
     def counted(one: Point, other: Point) -> float:
@@ -49,7 +50,8 @@ def test_asks_few_discs_of_many_that_lie_apart():
         n_asked += 1
         return distance(one, other)
 
-    found: Discs[int] = Discs(counted)
+    monkeypatch.setattr(mission_rules, "distance", counted)
+    found = Discs()
     for number in range(2_000):
         point = (10.0 * (number % 50), 10.0 * (number // 50))
         found.first_around(point)

@@ -33,15 +33,7 @@ class AvoidCollision(GoalTask):
 
 @kernel
 def violated(view: State, g: int) -> bool:
-    """Return whether two discs overlap among a goal's robots and obstacles.
-
-    Parameters
-    ----------
-    view
-        Local state or true state.
-    g
-        Index of the goal.
-    """
+    """Return whether two discs overlap among a goal's robots and obstacles."""
     goal = view.goals[g]
     return hits_obstacle(view, goal) or hits_robot(view, goal)
 

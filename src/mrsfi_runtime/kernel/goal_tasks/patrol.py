@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
-from mrsfi_runtime.kernel.guidance import roam_together
+from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, GoalTask
 
@@ -20,6 +19,7 @@ class Patrol(GoalTask):
 
 
 progress = note_presence
+react = roam_area
 
 
 @kernel
@@ -30,9 +30,3 @@ def violated(view: State, g: int) -> bool:
         if view.mission.tick - view.members[m].since >= goal.period:
             return True
     return False
-
-
-@kernel
-def react(ci: State, g: int) -> None:
-    """Head for the area from outside, roam inside it."""
-    roam_together(ci, ci.goals[g])

@@ -1,7 +1,8 @@
-"""Which members have been in the area of a goal, or at its point, and when."""
+"""Which members have been in the area of a goal, or at its point, and when; how they get there."""
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.guidance import roam_together
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
 
@@ -17,3 +18,19 @@ def note_presence(view: State, g: int) -> None:
         if excess(distance(robot.x, robot.y, goal.x, goal.y), reach) <= 0.0:
             member.since = view.mission.tick
             member.reached = 1
+
+
+@kernel
+def is_awaited(view: State, g: int) -> bool:
+    """Return whether a member has not been there yet."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if view.members[m].reached == 0:
+            return True
+    return False
+
+
+@kernel
+def roam_area(ci: State, g: int) -> None:
+    """Head for the area from outside, roam inside it."""
+    roam_together(ci, ci.goals[g])

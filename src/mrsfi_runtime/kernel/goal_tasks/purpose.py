@@ -3,6 +3,7 @@
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import ticks_left
 from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track
+from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.state import State
 
@@ -30,5 +31,5 @@ def is_missed(world: State, g: int, violated: int) -> bool:
         if task == TRACK:
             return track.is_unfinished(world, g)
         if task == STAY:
-            return stay.is_unentered(world, g)
+            return is_awaited(world, g)
     return violated == 1

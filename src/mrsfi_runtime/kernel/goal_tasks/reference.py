@@ -2,19 +2,16 @@
 
 import sys
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 
 _MODULES = [sys.modules[task.__module__] for task in TASKS]
-FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyType(
-    {
-        role: tuple(getattr(module, name, None) for module in _MODULES)
-        for role, name in (("progress", "progress"), ("check", "violated"), ("react", "react"))
-    }
-)
+FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = {
+    role: tuple(getattr(module, name, None) for module in _MODULES)
+    for role, name in (("progress", "progress"), ("check", "violated"), ("react", "react"))
+}
 """What generated code calls for each role of a goal, by the number of its task."""
 
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
-from mrsfi_runtime.kernel.guidance import roam_together
+from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, GoalTask
 
@@ -19,6 +18,7 @@ class Stay(GoalTask):
 
 
 progress = note_presence
+react = roam_area
 
 
 @kernel
@@ -30,19 +30,3 @@ def violated(view: State, g: int) -> bool:
         if member.reached == 1 and member.since != view.mission.tick:
             return True
     return False
-
-
-@kernel
-def is_unentered(world: State, g: int) -> bool:
-    """Return whether a member has not been in the area yet."""
-    goal = world.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if world.members[m].reached == 0:
-            return True
-    return False
-
-
-@kernel
-def react(ci: State, g: int) -> None:
-    """Head for the area from outside, roam inside it."""
-    roam_together(ci, ci.goals[g])

@@ -15,22 +15,6 @@ from mrsfi_runtime.kernel.goal_tasks import (
 )
 from mrsfi_runtime.model.mission import GoalTask
 
-__all__ = [
-    "OWN_TASK",
-    "TASKS",
-    "OwnTask",
-    "avoid_collision",
-    "fixed_distance_between_robots",
-    "gather_samples",
-    "number",
-    "patrol",
-    "stay",
-    "stay_within_mission_area",
-    "sufficient_energy",
-    "track",
-    "visit",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class OwnTask(GoalTask):

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
+from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
@@ -29,13 +29,7 @@ progress = note_presence
 @kernel
 def violated(view: State, g: int) -> bool:
     """Return whether a member has not been at the point by the deadline."""
-    goal = view.goals[g]
-    if view.mission.tick < goal.deadline:
-        return False
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if view.members[m].reached == 0:
-            return True
-    return False
+    return view.mission.tick >= view.goals[g].deadline and is_awaited(view, g)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 Examples
 --------
-``python -m m2t.constraints_page docs/constraints.md``
+``python -m docs.constraints docs/constraints.md``
 """
 
 import re
