@@ -7,7 +7,7 @@ Source paper, section III-A, step 6, section III-D, equation (3), and section V,
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import atan2
 from typing import Any
 
@@ -156,11 +156,14 @@ def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
     n_violated = (counts > 0).sum(axis=1)
     violations = np.fromiter((sum(row.tolist()) for row in counts), counts.dtype, len(counts))
     found: dict[int, Harm] = {}
-    harm: Harm | None = None
-    for place in np.flatnonzero(_is_more(n_violated) | _is_more(violations)):
-        cost, index = int(columns.costs[rows[place]]), int(rows[place])
-        new = Harm(cost, int(n_violated[place]), index, violations[place].item(), index)
-        harm = found[cost] = new if harm is None else _more(new, harm)
+    is_wider, is_more = _is_more(n_violated), _is_more(violations)
+    for place in np.flatnonzero(is_wider | is_more):
+        if is_wider[place]:
+            widest = int(n_violated[place]), int(rows[place])
+        if is_more[place]:
+            most = violations[place].item(), int(rows[place])
+        cost = int(columns.costs[rows[place]])
+        found[cost] = Harm(cost, *widest, *most)
     return tuple(found.values())
 
 
@@ -169,15 +172,6 @@ def _is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
     is_more = np.ones(len(values), bool)
     is_more[1:] = values[1:] > np.maximum.accumulate(values)[:-1]
     return is_more
-
-
-def _more(new: Harm, known: Harm) -> Harm:
-    """Return the later harm, with what the one before it did more of, or as much."""
-    if known.n_violated >= new.n_violated:
-        new = replace(new, n_violated=known.n_violated, n_violated_by=known.n_violated_by)
-    if known.violations >= new.violations:
-        new = replace(new, violations=known.violations, violations_by=known.violations_by)
-    return new
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,18 +223,13 @@ def parse_ratio(text: str) -> Ratio:
     )
 
 
-def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
+def nearest_ratio(front: Front, ratio: Ratio) -> FrontPoint | None:
     """Return the point of the front that comes nearest to a ratio (paper, section V, RQ3).
 
     Nearest is the smallest angle between the two goals' violations and the two parts of the ratio,
     as vectors; of equal angles the point with more violations of the two goals. Points that violate
-    neither goal have no ratio: ``None`` if all are such. A ratio over other goals than the front's
-    is a ``UsageError``.
+    neither goal have no ratio: ``None`` if all are such.
     """
-    ratio = parse_ratio(wanted) if isinstance(wanted, str) else wanted
-    if not set(ratio.goals) <= set(front.goals):
-        chosen = ", ".join(front.goals) or "none"
-        raise UsageError(f"found ratio '{ratio}'; expected two of the front's goals: {chosen}")
     first, second = (front.goals.index(goal) for goal in ratio.goals)
     direction = atan2(ratio.parts[1], ratio.parts[0])
 

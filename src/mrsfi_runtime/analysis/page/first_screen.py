@@ -17,7 +17,6 @@ from mrsfi_runtime.analysis.verdicts import (
 from mrsfi_runtime.analysis.weaknesses import harmless, verdict
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.mission import Mission
 
 _MARKS = dict(zip(State, "×!!?✓", strict=True))
 """What stands for the state of a goal."""
@@ -36,6 +35,7 @@ def first_screen(
     headline, *facts = summary.said
     told = least(summary.ways)
     places = {way.number: place for place, way in enumerate(told)}
+    names = {each.goal: each.name for each in summary.verdicts}
     shown = {way.number: way for way in (*summary.ways, *told)}
     guilty = {fault for way in summary.ways for fault in way.faults}
     n_flights = summary.n_evaluations + known.n_flights
@@ -54,8 +54,8 @@ def first_screen(
             {
                 "number": way.number,
                 "goal": way.goal,
-                "name": _name(mission, way),
-                "said": f"{_name(mission, way)} breaks if {cause_in_words(mission, pool, way)}; "
+                "name": names[way.goal],
+                "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
                 f"{noticed(way.shown)}",
                 "sure": verdict(way),
                 "kind": way.shown.column.kind,
@@ -87,10 +87,6 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "unknown": each.unknown,
         "number": None if way is None else way.number,
     }
-
-
-def _name(mission: Mission, way: Way) -> str:
-    return mission.name_of(mission.goals[mission.goal_ids.index(way.goal)])
 
 
 def _matrix(summary: Summary) -> dict[str, Any]:
