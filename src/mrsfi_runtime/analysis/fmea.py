@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from mrsfi_runtime.analysis import table
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
-from mrsfi_runtime.causes.chain import chains
-from mrsfi_runtime.causes.sentence import local_effect
+from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Record

@@ -6,11 +6,12 @@ from functools import partial
 from statistics import median
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
-from mrsfi_runtime.causes.chain import Chain, chains
+from mrsfi_runtime.causes.chain import Chain, chains, sentence
 from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import following
 
 N_SEEDS = 20
@@ -54,6 +55,11 @@ class Cause:
     def faults(self) -> Specification:
         """The cause set as a specification."""
         return chosen(self.specification, self.places)
+
+    def sentences(self, faults: Sequence[NamedFault]) -> tuple[str, ...]:
+        """Return what each fault of it did, in words; ``faults`` are all of the specification."""
+        told = zip(self.places, self.chains, strict=True)
+        return tuple(sentence(faults[place], chain) for place, chain in told)
 
 
 def find_cause(

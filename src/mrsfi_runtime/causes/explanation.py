@@ -1,18 +1,36 @@
 """All that is found out about one specification, in the order in which it is asked."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import groupby
 
 from mrsfi_runtime.causes.attribution import Attribution, attribute
 from mrsfi_runtime.causes.cause import Cause, find_cause
-from mrsfi_runtime.causes.cause_set import Places, Question, floor, without
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
 from mrsfi_runtime.causes.counts import Counts, Flights
-from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
 from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+
+BYSTANDER = "bystander"
+_RISE = Fraction("1.05")
+
+
+@dataclass(frozen=True, slots=True)
+class GoalCauses:
+    """What a goal's violations are due to: its cause set, and a label for every fault.
+
+    A fault of the set is ``sole`` if it is enough alone, or else ``joint``. Of the others, a
+    ``redundant`` one is able to take the place of a member; without a ``masking`` one, a count of
+    the goal is higher; a ``lesser`` one breaks the goal alone, though others break it more, or hide
+    it; what does none of these is a ``bystander``.
+    """
+
+    goal: str
+    places: Places
+    labels: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,3 +95,43 @@ def explain(
         attribution=attribution,
         n_flown=dict(flights.n_flown),
     )
+
+
+def goal_causes(question: Question, goal: str) -> GoalCauses:
+    """Return the cause set of one goal, by its counts alone, and what every fault is to it.
+
+    Where it is not violated, that is for nothing: then only a fault that hides violations, or
+    would cause some alone, is more than a bystander.
+    """
+    whole = question.specification
+    everyone = range(len(whole))
+    places = question.minimum()
+    others = [place for place in everyone if place not in places]
+    question.flights.fly(
+        chosen(whole, swapped) for other in others for swapped in _swaps(places, other)
+    )
+    labels = {place: "sole" if question.is_kept_by((place,)) else "joint" for place in places}
+    for other in others:
+        if any(map(question.is_kept_by, _swaps(places, other))):
+            labels[other] = "redundant"
+        elif _rises(question, goal, whole, without(whole, other), _RISE):
+            labels[other] = "masking"
+        elif _rises(question, goal, (), (whole[other],), Fraction(1)):
+            labels[other] = "lesser"
+        else:
+            labels[other] = BYSTANDER
+    return GoalCauses(goal, places, tuple(labels[place] for place in everyone))
+
+
+def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
+    """Yield a set with another fault in the place of each member."""
+    return ((*(place for place in places if place != member), other) for member in places)
+
+
+def _rises(
+    question: Question, goal: str, first: Specification, second: Specification, by: Fraction
+) -> bool:
+    """Return whether a count of a goal is higher in the second flight, by more than a factor."""
+    flights = question.flights
+    found = zip(flights.columns, flights.counts(first), flights.counts(second), strict=True)
+    return any(after > by * count for column, count, after in found if column.goal == goal)

@@ -11,7 +11,6 @@ import pytest
 from mrsfi_runtime.causes.attribution import attribute
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
-from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, LESSER, MASKING, REDUNDANT, SOLE
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -98,15 +97,15 @@ def _label(of, places, place, columns):
     everyone = max(of, key=len)
     whole = of[everyone]
     if place in places:
-        return SOLE if is_kept(of[place,], whole, columns) else JOINT
+        return "sole" if is_kept(of[place,], whole, columns) else "joint"
     for member in places:
         swapped = tuple(sorted({*places, place} - {member}))
         if is_kept(of[swapped], whole, columns):
-            return REDUNDANT
+            return "redundant"
     without = of[tuple(k for k in everyone if k != place)]
     if any(20 * without[k] > 21 * whole[k] for k in columns):
-        return MASKING
-    return LESSER if any(of[place,][k] > of[()][k] for k in columns) else BYSTANDER
+        return "masking"
+    return "lesser" if any(of[place,][k] > of[()][k] for k in columns) else "bystander"
 
 
 def _require_shares(of, found):

@@ -25,8 +25,7 @@ from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import every, to_page
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.chain import chain
-from mrsfi_runtime.causes.sentence import sentence
+from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.model.faults import FaultPool
