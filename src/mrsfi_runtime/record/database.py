@@ -125,15 +125,9 @@ def closed_on_error(connection: sqlite3.Connection) -> Iterator[None]:
 @contextmanager
 def transaction(path: Path, connection: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
     """Run the body as one transaction: stored whole at its end, or not at all."""
-    with translated(path):
+    with translated(path), connection:  # which commits, or rolls back
         connection.execute("BEGIN IMMEDIATE")
-        try:
-            yield connection
-            connection.commit()
-        except BaseException:
-            if connection.in_transaction:
-                connection.rollback()
-            raise
+        yield connection
 
 
 @contextmanager
