@@ -99,7 +99,7 @@ def _recorder(
             observers.append(flight_progress(mission.duration))
         observers += _texts(opened, files, mission, Events(mission, faults, tallies))
         if files.mcap is not None:
-            from mrsfi_runtime.record.bag.writer import Bag
+            from mrsfi_runtime.record.bag import Bag
 
             whole = opened.enter_context(whole_file(files.mcap))
             bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
