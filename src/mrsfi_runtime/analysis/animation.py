@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from mrsfi_runtime.analysis.mission_plots import mission_axes
 from mrsfi_runtime.analysis.plots import SERIES, STYLE
-from mrsfi_runtime.analysis.story import Story
+from mrsfi_runtime.analysis.story import Story, windows
 
 _N_FRAMES = 100
 _PER_SECOND = 12
@@ -47,17 +47,10 @@ def flight_gif(story: Story) -> bytes:
 
 def _said(story: Story, tick: int) -> str:
     """Return what is so at a tick: faults at work, and goals that are violated."""
-    active = [each.name for each in story.faults if each.window and _holds(each.window, tick)]
-    broken = [
-        goal.id
-        for goal, said in zip(story.mission.goals, story.goals, strict=True)
-        if any(_holds(window, tick) for window in said.true)
-    ]
+    now = [so for *so, first, last in windows(story) if first <= tick <= last]
+    active = [name for kind, name, _ in now if kind == "fault"]
+    broken = [name for kind, name, what in now if (kind, what) == ("goal", "truly violated")]
     parts = [f"tick {tick}"]
     parts += [f"{', '.join(active)} at work"] if active else []
     parts += [f"{', '.join(broken)} truly violated"] if broken else []
     return "   ".join(parts)
-
-
-def _holds(window: tuple[int, int], tick: int) -> bool:
-    return window[0] <= tick <= window[1]

@@ -44,10 +44,6 @@ _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_LABELS = 12  # of the map of a flight
 _MOST_ROUNDS = 60  # of parting labels
-_BELIEVED: Mapping[str, Any] = MappingProxyType({"s": 5, "alpha": 0.45, "lw": 0, "zorder": 1.8})
-_COLLISION: Mapping[str, Any] = MappingProxyType(
-    {"marker": "x", "s": 60, "lw": 2, "color": INK, "zorder": 3.2}
-)
 _TRAJECTORY: Mapping[str, Any] = MappingProxyType(
     {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 )
@@ -108,7 +104,8 @@ def flight_map(story: Story) -> Figure:
             colour = colours[robot.id]
             axes.plot(*story.true[:, k].T, color=colour, lw=1.6, zorder=2.4)
             spots = story.believed[wrong[:, k], k]
-            axes.scatter(spots[:, 0], spots[:, 1], color=colour, rasterized=is_many, **_BELIEVED)
+            style: dict[str, Any] = {"color": colour, "alpha": 0.45, "lw": 0, "zorder": 1.8}
+            axes.scatter(spots[:, 0], spots[:, 1], 5, rasterized=is_many, **style)
             x, y = story.true[-1, k]
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
@@ -122,7 +119,8 @@ def flight_map(story: Story) -> Figure:
         ]
         if story.collisions:
             met = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
-            axes.scatter(*met.T, **_COLLISION)
+            x, y = met.T
+            axes.scatter(x, y, s=60, color=INK, marker="x", lw=2, zorder=3.2)
             keys.append(_key("x", "collision", mew=2, color=INK))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:

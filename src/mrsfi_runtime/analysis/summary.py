@@ -167,21 +167,18 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "digest": summary.digest,
         "best": ranked[0] if ranked else None,
         "top": ranked,
-        "weaknesses": _weaknesses(summary),
-        "front": _front(summary.front),
+        "weaknesses": summary.harvest and _weaknesses(summary, summary.harvest),
+        "front": summary.front and _front(summary.front),
         "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
-        "pick": _picked(summary.pick),
+        "pick": summary.pick and _picked(summary.pick),
         "trend": asdict(summary.trend),
         "patterns": [asdict(pattern) for pattern in summary.patterns],
     }
 
 
-def _weaknesses(summary: Summary) -> dict[str, Any] | None:
-    """Return the ways in which goals break; ``None`` if nobody looked."""
-    if summary.harvest is None:
-        return None
+def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
     return {
-        "n_flown": summary.harvest.n_flights,
+        "n_flown": known.n_flights,
         "found": [
             each
             | {
@@ -229,9 +226,7 @@ def _ranked(
     }
 
 
-def _front(front: Front | None) -> dict[str, Any] | None:
-    if front is None:
-        return None
+def _front(front: Front) -> dict[str, Any]:
     return {
         "goals": list(front.goals),
         "points": [
@@ -245,9 +240,7 @@ def _front(front: Front | None) -> dict[str, Any] | None:
     }
 
 
-def _picked(pick: Pick | None) -> dict[str, Any] | None:
-    if pick is None:
-        return None
+def _picked(pick: Pick) -> dict[str, Any]:
     point = pick.point
     return {
         "ratio": str(pick.ratio),

@@ -6,7 +6,6 @@ from typing import Self
 
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation
 
@@ -75,22 +74,8 @@ class Measure:
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
 
 
-MISSED_FROM = "missed from"
-"""Name of a column or line of what ``missed_from`` returns."""
-
 NONE, UNKNOWN = "–", "?"
 """What a table shows where there is nothing, and where an older record does not say."""
-
-
-def missed_from(outcome: Outcome, duration: int) -> tuple[str, ...]:
-    """Return from which tick on each goal was certain to be missed, as text.
-
-    It is ``–`` where the goal was met, ``?`` where an older record does not say.
-    """
-    since = outcome.missed_since(duration)
-    if since is None:
-        return (UNKNOWN,) * len(outcome.true)
-    return tuple(NONE if tick is None else str(tick) for tick in since)
 
 
 def ticks(count: float) -> str:

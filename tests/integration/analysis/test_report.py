@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
 from mrsfi_runtime.analysis.illustrations import evenly_spaced, illustrate
 from mrsfi_runtime.analysis.report import specification_rows, write_report
@@ -12,7 +13,7 @@ from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Generation
 from tests.support.campaigns import (
@@ -221,8 +222,8 @@ def test_report_and_summary_name_every_fault_of_the_most_critical(focused):
         assert section.startswith(f"{rank}, evaluation {best.index}\n")
         lines = [line for line in section.splitlines() if line.startswith("| f")]
         rows = [line.strip("| ").split(" | ") for line in lines[: 1 + len(faults)]]
-        found = fault_rows(faults, best.outcome)
-        assert rows == [[str(cell) for cell in row] for row in (FAULT_COLUMNS, *found)]
+        table = fault_table("", faults, best.outcome)
+        assert rows == [[str(cell) for cell in row] for row in table.lines]
 
 
 @slow
