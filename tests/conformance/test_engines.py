@@ -15,9 +15,8 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import limits
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications

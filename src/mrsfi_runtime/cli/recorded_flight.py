@@ -25,9 +25,8 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,8 +26,8 @@ from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name
-from mrsfi_runtime.record.events import Event, Events, Kind
 from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.observers import Event, Events, Kind
 from mrsfi_runtime.transport.topics import Topic
 
 Message: TypeAlias = dict[str, Any]

@@ -14,9 +14,8 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.model.mission import Coordinates
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
 from tests.support.world import paper_code, specification

@@ -17,9 +17,8 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 from mrsfi_runtime.model.targets import robots_of, touched
 from mrsfi_runtime.record.bag import Bag
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support import world
 from tests.support.bags import bagged, read_bag
 from tests.tiers import slow

@@ -7,9 +7,8 @@ from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.search import paper_mission, pool_of
 
 
