@@ -6,7 +6,7 @@ Source paper, section III-A, step 6, section III-D, equation (3), and section V,
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2
 from typing import Any
@@ -65,12 +65,6 @@ class Ratio:
 
     def __str__(self) -> str:
         return "{}:{}={:g}:{:g}".format(*self.goals, *self.parts)
-
-
-def non_dominated(vectors: Iterable[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
-    """Return the distinct vectors that no other dominates, in ascending order; more is better."""
-    ordered = sorted(set(vectors))
-    return tuple(ordered[place] for place in _undominated(np.array(ordered))) if ordered else ()
 
 
 def _undominated(vectors: NDArray[Any]) -> list[int]:
@@ -156,22 +150,20 @@ def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
     n_violated = (counts > 0).sum(axis=1)
     violations = np.fromiter((sum(row.tolist()) for row in counts), counts.dtype, len(counts))
     found: dict[int, Harm] = {}
-    is_wider, is_more = _is_more(n_violated), _is_more(violations)
-    for place in np.flatnonzero(is_wider | is_more):
+    is_wider, is_greater = is_more(n_violated), is_more(violations)
+    for place in np.flatnonzero(is_wider | is_greater):
         if is_wider[place]:
             widest = int(n_violated[place]), int(rows[place])
-        if is_more[place]:
+        if is_greater[place]:
             most = violations[place].item(), int(rows[place])
         cost = int(columns.costs[rows[place]])
         found[cost] = Harm(cost, *widest, *most)
     return tuple(found.values())
 
 
-def _is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
+def is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
     """Return which values are greater than all before; the first is."""
-    is_more = np.ones(len(values), bool)
-    is_more[1:] = values[1:] > np.maximum.accumulate(values)[:-1]
-    return is_more
+    return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: len(values)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,16 +39,14 @@ class State(IntEnum):
 _STATES = dict(
     zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
 )
-_WORDS: Mapping[State, str] = MappingProxyType(
-    {
-        State.FAILS: "fails",
-        State.VIOLATED: "is violated",
-        State.BROKEN_ANYWAY: "is violated without any fault",
-        State.FALSE_ALARM: "is only believed broken",
-        State.HOLDS: "is broken by nothing that was found",
-    }
+_WORDS = (
+    "fails",
+    "is violated",
+    "is violated without any fault",
+    "is only believed broken",
+    "is broken by nothing that was found",
 )
-
+"""What stands for each state in a sentence."""
 
 _DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
     {

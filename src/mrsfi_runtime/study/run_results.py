@@ -1,14 +1,19 @@
 """What one search found, in the numbers by which searches are compared."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Self
 
+import numpy as np
 from moocore import hypervolume
+from numpy.typing import NDArray
 
-from mrsfi_runtime.analysis.fronts import non_dominated
+from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.fronts import find_front, is_more
+from mrsfi_runtime.analysis.story import first
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import object_from_text
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore
 
 MOST_OBJECTIVES = 7
@@ -65,43 +70,38 @@ def _frozen(value: Any) -> Any:
 
 
 def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunResult:
-    """Return what a search found; its evaluations, in order, are gone through once."""
+    """Return what a search found, in the first mission seed."""
     settings = store.settings
-    columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
-    best = [mission.duration] * len(columns)
-    most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
-    if settings.minimise is not None:
+    measure = replace(Measure.of(settings, mission), n_seeds=1)
+    columns = Columns.read(store, measure, measure.goals)
+    is_broken = columns.violations > 0
+    is_improved = np.flatnonzero(is_more(columns.fitness))
+    best = [mission.duration] * len(measure.chosen)
+    points = find_front(measure, columns, measure.chosen).points
+    front = [point.violations for point in points]
+    if measure.minimised is not None:
+        most = settings.faults * (mission.duration if measure.minimised == "fault_ticks" else 1)
         best.append(most - 1)
-    n_evaluations = 0
-    improvements: list[tuple[int, float]] = []
-    at_once: list[int] = []
-    together: list[int] = []
-    broken: set[int] = set()
-    vectors: set[tuple[int, ...]] = set()
-    for n_evaluations, one in enumerate(store.evaluations(), 1):
-        found: tuple[int, ...] = getattr(one.outcome, settings.violations)
-        spared = (most - cost for cost in settings.costs(one.specification, mission.duration))
-        vectors.add((*(found[column] for column in columns), *spared))
-        if not improvements or one.fitness[0] > improvements[-1][1]:
-            improvements.append((n_evaluations, one.fitness[0]))
-        now = {goal for goal, count in enumerate(found) if count}
-        broken |= now
-        at_once += [n_evaluations] * (len(now) - len(at_once))
-        together += [n_evaluations] * (len(broken) - len(together))
-    front = non_dominated(vectors)
+        front = [(*point.violations, most - point.cost) for point in points]
     return RunResult(
         algorithm=settings.algorithm,
         seed=settings.seed,
-        n_evaluations=n_evaluations,
+        n_evaluations=len(columns),
         n_failures=store.n_failures,
-        improvements=tuple(improvements),
-        at_once=_filled(at_once, len(mission.goals)),
-        together=_filled(together, len(mission.goals)),
+        improvements=tuple((k + 1, columns.fitness[k].item()) for k in is_improved.tolist()),
+        at_once=_reached(is_broken.sum(axis=1), len(mission.goals)),
+        together=_reached(np.logical_or.accumulate(is_broken).sum(axis=1), len(mission.goals)),
         hypervolume=front_volume(front, best),
         front_size=len(front),
         seconds=seconds,
         digest=store.digest(),
     )
+
+
+def _reached(n_broken: NDArray[Any], n_goals: int) -> tuple[int | None, ...]:
+    """Return at which place, from 1, 1, 2, … goals were broken, ``None`` where they never were."""
+    firsts = [first(n_broken >= n) for n in range(1, n_goals + 1)]
+    return tuple(None if place is None else place + 1 for place in firsts)
 
 
 def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
@@ -122,8 +122,3 @@ def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> flo
         for point in front
     ]
     return float(hypervolume(shares, ref=[0.0] * len(best), maximise=True))
-
-
-def _filled(places: Sequence[int], n_goals: int) -> tuple[int | None, ...]:
-    """Return at which place, from 1, 1, 2, … goals were reached, ``None`` where they never were."""
-    return (*places, *[None] * (n_goals - len(places)))
