@@ -128,7 +128,6 @@ def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
 def _violation_lines(
     measure: Measure, evaluation: Evaluation
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield what came of each goal, by what it says."""
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"

@@ -21,9 +21,6 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""
 
-Keys: TypeAlias = NDArray[np.uint64]
-"""Hashes of specifications."""
-
 
 @dataclass(frozen=True, slots=True)
 class Columns:
@@ -41,7 +38,7 @@ class Columns:
     costs: NDArray[np.int64]
     distinct: Rows
     tried: Counter[str]
-    _keys: Keys
+    _keys: NDArray[np.uint64]
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
@@ -102,16 +99,14 @@ def _type(measure: Measure) -> type[np.generic]:
 def _decoding(
     measure: Measure, goals: Sequence[str]
 ) -> tuple[tuple[str, ...], Callable[[Sequence[Sequence[Any]]], tuple[Any, ...]]]:
-    """Return which columns of a store are read, and what decodes some rows of them.
-
-    It returns faults, texts of timed faults, fitness, violations and costs.
-    """
+    """Return which columns of a store are read, and what decodes some rows of them."""
     is_mean = measure.n_seeds > 1
     recorded = measure.chosen if is_mean else measure.goals
     places = [recorded.index(goal) for goal in goals]
     counted = () if is_mean or not goals else (measure.kind,)
 
     def decoded(stored: Sequence[Sequence[Any]]) -> tuple[Any, ...]:
+        """Return faults, texts of timed faults, fitness, violations and costs."""
         specifications, fitness_texts, fault_ticks, *counts = stored
         faults, texts = zip(*map(encoding.fault_texts, specifications), strict=True)
         fitness = encoding.lists(fitness_texts)
@@ -131,7 +126,9 @@ def _decoding(
     return ("specification", "fitness", "fault_ticks", *counted), decoded
 
 
-def _met(known: Keys, keys: Keys) -> tuple[Keys, list[int]]:
+def _met(
+    known: NDArray[np.uint64], keys: NDArray[np.uint64]
+) -> tuple[NDArray[np.uint64], list[int]]:
     """Return all keys that were met, ascending, and where those stand that were not before."""
     new, first = np.unique(keys, return_index=True)
     places = np.searchsorted(known, new)

@@ -27,10 +27,7 @@ _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NU
 
 @dataclass(frozen=True, slots=True)
 class FrontPoint:
-    """A non-dominated specification: its evaluation and its violations of the chosen goals.
-
-    ``cost`` is how much it has of what the front has few of; 0 if of nothing.
-    """
+    """A non-dominated specification: its evaluation, its violations, and how much it costs."""
 
     evaluation: int
     violations: tuple[float, ...]
@@ -80,11 +77,7 @@ def _undominated(vectors: NDArray[Any]) -> list[int]:
 
 def _earliest(vectors: NDArray[Any]) -> NDArray[np.intp]:
     """Return the first row of each vector, the vectors in ascending order."""
-    order = np.lexsort(vectors.T[::-1])
-    ordered = vectors[order]
-    is_first = np.ones(len(order), bool)
-    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    return order[is_first]
+    return np.unique(vectors, axis=0, return_index=True)[1]
 
 
 def find_front(
@@ -115,8 +108,7 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
     Of more than ten thousand the smallest of each cell of a grid is drawn, whose cells are a 200th
     of the range of each goal: what is drawn of a point covers its cell.
     """
-    found = vectors[_earliest(vectors)]
-    shown = found
+    shown = found = np.unique(vectors, axis=0)
     if len(found) > _MOST_DRAWN:
         least, most = found.min(axis=0), found.max(axis=0)
         cells = (found - least) * _N_CELLS // np.maximum(most - least, 1)

@@ -138,7 +138,6 @@ def _fronts(
 def _generation_fronts(
     measure: Measure, columns: Columns, store: CampaignStore, goals: Sequence[str]
 ) -> dict[int, Front]:
-    """Return the fronts of evenly spaced generations' populations, by generation."""
     populated = store.populated()
     fronts = {}
     for place in evenly_spaced(len(populated), N_GENERATION_FRONTS):

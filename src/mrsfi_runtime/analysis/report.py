@@ -173,7 +173,6 @@ def _fly(
 
 
 def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
-    """Return what flies a way again."""
     seed = str(summary.settings.mission_seed)
     path = str(_witness(layout, way))
     return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
@@ -245,7 +244,6 @@ def _write_figures(
 
 
 def _write_evaluations(path: Path, summary: Summary, store: CampaignStore) -> None:
-    """Write what came of each evaluation, or of each so many-th."""
     flown = store.flown(every(summary.n_evaluations, MOST_LISTED))
     with path.open("w", encoding="utf-8", newline="") as file:
         write_csv(file, evaluations_table("Evaluations", flown, summary.measure).lines)

@@ -15,7 +15,6 @@ from itertools import combinations
 from operator import sub
 from random import Random
 from statistics import stdev
-from typing import TypeAlias
 
 from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Counts, Flights
@@ -30,19 +29,16 @@ N_PERMUTATIONS = 100
 _SEED = 1
 _NORMAL = 1.96  # of a normal distribution, 95 % lies so many standard deviations from the mean
 
-Shares: TypeAlias = tuple[tuple[Fraction, ...], ...]
-"""Shape ``(n_faults, n_columns)``."""
-
 
 @dataclass(frozen=True, slots=True)
 class Attribution:
-    """Shares of faults in counts, in ticks.
+    """Shares of faults in counts, in ticks, shape ``(n_faults, n_columns)``.
 
     Each column of ``shares`` sums to what the faults together add to the count without faults.
     ``margins`` are half of the 95 % confidence intervals; ``None`` if shares are exact.
     """
 
-    shares: Shares
+    shares: tuple[tuple[Fraction, ...], ...]
     margins: tuple[tuple[float, ...], ...] | None
 
 
@@ -58,7 +54,7 @@ def attribute(flights: Flights, specification: Specification) -> Attribution:
     return _sampled(flights, specification)
 
 
-def _exact(flights: Flights, specification: Specification) -> Shares:
+def _exact(flights: Flights, specification: Specification) -> tuple[tuple[Fraction, ...], ...]:
     n = len(specification)
     everyone = range(n)
     flights.fly(

@@ -226,7 +226,6 @@ class _Flown:
 
 
 def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Specification:
-    """Return the mildest form that is found from one that is known."""
     column = weakness.column
     known_ones = known.breaking(column, frozenset(weakness.faults))
     starts = [*sorted(known_ones, key=deviation.size)[:_N_STARTS], weakness.witness]

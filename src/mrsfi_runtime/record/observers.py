@@ -200,7 +200,6 @@ class SimulationLog:
         ).rstrip()
 
     def _mistaken(self, world: State, belief: State) -> Iterator[str]:
-        """Yield what is believed otherwise than it is."""
         for listed, some in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
             properties = [*some]
             owners, *sides = (getattr(each, listed) for each in (self._mission, belief, world))

@@ -356,7 +356,6 @@ def _flown(
 
 
 def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:
-    """Refuse rows whose indexes do not follow those stored."""
     for expected, row in enumerate(rows, first):
         if row[0] != expected:
             raise ValueError(f"found {what} {row[0]}; expected {expected} next")
