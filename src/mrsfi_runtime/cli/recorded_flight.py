@@ -158,7 +158,7 @@ def _animation(
     engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
 ) -> tuple[Observer, _Finish]:
     """Return what records a flight for a picture, and what draws it; matplotlib comes with that."""
-    from mrsfi_runtime.analysis.animation import flight_gif
+    from mrsfi_runtime.analysis.mission_plots import flight_gif
     from mrsfi_runtime.analysis.story import story_of
     from mrsfi_runtime.engine.recording import Recorder
 
