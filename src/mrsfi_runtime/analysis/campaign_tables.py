@@ -65,10 +65,7 @@ def _samples(goal: Goal, n_samples: int) -> str:
 
 
 def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> Table:
-    """Return what each timed fault of a specification is, and at how many ticks it did what.
-
-    Where that does not fit, targets stand above values.
-    """
+    """Return what each timed fault of a specification is, and at how many ticks it did what."""
     names, texts = ("fault", "type", "start", "finish", "applied", "changed"), ("target", "values")
     rows, stacked = [], []
     for each, n_applied, n_changed in zip(faults, outcome.applied, outcome.changed, strict=True):

@@ -42,10 +42,7 @@ class Columns:
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
-        """Read the evaluations of a campaign, some thousand at a time, for goals by their IDs.
-
-        A goal whose violations the record lacks is a ``UsageError``.
-        """
+        """Read the evaluations of a campaign, for goals by their IDs that the record has."""
         measure.require(goals)
         n, n_read = store.n_evaluations, 0
         names, decoded = _decoding(measure, goals)

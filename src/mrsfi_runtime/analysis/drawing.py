@@ -61,10 +61,7 @@ def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> Figur
 
 
 class DrawingProcess:
-    """A process that draws what it is asked to; it ends with the ``with`` block, or this one.
-
-    Figures ``ahead`` it draws before they are asked for.
-    """
+    """A process that draws, first what is ``ahead``; it ends with the ``with`` block."""
 
     def __init__(self, *ahead: Drawing) -> None:
         self._ahead = ahead

@@ -32,10 +32,7 @@ _OF_PFTA = (
 
 
 def cut_sets(found: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
-    """Return the sets of faults that truly break a goal or let it be missed, small ones first.
-
-    None of them contains another one, whichever of both measures it breaks.
-    """
+    """Return the least sets of faults that break a goal truly or let it be missed, by size."""
     real = {way.faults for way in found if way.goal == goal and way.shown.column.kind != "believed"}
     least = (faults for faults in real if not any({*other} < {*faults} for other in real))
     return sorted(least, key=lambda faults: (len(faults), faults))

@@ -118,11 +118,7 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
 
 @dataclass(frozen=True, slots=True)
 class Harm:
-    """The most harm that was found with at most so many faults, or ticks of faults.
-
-    Most violated goals and most violations of all looked at goals together, each with its
-    evaluation.
-    """
+    """The most harm with at most so many faults, or ticks of faults, each with its evaluation."""
 
     cost: int
     n_violated: int
@@ -160,11 +156,7 @@ def is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """The point of a front that comes nearest to a wanted ratio.
-
-    ``None`` if no specification violates a goal of the ratio; ``goals`` are those of the front, in
-    the order of the point's violations.
-    """
+    """The point of a front over ``goals`` nearest to a ratio; ``None`` if none violates them."""
 
     ratio: Ratio
     point: FrontPoint | None

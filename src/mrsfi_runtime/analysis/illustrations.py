@@ -29,10 +29,7 @@ N_GENERATION_FRONTS = 5
 
 
 class Illustration(NamedTuple):
-    """A figure and the numbers behind it, whose title is its caption.
-
-    ``name`` is the stem of their files.
-    """
+    """A figure and the numbers behind it, with its caption as title, by the stem of their files."""
 
     name: str
     drawing: Drawing

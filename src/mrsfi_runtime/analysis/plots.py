@@ -95,10 +95,7 @@ def rendered(figure: Figure, suffixes: Iterable[str] = (".png", ".svg")) -> dict
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
-    """Draw mean fitness per generation with its deviation and trend (figures 6 and 8).
-
-    Of more than two thousand generations every so-manyth is drawn.
-    """
+    """Draw mean fitness of each generation, or each so-manyth, and its trend (figures 6, 8)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
@@ -118,10 +115,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
 
 
 def best_fitness(trend: Trend, label: str) -> Figure:
-    """Draw the best fitness per generation, and so far (figures 7 and 9).
-
-    Of more than two thousand generations the best of every so many is drawn.
-    """
+    """Draw the best fitness per generation, or of so many, and so far (figures 7 and 9)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)

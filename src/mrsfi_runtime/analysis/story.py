@@ -124,10 +124,7 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
 
 
 def working_window(mission: Mission) -> tuple[float, float, float]:
-    """Return the square around all robots' starts, obstacles and goal areas, with a margin.
-
-    It is centre x, centre y and half width, in distance units.
-    """
+    """Return x, y and half width of the square around robots' starts, obstacles and goal areas."""
     discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
     discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
     discs += [
@@ -141,10 +138,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
 
 
 def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
-    """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
-
-    It is centre x, centre y and half width, in distance units.
-    """
+    """Return the same of the square around these and around places, shape ``(…, 2)``."""
     x, y, half = working_window(mission)
     reach = float(np.abs(places - (x, y)).max())
     return x, y, max(half, reach * 1.05)

@@ -57,10 +57,7 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
 
 
 def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
-    """Return a row for each fault of each way, in the form that breaks the goal.
-
-    Where that does not fit, all that is said of a fault stands below its type.
-    """
+    """Return a row for each fault of each way, in the form that breaks the goal."""
     rows, stacked = [], []
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}

@@ -88,10 +88,7 @@ class FirstVerdict(NamedTuple):
 
 
 class FirstVerdicts(NamedTuple):
-    """The first verdicts on a goal that differ; ``None`` where none does.
-
-    Whether it is believed or truly violated, and whether it is certain to be missed.
-    """
+    """The first verdicts on a goal that differ: whether violated or missed; ``None`` for none."""
 
     goal: str
     believed: FirstVerdict | None
@@ -101,11 +98,7 @@ class FirstVerdicts(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """The first differences that a fault makes; ``None`` where it makes none.
-
-    In what is believed, in what is sent to the robots, in what robots and sensors do, and in the
-    verdicts on those goals on which any differs.
-    """
+    """The first differences in belief, commands, truth and verdicts on goals; ``None`` for none."""
 
     belief: First | None
     command: First | None

@@ -62,11 +62,7 @@ class Explanation:
 def explain(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Explanation | None:
-    """Find out why a specification breaks goals, by what ``find_cause`` takes.
-
-    ``None`` if it violates nothing that is counted; an ``EvaluationError`` if the mission's own
-    code fails.
-    """
+    """Find out why a specification breaks goals; ``None`` and errors are as of ``find_cause``."""
     cause = find_cause(flights, engine, specification, keep)
     if cause is None:
         return None

@@ -191,10 +191,7 @@ def stamped(tick: int, frame: str = "map") -> Message:
 
 
 def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
-    """Return what never changes: areas, waypoints and obstacles, and the names of the robots.
-
-    A name is drawn in the frame of its robot, and so moves with it.
-    """
+    """Return what never changes: areas, waypoints, obstacles, and names that move with robots."""
     markers = [_disc("mission area", _of(mission.area.center), mission.area.radius, _AREA)]
     for disc in mission.goal_discs:
         spot = (disc.x, disc.y, 0.0)

@@ -56,10 +56,7 @@ def stored_counts(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]
 
 
 def select_evaluations(counts: Iterable[str], specification: str = "specification") -> str:
-    """Return the query for evaluations, whose counts stand in the order given.
-
-    What is to stand in the place of their specifications may be something else.
-    """
+    """Return the query for evaluations by their counts; something else may stand for faults."""
     return f"SELECT {_columns(counts, specification)} FROM evaluation"
 
 

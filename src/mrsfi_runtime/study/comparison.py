@@ -149,10 +149,7 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say: quartiles and tests of every pair, by measure.
-
-    ``folder`` has the campaigns, tables, figures and summary.
-    """
+    """What the runs of some algorithms say: quartiles and tests of every pair, by measure."""
 
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]

@@ -40,11 +40,7 @@ MOST_LISTED = 5000
 
 @dataclass(frozen=True, slots=True)
 class PageEntry:
-    """What the page says of a specification that was flown.
-
-    Why it breaks goals, what each fault did and what flies it again are in words; ``xmi`` is the
-    specification as a file holds it.
-    """
+    """What the page says of a specification that was flown; ``xmi`` is that as a file holds it."""
 
     title: str
     sentence: str
@@ -75,10 +71,7 @@ def campaign_page(
     shown: Sequence[dict[str, Any]],
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
-    """Return what the page shows of a campaign, and of the ways in which goals break.
-
-    ``next_of`` says what to do next about one of them, as for ``first_screen``.
-    """
+    """Return what the page shows of a campaign; ``next_of`` is as for ``first_screen``."""
     step = every(summary.n_evaluations, MOST_LISTED)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = short_evaluations_table(listed, store.flown(step), summary.measure)
@@ -113,10 +106,7 @@ def flown_of(
 def told_content(
     mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
-    """Return what the page shows of what was flown, and of its flight or why it has none.
-
-    So many flights are on the page in all.
-    """
+    """Return what the page shows of what was flown, and of its flight or why it has none."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""

@@ -26,10 +26,7 @@ _DIGITS = 6  # of the largest value of a series
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """A flight, and those without one of its faults, by its place.
-
-    It is about a ``goal``, if about one, and shown from tick ``first`` on.
-    """
+    """A flight about a goal, if about one, and those without one of its faults, by its place."""
 
     title: str
     faults: Sequence[NamedFault]
