@@ -1,6 +1,6 @@
 """The faults that a specification's violations are due to, and how they come to break goals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
@@ -36,8 +36,7 @@ class Cause:
     are under all faults, ``fault_free`` under none, ``kept`` under the cause set, all by
     ``columns``; ``outcome`` is what flying the cause set finds, and ``chains`` what each of its
     faults changes first, against the set without it, both in the first mission seed. ``robustness``
-    says what each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on, and
-    ``n_flown`` how many flights each part took.
+    says what each count under the cause set is in ``N_SEEDS`` mission seeds, from the first one on.
     """
 
     specification: Specification
@@ -49,7 +48,6 @@ class Cause:
     outcome: Outcome
     chains: tuple[Chain, ...]
     robustness: tuple[Robustness, ...]
-    n_flown: Mapping[str, int]
 
     @property
     def faults(self) -> Specification:
@@ -96,7 +94,6 @@ def find_cause(
         outcome=flights.outcome(cause),
         chains=linked,
         robustness=firm,
-        n_flown=dict(flights.n_flown),
     )
 
 

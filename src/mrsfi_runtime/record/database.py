@@ -60,11 +60,6 @@ def select_evaluations(counts: Iterable[str], specification: str = "specificatio
     return f"SELECT {_columns(counts, specification)} FROM evaluation"
 
 
-def select_digested(counts: Iterable[str]) -> str:
-    """Return the query for what a campaign's digest is made of, in its order."""
-    return f"SELECT specification, {quoted(counts)}, digest, fitness FROM evaluation"
-
-
 def create(path: Path, meta: Mapping[str, str]) -> None:
     """Make the file, and its folder if that is missing; under its name it appears whole."""
     with translated(path):

@@ -20,10 +20,6 @@ from mrsfi_runtime.model.outcome import Outcome
 COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
 """Names of the count vectors of an outcome, in the order in which they are stored."""
 
-LATER_COUNTS = ("missed",)
-"""Those of them that no record of semantics 1 has: an outcome read from one has ``None`` there."""
-
-
 _ENCODER = json.JSONEncoder(
     separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=methodcaller("item")
 )

@@ -59,13 +59,14 @@ class Measure:
 
     def require(self, goals: Sequence[str]) -> None:
         """Refuse goals that the mission lacks, or whose mean is not recorded: a ``UsageError``."""
-        _require(goals, self.goals, "a goal of the mission:")
+        known = [(self.goals, "a goal of the mission:")]
         if self.n_seeds > 1:
-            what = (
-                "a goal of the campaign file, because the record keeps means over mission seeds "
-                "of these only:"
-            )
-            _require(goals, self.chosen, what)
+            why = "because the record keeps means over mission seeds of these only:"
+            known.append((self.chosen, f"a goal of the campaign file, {why}"))
+        for some, what in known:
+            for goal in goals:
+                if goal not in some:
+                    raise UsageError(f"found goal '{goal}'; {expected(goal, some, what)}")
 
     def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
         """Return the violations of each goal that is recorded, by its ID."""
@@ -81,9 +82,3 @@ NONE, UNKNOWN = "–", "?"
 def ticks(count: float) -> str:
     """Return a count, or a mean of counts, as text."""
     return str(count) if isinstance(count, int) else f"{count:.2f}"
-
-
-def _require(goals: Sequence[str], known: Sequence[str], what: str) -> None:
-    for goal in goals:
-        if goal not in known:
-            raise UsageError(f"found goal '{goal}'; {expected(goal, known, what)}")

@@ -296,7 +296,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        query = database.select_digested(self._counts)
+        counts = database.quoted(self._counts)
+        query = f"SELECT specification, {counts}, digest, fitness FROM evaluation"
         for rows in self._batches(query, range(self.n_evaluations)):
             lines = [*map(encoding.canonical, rows), ""]
             digest.update("\n".join(lines).encode())
@@ -388,7 +389,7 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(names: Sequence[str], found: Sequence[Sequence[Any]], digest: str) -> Outcome:
-    """Return an outcome of counts by their names; an older record has fewer of them."""
-    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
+    """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
+    counts: dict[str, Any] = {"missed": None}
     counts.update(zip(names, encoding.integers(found), strict=True))
     return Outcome(**counts, digest=digest)

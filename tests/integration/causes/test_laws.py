@@ -143,7 +143,7 @@ def test_the_order_of_faults_and_what_was_explained_before_change_no_share(missi
 
 
 def _found(explanation):
-    return replace(explanation, n_flown={}, cause=replace(explanation.cause, n_flown={}))
+    return replace(explanation, n_flown={})
 
 
 def test_counts_over_mission_seeds_are_sums(engines):

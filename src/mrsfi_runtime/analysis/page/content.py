@@ -133,16 +133,9 @@ def told_content(
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
     rows = summary.trend.generations
     if rows:
-        yield {
-            "title": "Fitness of each generation",
-            "x": "generation",
-            "y": "fitness",
-            "xs": [row.generation for row in rows],
-            "lines": [
-                {"label": "best", "values": [row.best for row in rows]},
-                {"label": "mean", "values": [row.mean for row in rows]},
-            ],
-        }
+        lines = {"best": [row.best for row in rows], "mean": [row.mean for row in rows]}
+        xs = [row.generation for row in rows]
+        yield _chart("Fitness of each generation", "generation", "fitness", xs, lines)
     front = summary.front
     if front is not None and front.points and len(front.goals) > 1:
         x, y, *_ = front.goals
@@ -156,8 +149,14 @@ def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
 
 def _scatter(title: str, x: str, y: str, points: Sequence[Sequence[float]]) -> dict[str, Any]:
     xs, values = zip(*points, strict=True)
-    lines = [{"label": y, "values": values}]
-    return {"title": title, "x": x, "y": y, "xs": xs, "lines": lines, "points": True}
+    return _chart(title, x, y, xs, {y: values}) | {"points": True}
+
+
+def _chart(
+    title: str, x: str, y: str, xs: Sequence[float], lines: Mapping[str, Sequence[float]]
+) -> dict[str, Any]:
+    told = [{"label": label, "values": values} for label, values in lines.items()]
+    return {"title": title, "x": x, "y": y, "xs": xs, "lines": told}
 
 
 def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]:
