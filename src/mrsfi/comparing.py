@@ -23,9 +23,8 @@ from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.folder import CampaignFolder, file_hashes, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.comparison import Comparison, RunResult, as_json, compare, measure_run
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import RunResult, measure_run
 
 _DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""

@@ -150,11 +150,11 @@ def _fault_counts(pool: FaultPool, specification: Specification) -> str:
 
 def map_table(title: str, mission: Mission) -> Table:
     """Return everything with a place in the mission, in distance units."""
-    area, discs = mission.area, mission.goal_discs
+    area, obstacles, discs = mission.area, mission.obstacles, mission.goal_discs
     places: list[tuple[str, str, str, Coordinates | GoalDisc, float]] = [
         ("mission area", area.id, mission.name, area.center, area.radius),
         *(("robot", each.id, each.name, each.position, ROBOT_RADIUS) for each in mission.robots),
-        *(("obstacle", o.id, "", o.area.center, o.area.radius) for o in mission.obstacles),
+        *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),
         *(("goal area", disc.goal.id, disc.goal.name, disc, disc.radius) for disc in discs),
     ]
     rows = [(kind, of, name, at.x, at.y, radius) for kind, of, name, at, radius in places]

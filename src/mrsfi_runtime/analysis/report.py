@@ -27,8 +27,8 @@ from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
-from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError
+from mrsfi_runtime.engine.recording import Record
+from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -61,17 +61,13 @@ class Shown(NamedTuple):
     figures: Sequence[Path]
 
 
-def _unflown(_: Specification) -> Recording:
-    raise EvaluationError("Nothing was flown again.")
-
-
 def write_report(  # noqa: PLR0913 - most have a default
     folder: Path,
     mission: Mission,
     pool: FaultPool,
     write_specification: SpecificationWriter,
     *,
-    record: Record = _unflown,
+    record: Record,
     ratio: str | None = None,
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,

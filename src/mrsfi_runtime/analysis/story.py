@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.analysis.table import Table, every
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 
@@ -66,14 +66,12 @@ def story_of(
     title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording
 ) -> Story:
     """Return what figures tell of a recorded flight."""
-    true, believed = (places(recording, side) for side in ("world", "belief"))
+    true, believed = (
+        np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
+        for side in SIDES
+    )
     met = tuple(collisions(mission, true))
     return Story(title, mission, tuple(faults), judged(recording), met, true, believed)
-
-
-def places(recording: Recording, side: str) -> Places:
-    """Return where robots were in the world, or in belief, shape ``(n_ticks, n_robots, 2)``."""
-    return np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
 
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:

@@ -66,13 +66,13 @@ def _exact(flights: Flights, specification: Specification) -> tuple[tuple[Fracti
     shares = []
     for joining in everyone:
         others = [place for place in everyone if place != joining]
-        sums = [0] * len(flights.columns)
+        added = []
         for size in range(n):
             weight = math.factorial(size) * math.factorial(n - size - 1)
             for before in combinations(others, size):
-                added = _added(flights, specification, before, joining)
-                sums = [total + weight * more for total, more in zip(sums, added, strict=True)]
-        shares.append(tuple(Fraction(total, orders) for total in sums))
+                more = _added(flights, specification, before, joining)
+                added.append([weight * each for each in more])
+        shares.append(tuple(Fraction(sum(each), orders) for each in zip(*added, strict=True)))
     return tuple(shares)
 
 

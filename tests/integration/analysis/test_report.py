@@ -8,7 +8,7 @@ import pytest
 from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
 from mrsfi_runtime.analysis.illustrations import evenly_spaced, illustrate
-from mrsfi_runtime.analysis.report import specification_rows, write_report
+from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
@@ -22,7 +22,7 @@ from tests.support.campaigns import (
     statistics,
     write_campaign,
 )
-from tests.support.drawing import table
+from tests.support.drawing import table, write_report
 from tests.support.search import pool_of
 from tests.support.world import paper_code
 from tests.tiers import slow

@@ -1,8 +1,7 @@
 import pytest
 
 from mrsfi_runtime.study import plots as study_plots
-from mrsfi_runtime.study.comparison import Comparison, compare
-from mrsfi_runtime.study.run_results import RunResult
+from mrsfi_runtime.study.comparison import Comparison, RunResult, compare
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
 from tests.tiers import slow
