@@ -27,7 +27,7 @@ from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.record.named_faults import NamedFault
-from mrsfi_runtime.record.observers import Event, Events, Kind
+from mrsfi_runtime.record.observers import Events
 from mrsfi_runtime.transport.topics import Topic
 
 Message: TypeAlias = dict[str, Any]
@@ -44,8 +44,8 @@ TRANSFORMS = Topic("/tf", "tf2_msgs/TFMessage")
 MAP = Topic("/mission_map", "visualization_msgs/MarkerArray")
 ROBOTS = Topic("/markers", "visualization_msgs/MarkerArray")
 
-_LEVELS: Mapping[Kind, int] = MappingProxyType(
-    {Kind.COMMAND: 10, Kind.FAULT: 30, Kind.COLLISION: 40, Kind.VERDICT: 40}
+_LEVELS: Mapping[str, int] = MappingProxyType(
+    {"command": 10, "fault": 30, "collision": 40, "verdict": 40}
 )
 """Severities of ``rcl_interfaces/Log``: DEBUG, WARN and ERROR."""
 
@@ -120,8 +120,8 @@ class Bag:
             if self._known.get(topic.name) != message:
                 self._known[topic.name] = message
                 yield topic, message
-        for event in self._events.at(world, verdicts):
-            yield LOG, _logged(time, event)
+        for kind, said in self._events.at(world, verdicts):
+            yield LOG, {"stamp": time, "level": _LEVELS[kind], "name": kind, "msg": said}
         yield TRANSFORMS, self._transforms(world, belief)
         yield ROBOTS, robot_markers(self._mission, self._faults, world, belief)
 
@@ -178,11 +178,6 @@ class Bag:
 def _of_belief(said: Said) -> Said:
     topic, message = said
     return Topic(f"/belief{topic.name}", topic.type), message
-
-
-def _logged(time: Message, event: Event) -> Message:
-    name, level = event.kind.value, _LEVELS[event.kind]
-    return {"stamp": time, "level": level, "name": name, "msg": str(event)}
 
 
 def stamped(tick: int, frame: str = "map") -> Message:

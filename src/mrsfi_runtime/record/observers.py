@@ -3,8 +3,6 @@
 import csv
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from enum import Enum
 from itertools import combinations, groupby
 from typing import TextIO
 
@@ -15,27 +13,6 @@ from mrsfi_runtime.kernel.packing import PROPERTIES
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
-
-
-class Kind(Enum):
-    """What an event is about."""
-
-    FAULT = "fault"
-    COMMAND = "command"
-    COLLISION = "collision"
-    VERDICT = "verdict"
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """What happens to something at a tick, in words."""
-
-    kind: Kind
-    subject: str
-    said: str
-
-    def __str__(self) -> str:
-        return f"{self.subject}: {self.said}"
 
 
 class Events:
@@ -61,46 +38,46 @@ class Events:
             subject: fact for _, subject, fact in self._judged(no_verdicts(len(mission.goals)))
         }
 
-    def at(self, world: State, verdicts: Verdicts) -> Iterator[Event]:
-        """Yield what happens at the next tick."""
+    def at(self, world: State, verdicts: Verdicts) -> Iterator[tuple[str, str]]:
+        """Yield what happens at the next tick, in words, each after what it is about."""
         yield from self._of_faults(world.mission.tick)
         for kind, subject, fact in (*self._facts(world), *self._judged(verdicts)):
             before = self._known.get(subject, fact)
             self._known[subject] = fact
             if before != fact:
-                yield Event(kind, subject, f"{before} -> {fact}")
+                yield kind, f"{subject}: {before} -> {fact}"
 
-    def _of_faults(self, tick: int) -> Iterator[Event]:
+    def _of_faults(self, tick: int) -> Iterator[tuple[str, str]]:
         for fault, tally in zip(self._faults, self._tallies, strict=True):
             what = f"fault {fault.fault.id} {fault.words}"
             if fault.window is None:
                 if tick == fault.timed.start:
-                    yield Event(Kind.FAULT, what, "is active at no tick")
+                    yield "fault", f"{what}: is active at no tick"
                 continue
             first, last = fault.window
             if tick == first:
                 values = f" with {fault.values}" if fault.values else ""
-                yield Event(Kind.FAULT, what, f"starts ({first} … {last}){values}")
+                yield "fault", f"{what}: starts ({first} … {last}){values}"
             if tick == tally.first_changed:
-                yield Event(Kind.FAULT, what, "first changes something")
+                yield "fault", f"{what}: first changes something"
             if tick == last:
-                yield Event(Kind.FAULT, what, "ends")
+                yield "fault", f"{what}: ends"
 
-    def _facts(self, world: State) -> Iterator[tuple[Kind, str, str]]:
+    def _facts(self, world: State) -> Iterator[tuple[str, str, str]]:
         """Yield what is worth an event when it changes, as subject and value."""
         mission = self._mission
         for index, robot in enumerate(mission.robots):
             command = world.commands[index]
             degrees = math.degrees(math.atan2(command.heading_y, command.heading_x)) % 360.0
-            yield Kind.COMMAND, f"{robot.id} speed", f"{world.robots[index].speed:g}"
-            yield Kind.COMMAND, f"{robot.id} heading", f"{degrees:.1f} degrees"
+            yield "command", f"{robot.id} speed", f"{world.robots[index].speed:g}"
+            yield "command", f"{robot.id} heading", f"{degrees:.1f} degrees"
         for k, sensor in enumerate(mission.sensors):
             is_on = world.sensors[k].active
-            yield Kind.COMMAND, f"{sensor.id} activation", "on" if is_on else "off"
+            yield "command", f"{sensor.id} activation", "on" if is_on else "off"
         for name, gap in self._gaps(world):
-            yield Kind.COLLISION, f"collision of {name}", "yes" if gap < 0.0 else "no"
+            yield "collision", f"collision of {name}", "yes" if gap < 0.0 else "no"
 
-    def _judged(self, verdicts: Verdicts) -> Iterator[tuple[Kind, str, str]]:
+    def _judged(self, verdicts: Verdicts) -> Iterator[tuple[str, str, str]]:
         """Yield what is said of each goal; before the first tick, nothing is violated or missed."""
         for index, goal in enumerate(self._mission.goal_ids):
             for what, flag in (
@@ -108,7 +85,7 @@ class Events:
                 ("believed violated", verdicts.is_believed[index]),
                 ("missed", verdicts.missed[index]),
             ):
-                yield Kind.VERDICT, f"{goal} {what}", "yes" if flag else "no"
+                yield "verdict", f"{goal} {what}", "yes" if flag else "no"
 
     def _gaps(self, world: State) -> Iterator[tuple[str, float]]:
         """Yield the gap between the discs of every two robots, and of robots and obstacles."""
@@ -184,7 +161,7 @@ class SimulationLog:
         for index, robot in enumerate(self._mission.robots):
             lines.append(f"  {robot.id} {self._robot(world, index)}")
         lines += self._mistaken(world, belief)
-        lines += (f"  event {event}" for event in self._events.at(world, verdicts))
+        lines += (f"  event {said}" for _, said in self._events.at(world, verdicts))
         self._stream.write("\n".join(lines) + "\n")
 
     def _robot(self, world: State, index: int) -> str:

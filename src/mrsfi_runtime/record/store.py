@@ -8,7 +8,7 @@ earlier one.
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from sqlite3 import Connection
@@ -24,8 +24,6 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
-
-_OUTCOME = (*encoding.COUNTS, "digest")
 
 _BATCH = 2000  # evaluations whose texts are held at once
 _FEW = 256  # generations that are: the state of a random generator is a long text
@@ -85,10 +83,7 @@ class RecordedFlight:
 
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, what came of it."""
-        if isinstance(self.found, FailedFlight):
-            found: Any = self.found.traceback
-        else:
-            found = {name: getattr(self.found, name) for name in _OUTCOME}
+        found = self.found.traceback if isinstance(self.found, FailedFlight) else asdict(self.found)
         text = encoding.specification_text(self.specification)
         return int(self.mission_seed), text, encoding.canonical([found])
 
@@ -100,7 +95,7 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(seed, known, FailedFlight(found))
-        if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
+        if rest or not isinstance(found, dict) or found.keys() != {*encoding.COUNTS, "digest"}:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
         return cls(seed, known, _outcome(encoding.COUNTS, counts, str(found["digest"])))

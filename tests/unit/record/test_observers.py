@@ -105,5 +105,5 @@ def test_a_new_heading_is_told_in_degrees_from_the_x_axis_on(x, y, told):
 
     (heading,) = events.at(after, verdicts)
 
-    assert heading.subject == "r2 heading"
-    assert heading.said.endswith(f"-> {told} degrees")
+    assert heading[1].startswith("r2 heading: ")
+    assert heading[1].endswith(f"-> {told} degrees")
