@@ -169,7 +169,7 @@ def test_a_long_recording_stays_out_of_memory():
 def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
     mission = engine.code.mission
     log, trace = StringIO(), StringIO()
-    observers = SimulationLog(mission, log, Events(mission)), TraceTable(mission, trace)
+    observers = SimulationLog(mission, log, Events(mission, (), ())), TraceTable(mission, trace)
 
     outcome = engine.evaluate(
         specifications(engine.code, 3)[2],

@@ -95,10 +95,7 @@ def mission_map(mission: Mission) -> Figure:
 
 
 def flight_map(story: Story) -> Figure:
-    """Draw where robots were, and where they were believed to be at ticks at which that differs.
-
-    The picture holds all places where robots were; what is believed outside it is counted.
-    """
+    """Draw where robots were, and where they were believed to be at ticks at which that differs."""
     wrong = (story.true != story.believed).any(axis=-1)
     is_many = bool(wrong.sum() > MANY_POINTS)
     mission, colours = story.mission, _colours(story.mission)

@@ -148,11 +148,7 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
 def whole_front(
     front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | None, n_left_out: int = 0
 ) -> Figure:
-    """Draw the front of a campaign over the cloud of all its evaluations (figure 11).
-
-    ``cloud`` holds the violations of the front's two goals, shape ``(n_points, 2)``, but for so
-    many distinct points that were left out.
-    """
+    """Draw the front of a campaign over the cloud of all its evaluations (figure 11)."""
     with drawing((7.6, 6.0)) as figure:
         axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front)
         points = sorted(set(cloud))

@@ -95,7 +95,11 @@ def write_report(  # noqa: PLR0913 - most have a default
                 flown = [*_fly(layout, summary, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with _writing(folder, "report"):
-                _write_evaluations(layout.tables / "evaluations.csv", summary, store)
+                listed = store.flown(every(summary.n_evaluations, MOST_LISTED))
+                table = evaluations_table("Evaluations", listed, summary.measure)
+                path = layout.tables / "evaluations.csv"
+                with path.open("w", encoding="utf-8", newline="") as file:
+                    write_csv(file, table.lines)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
                 captions = {each.name: each.table.title for each in shown}
@@ -237,12 +241,6 @@ def _write_figures(
     for each in shown:
         (layout.tables / f"{each.name}.csv").write_bytes(as_csv(each.table.lines))
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
-
-
-def _write_evaluations(path: Path, summary: Summary, store: CampaignStore) -> None:
-    flown = store.flown(every(summary.n_evaluations, MOST_LISTED))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        write_csv(file, evaluations_table("Evaluations", flown, summary.measure).lines)
 
 
 def _emptied(folder: Path, *patterns: str) -> None:

@@ -67,10 +67,7 @@ class Flights:
         self.n_flown[self._purpose] += n_flights
 
     def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
-        """Fly specifications all at once, as far as they are not known, with one seed or all.
-
-        If the mission's own code fails in one of them, that is an ``EvaluationError``.
-        """
+        """Fly what is not known yet, all at once, with one seed or all; a failure is an error."""
         wanted = tuple(dict.fromkeys(specifications))
         for one in self.mission_seeds if seed is None else (seed,):
             new = [each for each in wanted if (each, one) not in self._known]

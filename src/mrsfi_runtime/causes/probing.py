@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Broken, Known, form
+from mrsfi_runtime.causes.weakness import Broken, FaultSet, Known, form
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import varied_fault, varied_specification
@@ -99,18 +99,13 @@ class Probing:
         self._wishes[column] = wish or ()
         return None
 
-    def _drawn(self, column: Column) -> Specification:
-        """Draw a specification without a set that is known to break a column; maybe none."""
-        return varied_specification(
-            self._space,
-            self._n_faults,
-            self._rng,
-            lambda faults: not self._known.has_part_of(column, faults),
-        )
-
     def _probe(self, column: Column) -> _Probe:
+        def is_unknown(faults: FaultSet) -> bool:
+            return not self._known.has_part_of(column, faults)
+
+        space, most, rng = self._space, self._n_faults, self._rng
         while True:
-            drawn = self._given(column) or self._drawn(column)
+            drawn = self._given(column) or varied_specification(space, most, rng, is_unknown)
             if column not in (yield drawn):
                 self._known.n_kept[column] += 1
             else:

@@ -107,7 +107,11 @@ class Bag:
         yield CLOCK, {"clock": time}
         if tick == 0:
             yield MAP, map_markers(self._mission, [frame for frame, _ in self._frames])
-        yield from self._reported(world)
+        for index, topics in enumerate(self._robots):
+            if reports_position(world, index):
+                yield topics.position, point(_of(world.robots[index]))
+            yield topics.truth, {"data": true_values(world, index)}
+        yield from self._numbers(world)
         for index, topics in enumerate(self._robots):
             yield _of_belief((topics.position, point(_of(belief.robots[index]))))
         yield from map(_of_belief, self._numbers(belief))
@@ -124,13 +128,6 @@ class Bag:
             yield LOG, {"stamp": time, "level": _LEVELS[kind], "name": kind, "msg": said}
         yield TRANSFORMS, self._transforms(world, belief)
         yield ROBOTS, robot_markers(self._mission, self._faults, world, belief)
-
-    def _reported(self, world: State) -> Iterator[Said]:
-        for index, topics in enumerate(self._robots):
-            if reports_position(world, index):
-                yield topics.position, point(_of(world.robots[index]))
-            yield topics.truth, {"data": true_values(world, index)}
-        yield from self._numbers(world)
 
     def _numbers(self, state: State) -> Iterator[Said]:
         for robot, of_robot in zip(state.robots, self._robots, strict=True):

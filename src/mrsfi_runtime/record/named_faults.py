@@ -63,10 +63,7 @@ def named_faults(
     specification: Specification,
     names: Sequence[str] | None = None,
 ) -> tuple[NamedFault, ...]:
-    """Return the faults of a specification with what names them, in its order.
-
-    ``names`` are those of the timed faults; the IDs of the pool faults if left out.
-    """
+    """Return the faults of a specification; ``names`` are IDs of the pool if left out."""
     if names is None:
         names = [timed.fault for timed in specification]
     found = []

@@ -26,10 +26,7 @@ class Events:
     """
 
     def __init__(
-        self,
-        mission: Mission,
-        faults: Sequence[NamedFault] = (),
-        tallies: Sequence[FaultTally] = (),
+        self, mission: Mission, faults: Sequence[NamedFault], tallies: Sequence[FaultTally]
     ) -> None:
         self._mission = mission
         self._faults = faults

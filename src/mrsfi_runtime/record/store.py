@@ -163,10 +163,14 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
         Their indexes follow those stored; if one does not, nothing is stored (ValueError).
         """
+        text = encoding.canonical
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
             "failure": [_failure_row(failure) for failure in failures],
-            "generation": [_generation_row(generation) for generation in generations],
+            "generation": [
+                (each.index, text(each.statistics), text(each.population), each.random_state)
+                for each in generations
+            ],
         }
         with database.transaction(self.path, self._connection) as connection:
             _require_next("evaluation", rows["evaluation"], self.n_evaluations)
@@ -355,15 +359,6 @@ def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> Non
     for expected, row in enumerate(rows, first):
         if row[0] != expected:
             raise ValueError(f"found {what} {row[0]}; expected {expected} next")
-
-
-def _generation_row(generation: Generation) -> tuple[Any, ...]:
-    return (
-        int(generation.index),
-        encoding.canonical(dict(generation.statistics)),
-        encoding.canonical(generation.population),
-        generation.random_state,
-    )
 
 
 def _generation(row: tuple[Any, ...]) -> Generation:

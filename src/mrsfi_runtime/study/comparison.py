@@ -222,10 +222,7 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A number by which runs are compared.
-
-    ``sign`` is 1 where more is better, -1 where less is, and 0 of what is only told, not tested.
-    """
+    """A number of runs: more is better (``sign`` 1), or less (-1), or it is only told (0)."""
 
     name: str
     sign: int
@@ -280,10 +277,7 @@ class Comparison:
 
 
 def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
-    """Compare algorithms, in the order in which they are paired, by at least one run each.
-
-    All runs are on one mission, with one number of evaluations.
-    """
+    """Compare algorithms, in this order, by runs on one mission with one number of evaluations."""
     ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
     criteria = _criteria(ordered)
     values = {

@@ -153,7 +153,7 @@ def test_collisions_are_those_of_the_log():
     engine = ReferenceEngine(code, 3)
     for drawn in (1, 2):
         chosen, stream = specification(code, drawn), StringIO()
-        log = SimulationLog(code.mission, stream, Events(code.mission))
+        log = SimulationLog(code.mission, stream, Events(code.mission, (), ()))
         engine.evaluate(chosen, observer=log)
         told, tick = [], 0
         for line in stream.getvalue().splitlines():

@@ -223,7 +223,7 @@ def test_a_misplaced_obstacle_is_drawn_where_it_is_believed_to_be(engine, tmp_pa
     mission = engine.code.mission
     truth, belief, stream = initial_state(mission, SEED), initial_state(mission, SEED), BytesIO()
     belief.obstacles[1].x += 5.0
-    bag = Bag(mission, stream, (), Events(mission))
+    bag = Bag(mission, stream, (), Events(mission, (), ()))
     bag(truth, belief, no_verdicts(len(mission.goals)))
     bag.finish()
     (tmp_path / "b.mcap").write_bytes(stream.getvalue())
@@ -277,7 +277,7 @@ def test_ids_become_names_that_ros_allows(tmp_path):
     first, *others = mission.robots
     renamed = replace(mission, robots=(replace(first, id="Scout-1.a b"), *others))
     truth, stream = initial_state(mission, SEED), BytesIO()
-    bag = Bag(renamed, stream, (), Events(renamed))
+    bag = Bag(renamed, stream, (), Events(renamed, (), ()))
     bag(truth, truth, no_verdicts(len(mission.goals)))
     bag.finish()
     (tmp_path / "b.mcap").write_bytes(stream.getvalue())

@@ -19,7 +19,7 @@ def test_the_log_tells_what_is_so_from_the_first_tick_on():
     verdicts.is_true[0] = verdicts.missed[0] = verdicts.is_believed[2] = 1
     stream = StringIO()
 
-    SimulationLog(mission, stream, Events(mission))(world, world, verdicts)
+    SimulationLog(mission, stream, Events(mission, (), ()))(world, world, verdicts)
 
     events = [line for line in stream.getvalue().splitlines() if "event" in line]
     assert events == [
@@ -39,7 +39,9 @@ def test_the_log_shows_what_is_believed_beside_what_is_so():
     belief.obstacles[4].x, belief.obstacles[4].y = -1.0, 0.125
     stream = StringIO()
 
-    SimulationLog(mission, stream, Events(mission))(world, belief, no_verdicts(len(mission.goals)))
+    SimulationLog(mission, stream, Events(mission, (), ()))(
+        world, belief, no_verdicts(len(mission.goals))
+    )
 
     robot, obstacle = world.robots[1], world.obstacles[4]
     place = f"{robot.y:g} {robot.z:g}"
@@ -100,7 +102,7 @@ def test_a_new_heading_is_told_in_degrees_from_the_x_axis_on(x, y, told):
     mission = paper_mission()
     before, after = initial_state(mission, 1), initial_state(mission, 1)
     after.commands[1].heading_x, after.commands[1].heading_y = x, y
-    events, verdicts = Events(mission), no_verdicts(len(mission.goals))
+    events, verdicts = Events(mission, (), ()), no_verdicts(len(mission.goals))
     [*events.at(before, verdicts)]
 
     (heading,) = events.at(after, verdicts)

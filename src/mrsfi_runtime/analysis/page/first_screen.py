@@ -25,10 +25,7 @@ _MARKS = dict(zip(State, "×!!?✓", strict=True))
 def first_screen(
     summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
 ) -> dict[str, Any] | None:
-    """Return what is shown of a campaign; ``None`` where nobody looked for what breaks goals.
-
-    ``next_of`` says what to do next about a way to break a goal: commands by what they do.
-    """
+    """Return what is shown of a campaign, if anybody looked; ``next_of`` has commands by aim."""
     known, mission, pool = summary.harvest, summary.mission, summary.pool
     if known is None:
         return None
