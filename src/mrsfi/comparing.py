@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -160,5 +160,5 @@ def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResul
 
         search(campaign, evaluator, note)
         result = measure_run(store, campaign.mission, spent + monotonic() - began)
-        store.keep(_RESULT, canonical(result.as_json()))
+        store.keep(_RESULT, canonical(asdict(result)))
     return result

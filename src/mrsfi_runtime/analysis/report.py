@@ -75,10 +75,9 @@ def write_report(  # noqa: PLR0913 - most have a default
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
-    Every file of an earlier report is replaced or removed. What the page shows is flown by
-    ``record``; where that fails, the page says why. ``show`` is given what the report says once all
-    but the page and the figures is written; these are finished whatever becomes of it. A ``ratio``
-    is one to pick by, such as ``g3:g1=2:1``. With ``latex``, ``report.tex`` and PDFs come with it.
+    Every file of an earlier report goes. What the page shows is flown by ``record``; where that
+    fails, the page says why. ``show`` is given what the report says once all but the page and the
+    figures is written; these are finished whatever becomes of it. A ``ratio`` is one to pick by.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:

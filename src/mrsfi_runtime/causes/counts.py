@@ -44,7 +44,6 @@ class Flights:
         mission_seeds: tuple[int, ...],
     ) -> None:
         kinds = tuple(dict.fromkeys((measure.kind, "true")))
-        self.measure = measure
         self.mission_seeds = mission_seeds
         self.columns = tuple(Column(goal, kind) for goal in measure.chosen for kind in kinds)
         self.n_flown: Counter[str] = Counter()

@@ -40,11 +40,9 @@ class GoalCauses:
 class Explanation:
     """Why a specification breaks goals.
 
-    ``simplest`` is the simplest form of the cause set, with its counts and what flying it finds in
-    the first mission seed; ``minima`` are the different cause sets that shuffled orders gave;
-    ``goals`` say what each goal's own violations are due to. ``alone`` and ``left_out`` are counts
-    under each fault alone, and under all but it; ``attribution`` shares them among the cause set.
-    ``n_flown`` says how many flights each part took.
+    ``simplest`` is the simplest form of the cause set, flown in the first mission seed; ``minima``
+    are the different sets that shuffled orders gave; ``alone`` and ``left_out`` are counts under
+    each fault alone, and under all but it; ``n_flown`` are the flights that each part took.
     """
 
     cause: Cause

@@ -18,11 +18,7 @@ from mrsfi_runtime.record.named_faults import NamedFault
 class Events:
     """Tells what happens in a flight, tick by tick from the first.
 
-    That is the first and the last tick at which a fault is active, and the first at which it
-    changes something; changes of speed, heading and activation, the beginning and end of collisions
-    and goal violations (true ones, and whether they are believed), and that a goal is from now on
-    certain to be missed. ``tallies`` say what each fault does, and are filled before the first
-    tick.
+    ``tallies`` say what each fault does, and are filled before the first tick.
     """
 
     def __init__(

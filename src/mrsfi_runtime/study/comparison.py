@@ -78,13 +78,9 @@ class RunResult:
             (value for place, value in self.improvements if place <= n_evaluations), default=0.0
         )
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the result as values of JSON."""
-        return asdict(self)
-
     @classmethod
     def from_text(cls, text: str) -> Self:
-        """Return the result that ``as_json`` described, from its JSON text."""
+        """Return the result of which a JSON text has all fields."""
         return cls(**{key: _frozen(value) for key, value in object_from_text(text).items()})
 
 
@@ -354,7 +350,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             for measure, by_algorithm in comparison.quartiles.items()
         },
         "tests": [test.as_json() for test in comparison.tests],
-        "runs": [run.as_json() | {"best_fitness": run.best_fitness} for run in comparison.runs],
+        "runs": [asdict(run) | {"best_fitness": run.best_fitness} for run in comparison.runs],
     }
 
 

@@ -1,3 +1,5 @@
+from dataclasses import asdict
+
 import pytest
 
 from mrsfi_runtime.study import plots as study_plots
@@ -75,7 +77,7 @@ def test_without_a_hypervolume_the_fitness_stands_alone():
 
 def test_where_no_run_broke_a_goal_no_goals_are_drawn():
     calm = run("paper", 1, 0.0)
-    nothing = RunResult(**{**calm.as_json(), "at_once": (None,), "together": (None,)})
+    nothing = RunResult(**{**asdict(calm), "at_once": (None,), "together": (None,)})
 
     names = [name for name, _ in study_plots.illustrate(compare(("paper",), [nothing]))]
 
