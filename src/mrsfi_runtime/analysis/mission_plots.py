@@ -75,13 +75,8 @@ def mission_map(mission: Mission) -> Figure:
         far.add_patch(
             Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
         )
-        reach = radius * 1.08
-        far.set(
-            xlim=(centre.x - reach, centre.x + reach),
-            ylim=(centre.y - reach, centre.y + reach),
-            aspect="equal",
-            anchor="NW",
-        )
+        _look_at(far, (centre.x, centre.y, radius * 1.08), "")
+        far.set(anchor="NW", xlabel="", ylabel="")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
         far.xaxis.set_major_locator(whole_numbers(4))

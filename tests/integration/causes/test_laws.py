@@ -8,9 +8,8 @@ from math import comb
 
 import pytest
 
-from mrsfi_runtime.causes.attribution import attribute
 from mrsfi_runtime.causes.counts import Flights
-from mrsfi_runtime.causes.explanation import explain
+from mrsfi_runtime.causes.explanation import attribute, explain
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
