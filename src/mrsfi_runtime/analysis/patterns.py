@@ -125,19 +125,11 @@ def find_patterns(
         for kind in {pool[timed.fault].type for timed in specification}
     )
     n_top = in_top.total()
-    patterns = [
-        TypePattern(
-            type=kind,
-            n_occurrences=in_top[kind],
-            n_specifications=containing[kind],
-            share=_share(in_top, kind),
-            pool_share=_share(in_pool, kind),
-            campaign_share=_share(in_campaign, kind),
-            pool_expected=n_top * _share(in_pool, kind),
-            campaign_expected=n_top * _share(in_campaign, kind),
-        )
-        for kind in in_pool
-    ]
+    patterns = []
+    for kind in in_pool:
+        shares = [_share(counts, kind) for counts in (in_top, in_pool, in_campaign)]
+        expected = [n_top * share for share in shares[1:]]
+        patterns.append(TypePattern(kind, in_top[kind], containing[kind], *shares, *expected))
     return tuple(sorted(patterns, key=lambda pattern: (-pattern.n_occurrences, pattern.type)))
 
 

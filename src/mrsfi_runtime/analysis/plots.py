@@ -219,8 +219,8 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
 def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
     """Draw which values and windows of faults break a goal."""
     with drawing((7.2, 4.8)) as figure:
-        axes = figure.add_subplot()
-        axes.set_title(title)
+        axes = figure.add_subplot(title=title, xlabel="ticks at work")
+        axes.set_ylabel("values off, % of their range")
         for is_broken, colour, words in ((False, SAND, "kept"), (True, ORANGE, "broken")):
             points = [each for each in tried if each.is_broken is is_broken]
             axes.scatter(
@@ -230,8 +230,6 @@ def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
                 color=colour,
                 label=f"{words}, {len(points)}",
             )
-        axes.set_xlabel("ticks at work")
-        axes.set_ylabel("values off, % of their range")
         legend_below(figure)
     return figure
 

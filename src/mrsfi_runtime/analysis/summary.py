@@ -40,15 +40,12 @@ N_TOP = 10
 class Summary:
     """What a campaign found.
 
-    ``name`` is that of the mission, ``place`` where it lies in its project, ``semantics`` the
-    version of the world's rules. ``top`` are the most critical distinct specifications, at most
-    ten, the worst first, with the ``faults`` of each and the ways that it ``contained``.
-    ``harvest`` is ``None`` if nobody looked for ``ways``, which stand in the order of their
-    numbers; ``verdicts`` are of the goals, ``said`` is their headline and what stands out;
-    ``sentences`` say by number what each fault of some did. ``front`` is over the goals that
-    settings or ratio choose and over what is minimised, ``None`` if that is fewer than two;
-    ``harm`` is the front of harm against what is minimised. ``patterns`` are fault types in the
-    top, ``guilty`` those in the ways.
+    ``name`` is that of the mission, ``place`` where it lies in its project. ``top`` are the most
+    critical distinct specifications, at most ten, the worst first, with the ``faults`` of each and
+    the ways that it ``contained``. ``harvest`` is ``None`` if nobody looked for ``ways``; ``said``
+    is the headline of ``verdicts`` and what stands out; ``sentences`` say by number what each fault
+    of some ways did. ``front`` is ``None`` if it is over fewer than two. ``patterns`` are fault
+    types in the top, ``guilty`` those in the ways.
     """
 
     folder: Path

@@ -33,7 +33,9 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
             targets[named.name] = named.target
             row = cells.setdefault(named.name, {})
             if len(way.faults) == 1:
-                row[way.goal] = _share(way)
+                share = f"{100 * way.shown.share:.0f}%"
+                is_believed = way.shown.column.kind == MEASURES[0]
+                row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_unseen
             else:
                 row.setdefault(way.goal, "joint")
     goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
@@ -69,13 +71,8 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
         shares[way.shown.column.kind] += "*" * way.is_unseen
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
-        head: tuple[Cell, ...] = (
-            way.number,
-            way.goal,
-            *map(shares.get, MEASURES),
-            way.shown.since,
-            seeds,
-        )
+        by = map(shares.get, MEASURES)
+        head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
             told = named.target, named.values
@@ -127,14 +124,6 @@ def broken_by(way: Way) -> str:
     """Return in sentences by what a goal is broken, and from what on if that is known."""
     least = f" {way.mildest.sentence}." if way.mildest else ""
     return f"Broken by {verdict(way)}.{least}"
-
-
-def _share(way: Way) -> str:
-    shown = way.shown
-    share = f"{100 * shown.share:.0f}%"
-    if shown.column.kind == MEASURES[0]:
-        return f"({share})"
-    return f"{share}*" if way.is_unseen else share
 
 
 class FailureMode(NamedTuple):

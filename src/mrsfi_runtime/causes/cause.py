@@ -33,10 +33,9 @@ class Cause:
     """What a specification's violations are due to.
 
     ``places`` are the cause set: the faults without which the violations would not be. ``counts``
-    are under all faults, ``fault_free`` under none, ``kept`` under the cause set, all by
-    ``columns``; ``outcome`` is what flying the cause set finds, and ``chains`` what each of its
-    faults changes first, against the set without it, both in the first mission seed. ``robustness``
-    says what each count under the cause set is in ``N_SEEDS`` mission seeds, from the first one on.
+    are under all faults, ``fault_free`` under none, ``kept`` under the set, all by ``columns``. Of
+    the set are ``outcome`` and ``chains``, in the first mission seed, and ``robustness``, in
+    ``N_SEEDS`` of them.
     """
 
     specification: Specification

@@ -53,10 +53,9 @@ _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 class Harvest:
     """What is known of a campaign, of its first mission seed.
 
-    ``weaknesses`` have the number of mission seeds in which they hold; ``n_flights`` were taken for
-    them after the search, beside those for ``mildest`` forms, which are of what is the least that
-    breaks each goal. ``outcomes`` are of what was flown for it, unless it failed; ``yardstick`` is
-    what goals are judged by, ``None`` if nothing is known yet.
+    ``n_flights`` were taken for ``weaknesses`` after the search, beside those for the ``mildest``
+    form of the least that breaks each goal. ``outcomes`` are of what did not fail; ``yardstick`` is
+    ``None`` if nothing is known yet.
     """
 
     known: Known
@@ -106,8 +105,7 @@ def harvest(
 
     Of a campaign that was interrupted here, only what is missing is flown. ``on_flown`` is told
     what is known, how many flights were taken until now, and how many it may take. If the mission's
-    own code fails without faults, that is an ``EvaluationError``; if somebody who flies is gone,
-    what was flown before is kept.
+    own code fails without faults, that is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:

@@ -136,10 +136,7 @@ def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> flo
         return None
     if not front:
         return 0.0
-    shares = [
-        [(value + 1) / (most + 1) for value, most in zip(point, best, strict=True)]
-        for point in front
-    ]
+    shares = (np.array(front) + 1) / (np.array(best) + 1)
     return float(hypervolume(shares, ref=[0.0] * len(best), maximise=True))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
-from mrsfi_runtime.analysis.illustrations import evenly_spaced, illustrate
+from mrsfi_runtime.analysis.illustrations import illustrate
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
@@ -89,13 +89,6 @@ def focused(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_campaign(folder, settings=FOCUS)
     write_report(folder, CODE.mission, CODE.pool, write, ratio="g3:g1=2:1")
     return folder
-
-
-@pytest.mark.parametrize(
-    ("n", "expected"), [(0, ()), (1, (0,)), (5, (0, 1, 2, 3, 4)), (51, (0, 12, 25, 37, 50))]
-)
-def test_generations_are_evenly_spaced(n, expected):
-    assert evenly_spaced(n, 5) == expected
 
 
 def evaluations_of(folder: Path) -> list:

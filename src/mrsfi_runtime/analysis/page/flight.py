@@ -110,9 +110,7 @@ def stride(mission: Mission, n_flights: int) -> int:
 def _flight(
     mission: Mission, recording: Recording, steps: dict[str, float], stride: int
 ) -> dict[str, Any]:
-    kept = [*range(0, mission.duration, stride)]
-    if kept[-1] != mission.duration - 1:
-        kept.append(mission.duration - 1)
+    kept = sorted({*range(0, mission.duration, stride), mission.duration - 1})
     packed = {}
     for name in _SERIES:
         true, believed = (
