@@ -70,10 +70,7 @@ class Columns:
         return self.violations[:, [self.goals.index(goal) for goal in goals]]
 
     def top(self, n: int) -> tuple[int, ...]:
-        """Return the ``n`` most critical distinct evaluations, or all if there are fewer.
-
-        Of two with the same fitness the earlier one comes first.
-        """
+        """Return the ``n`` most critical distinct evaluations, or all; of equals the first."""
         ranked = np.argsort(-self.fitness[self.distinct], kind="stable")
         return tuple(self.distinct[ranked[:n]].tolist())
 

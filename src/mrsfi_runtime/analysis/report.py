@@ -1,10 +1,6 @@
 """Writes what a campaign found into its folder: specifications, figures, tables, report.
 
 A way to break a goal is also drawn by itself: its flight in time and in space.
-
-References
-----------
-Source paper, section V, figures 5 to 12.
 """
 
 import json

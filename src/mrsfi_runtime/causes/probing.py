@@ -2,11 +2,7 @@
 
 First each fault is flown alone, in varied forms: most weaknesses are one fault. Then come random
 specifications, for each goal by each measure, without a set that is known to break that; what
-breaks it nevertheless is reduced to a minimal one. Every flight is judged for all goals.
-
-References
-----------
-The reduction is ddmin, see ``cause_set``.
+breaks it nevertheless is reduced to a minimal one, by ddmin. Every flight is judged for all goals.
 """
 
 from collections.abc import Callable, Generator, Iterator

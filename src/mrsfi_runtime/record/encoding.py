@@ -1,8 +1,4 @@
-"""Canonical JSON text of what a campaign stores: same value, same bytes, and back bit for bit.
-
-Floats are written as their shortest exact decimal form, so that reading gives the very
-same IEEE-754 bits.
-"""
+"""Canonical JSON text of what a campaign stores: same value, same bytes, and back bit for bit."""
 
 import json
 import re

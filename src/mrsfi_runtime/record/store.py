@@ -202,10 +202,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def stored(
         self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
     ) -> Iterator[T]:
-        """Yield what the first evaluations have in some columns, some thousand at a time.
-
-        What ``decode`` refuses with a ValueError or TypeError is damaged.
-        """
+        """Yield what the first evaluations have in some columns, decoded, thousands at a time."""
         query = f"SELECT {database.quoted(columns)} FROM evaluation"
         n_read = 0
         for rows in self._batches(query, range(n)):
