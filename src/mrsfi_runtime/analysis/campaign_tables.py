@@ -210,8 +210,8 @@ def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
 def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
     """Return evaluations with what came of each goal; several objectives in one cell.
 
-    They are read one after the other. The counts are those of the first mission seed. A cell is
-    empty where a goal was not missed since any tick, or an older record does not say.
+    The counts are those of the first mission seed. A cell is empty where a goal was not missed
+    since any tick, or an older record does not say.
     """
     counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")

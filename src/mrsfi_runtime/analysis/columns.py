@@ -46,7 +46,8 @@ class Columns:
         measure.require(goals)
         n, n_read = store.n_evaluations, 0
         names, decoded = _decoding(measure, goals)
-        fitness, violations = np.empty(n), np.empty((n, len(goals)), _type(measure))
+        kind = np.float64 if measure.n_seeds > 1 else np.int64  # means are no whole numbers
+        fitness, violations = np.empty(n), np.empty((n, len(goals)), kind)
         costs, keys = np.empty(n, np.int64), np.empty(n, np.uint64)
         is_first, known = np.zeros(n, bool), np.empty(0, np.uint64)
         tried: Counter[str] = Counter()
@@ -85,11 +86,6 @@ def top(store: CampaignStore, measure: Measure, n: int) -> tuple[Evaluation, ...
     return tuple(store.evaluation(index) for index in Columns.read(store, measure).top(n))
 
 
-def _type(measure: Measure) -> type[np.generic]:
-    """Return what violations are numbers of: means are no whole ones."""
-    return np.float64 if measure.n_seeds > 1 else np.int64
-
-
 def _decoding(
     measure: Measure, goals: Sequence[str]
 ) -> tuple[tuple[str, ...], Callable[[Sequence[Sequence[Any]]], tuple[Any, ...]]]:
@@ -111,7 +107,7 @@ def _decoding(
                 if counts
                 else [each[1:] for each in fitness]
             )
-            table = np.array(found, _type(measure))
+            table = np.array(found, np.float64 if is_mean else np.int64)
             violations = table.reshape(len(faults), len(recorded))[:, places]
         costs = [*map(len, faults)] if measure.minimised == "faults" else fault_ticks
         ranked_by = np.array([float(first) for first, *_ in fitness])

@@ -125,8 +125,7 @@ def flight_map(story: Story) -> Figure:
             keys.append(_key("x", "collision", mew=2, color=INK))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
-            words = f"believed outside the picture: {n_outside} robot-ticks"
-            keys.append(_key("", words))
+            keys.append(_key("", f"believed outside the picture: {n_outside} robot-ticks"))
         legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure

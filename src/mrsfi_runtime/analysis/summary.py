@@ -104,7 +104,9 @@ def summarise(
     """Return what the campaign in a folder found so far, and its evaluations."""
     measure = Measure.of(store.settings, mission)
     wanted = None if ratio is None else parse_ratio(ratio)
-    goals = _front_goals(store.settings, wanted)
+    goals = store.settings.goals
+    if len(goals) < (1 if measure.minimised else 2):
+        goals = () if wanted is None else wanted.goals
     harmed = measure.chosen if measure.minimised else ()
     looked_at = (*goals, *(() if wanted is None else wanted.goals), *harmed)
     columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
@@ -187,12 +189,6 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
     }
-
-
-def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str, ...]:
-    if len(settings.goals) >= (1 if settings.minimise else 2):
-        return settings.goals
-    return () if wanted is None else wanted.goals
 
 
 def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio) -> Pick:

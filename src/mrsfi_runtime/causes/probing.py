@@ -7,7 +7,6 @@ breaks it nevertheless is reduced to a minimal one, by ddmin. Every flight is ju
 
 from collections.abc import Callable, Generator, Iterator
 from random import Random
-from typing import TypeAlias
 
 from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
@@ -20,8 +19,6 @@ N_ALONE = 10
 """Forms in which each fault is flown alone before several are flown together."""
 
 _N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
-
-_Probe: TypeAlias = Generator[Specification, Broken, None]
 
 
 class Probing:
@@ -95,7 +92,7 @@ class Probing:
         self._wishes[column] = wish or ()
         return None
 
-    def _probe(self, column: Column) -> _Probe:
+    def _probe(self, column: Column) -> Generator[Specification, Broken, None]:
         def is_unknown(faults: FaultSet) -> bool:
             return not self._known.has_part_of(column, faults)
 
@@ -107,7 +104,9 @@ class Probing:
             else:
                 yield from self._reduced(column, drawn)
 
-    def _reduced(self, column: Column, broken: Specification) -> _Probe:
+    def _reduced(
+        self, column: Column, broken: Specification
+    ) -> Generator[Specification, Broken, None]:
         """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
         faults = tuple(dict.fromkeys(timed.fault for timed in broken))
         trials = reduction(tuple(range(len(faults))))

@@ -38,10 +38,8 @@ def specification(rows: Iterable[Any]) -> Specification:
     """Return the specification whose text has such rows; a ValueError if none."""
     try:
         return tuple(
-            [
-                plain(TimedFault(fault, start, finish, tuple(values)))
-                for fault, start, finish, values in rows
-            ]
+            plain(TimedFault(fault, start, finish, tuple(values)))
+            for fault, start, finish, values in rows
         )
     except (SpecificationError, TypeError) as error:
         raise ValueError(f"{error}") from error

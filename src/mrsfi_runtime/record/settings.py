@@ -226,8 +226,7 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
     for key, value in table.items():
         if key not in _RULES:
             raise UsageError(f"{where} found unknown key '{key}'; {expected(key, _RULES)}")
-        rule = _RULES[key]
-        values[key] = _kept(rule, f"{where} {key}", value)
+        values[key] = _kept(_RULES[key], f"{where} {key}", value)
     return values
 
 

@@ -52,7 +52,6 @@ class RunResult:
     goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for one or another of
     those so far. ``hypervolume`` is the share of the possible that the front reaches, 0 … 1, see
     ``front_volume``; ``front_size`` counts its different vectors. ``seconds`` are wall time.
-    ``digest`` is over all evaluations, as in the report of the same search by itself.
     """
 
     algorithm: str
@@ -224,10 +223,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class PairTest:
-    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first does better.
-
-    ``holm_p_value`` is adjusted for all pairs on this measure.
-    """
+    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first is better."""
 
     measure: str
     first: str
