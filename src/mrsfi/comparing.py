@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -23,9 +23,8 @@ from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.folder import CampaignFolder, file_hashes, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.comparison import Comparison, RunResult, as_json, compare, measure_run
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import RunResult, measure_run
 
 _DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""
@@ -161,5 +160,5 @@ def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResul
 
         search(campaign, evaluator, note)
         result = measure_run(store, campaign.mission, spent + monotonic() - began)
-        store.keep(_RESULT, canonical(result.as_json()))
+        store.keep(_RESULT, canonical(asdict(result)))
     return result

@@ -96,7 +96,7 @@ class Flight:
 
     def write_gif(self, path: Path | str) -> None:
         """Write it as an animated picture, for a pull request or slides."""
-        from mrsfi_runtime.analysis.animation import flight_gif  # noqa: PLC0415 - likewise
+        from mrsfi_runtime.analysis.mission_plots import flight_gif  # noqa: PLC0415 - likewise
 
         with whole_file(Path(path)) as file:
             file.write(flight_gif(self._story()))

@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.model.mission import Mission as Model
     from mrsfi_runtime.model.outcome import Evaluated
     from mrsfi_runtime.search.run import CampaignProgress
-    from mrsfi_runtime.study.comparison import Comparison
-    from mrsfi_runtime.study.run_results import RunResult
+    from mrsfi_runtime.study.comparison import Comparison, RunResult
 
 
 def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":

@@ -16,7 +16,6 @@ from mrsfi_runtime.analysis.weaknesses import verdict
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
-from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
@@ -315,4 +314,4 @@ def _why(
     if cause is None or not cause.places:
         return ("without any of its faults, the violations are there as well",)
     names = [fault.id for fault in engine.code.pool]
-    return sentences(cause, named_faults(mission, engine.code.pool, specification, names))
+    return cause.sentences(named_faults(mission, engine.code.pool, specification, names))

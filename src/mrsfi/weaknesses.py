@@ -11,10 +11,15 @@ from types import MappingProxyType
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi.engines import Choice, Tell, Workers, flying
-from mrsfi_runtime.analysis import fault_tree, fmea
+from mrsfi_runtime.analysis import fault_tree
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.table import as_csv
-from mrsfi_runtime.analysis.weaknesses import goal_in_words
+from mrsfi_runtime.analysis.weaknesses import (
+    failure_modes,
+    goal_in_words,
+    modes_as_csv,
+    modes_as_markdown,
+)
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
@@ -28,7 +33,7 @@ from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
 
-FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
+FMEA = MappingProxyType({".csv": modes_as_csv, ".md": modes_as_markdown})
 FAULT_TREES = MappingProxyType(
     {".xml": fault_tree.as_open_psa, ".txt": fault_tree.as_pfta, ".pft": fault_tree.as_pfta}
 )
@@ -192,7 +197,7 @@ def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, pat
     """
     write = FMEA[require_format(path, FMEA)]
     mission = campaign.store.manifest.mission or campaign.mission.name
-    modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
+    modes = failure_modes(campaign.mission, campaign.pool, found, record)
     with whole_file(path) as file:
         file.write(write(mission, modes))
 

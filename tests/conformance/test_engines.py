@@ -15,9 +15,8 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import limits
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
@@ -170,7 +169,7 @@ def test_a_long_recording_stays_out_of_memory():
 def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
     mission = engine.code.mission
     log, trace = StringIO(), StringIO()
-    observers = SimulationLog(mission, log, Events(mission)), TraceTable(mission, trace)
+    observers = SimulationLog(mission, log, Events(mission, (), ())), TraceTable(mission, trace)
 
     outcome = engine.evaluate(
         specifications(engine.code, 3)[2],

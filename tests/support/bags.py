@@ -5,9 +5,9 @@ from io import BytesIO
 
 from rosbags.highlevel import AnyReader
 
-from mrsfi_runtime.record.bag.writer import Bag
-from mrsfi_runtime.record.events import Events
+from mrsfi_runtime.record.bag import Bag
 from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import Events
 
 
 def bagged(engine, specification):

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.study.comparison import Comparison, compare
+from mrsfi_runtime.study.comparison import Comparison, RunResult, compare, measure_run
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import RunResult, measure_run
 from tests.support.campaigns import generations_of_evaluations, store_of
 from tests.support.search import paper_mission
 

@@ -10,12 +10,12 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.table import Cell, Table
+from mrsfi_runtime.analysis.table import Cell, Table, in_words
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Area, Goal, Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Goal, GoalDisc, Mission
 from mrsfi_runtime.model.outcome import COUNTED, TOLD, Outcome
-from mrsfi_runtime.record.measure import MISSED_FROM, NONE, UNKNOWN, Measure, missed_from, ticks
-from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, NamedFault, fault_rows
+from mrsfi_runtime.record.measure import NONE, UNKNOWN, Measure, ticks
+from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation, Flown
 
@@ -31,29 +31,32 @@ COUNTS = (
 MOST_LISTED = 100_000
 """Evaluations that ``evaluations.csv`` lists, at most."""
 
+_MISSED_FROM = "missed from"
+
 
 def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
     """Return what happened to each goal, in model order."""
     counted = [name for name in COUNTED if name != "missed"]
     counts = [getattr(outcome, name) for name in counted]
-    since = outcome.missed_since(mission.duration) or [UNKNOWN] * len(mission.goals)
+    since = _missed_from(outcome, mission.duration)
     found = zip(mission.goals, zip(*counts, since, strict=True), outcome.samples, strict=True)
     rows = [(goal.id, goal.task.name, *cells, _samples(goal, n)) for goal, cells, n in found]
     words = ("goal", "task")
-    return Table(title, (*words, *counted, MISSED_FROM, "samples"), rows, words, is_compact=True)
+    return Table(title, (*words, *counted, _MISSED_FROM, "samples"), rows, words, is_compact=True)
 
 
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
     """Return what ``goal_table`` shows, for scripts."""
     told = outcome.told(mission.duration) | {"samples": outcome.samples}
     return [
-        {
-            "id": goal.id,
-            "task": goal.task.name,
-            **{name: counts[index] for name, counts in told.items()},
-        }
-        for index, goal in enumerate(mission.goals)
+        {"id": goal.id, "task": goal.task.name, **dict(zip(told, counts, strict=True))}
+        for goal, *counts in zip(mission.goals, *told.values(), strict=True)
     ]
+
+
+def _missed_from(outcome: Outcome, duration: int) -> Sequence[Cell]:
+    """Return from which tick on each goal was certain to be missed; an older record says ``?``."""
+    return outcome.missed_since(duration) or [UNKNOWN] * len(outcome.true)
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
@@ -62,17 +65,17 @@ def _samples(goal: Goal, n_samples: int) -> str:
 
 
 def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> Table:
-    """Return what each timed fault of a specification is, and what it did.
-
-    Where that does not fit, targets stand above values.
-    """
-    rows = fault_rows(faults, outcome)
-    words = (*FAULT_COLUMNS[:2], *FAULT_COLUMNS[-2:])
-    told = "\n".join(FAULT_COLUMNS[-2:])
-    stacked = [(*row[:-2], "\n".join(row[-2:]).removesuffix(f"\n{NONE}")) for row in rows]
-    columns = (*FAULT_COLUMNS[:-2], told)
-    narrow = Table(title, columns, stacked, words, (told,), is_compact=True)
-    return Table(title, FAULT_COLUMNS, rows, words, is_compact=True, narrow=narrow)
+    """Return what each timed fault of a specification is, and at how many ticks it did what."""
+    names, texts = ("fault", "type", "start", "finish", "applied", "changed"), ("target", "values")
+    rows, stacked = [], []
+    for each, n_applied, n_changed in zip(faults, outcome.applied, outcome.changed, strict=True):
+        window = (each.timed.start, each.timed.finish)
+        head = (each.name, each.fault.type, *window, n_applied, n_changed)
+        rows.append((*head, each.target, each.values or NONE))
+        stacked.append((*head, "\n".join(filter(None, (each.target, each.values)))))
+    words, told = (*names[:2], *texts), "\n".join(texts)
+    narrow = Table(title, (*names, told), stacked, words, (told,), is_compact=True)
+    return Table(title, (*names, *texts), rows, words, is_compact=True, narrow=narrow)
 
 
 def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[str, Any]]:
@@ -113,7 +116,7 @@ def critical_table(
 
 def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
     """Return the goals that a line says something of: ``g3:509 g5:915``; ``?`` if it cannot."""
-    nothing = {NONE, UNKNOWN} if name == MISSED_FROM else {NONE, "0", "0.00"}
+    nothing = {NONE, UNKNOWN} if name == _MISSED_FROM else {NONE, "0", "0.00"}
     pairs = zip(goals, cells, strict=True)
     named = " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing)
     return named or (UNKNOWN if UNKNOWN in cells else "none")
@@ -122,7 +125,6 @@ def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
 def _violation_lines(
     measure: Measure, evaluation: Evaluation
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield what came of each goal, by what it says."""
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
@@ -132,7 +134,8 @@ def _violation_lines(
         )
     yield "believed", tuple(map(str, evaluation.outcome.believed))
     yield "true", tuple(map(str, evaluation.outcome.true))
-    yield MISSED_FROM, missed_from(evaluation.outcome, measure.duration)
+    since = _missed_from(evaluation.outcome, measure.duration)
+    yield _MISSED_FROM, tuple(map(in_words, since))
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:
@@ -147,22 +150,14 @@ def _fault_counts(pool: FaultPool, specification: Specification) -> str:
 
 def map_table(title: str, mission: Mission) -> Table:
     """Return everything with a place in the mission, in distance units."""
-
-    def row(kind: str, identifier: str, name: str, area: Area) -> tuple[Cell, ...]:
-        return kind, identifier, name, area.center.x, area.center.y, area.radius
-
-    rows = [
-        row("mission area", mission.area.id, mission.name, mission.area),
-        *(
-            ("robot", each.id, each.name, each.position.x, each.position.y, 1.0)
-            for each in mission.robots
-        ),
-        *(row("obstacle", each.id, "", each.area) for each in mission.obstacles),
-        *(
-            ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
-            for disc in mission.goal_discs
-        ),
+    area, obstacles, discs = mission.area, mission.obstacles, mission.goal_discs
+    places: list[tuple[str, str, str, Coordinates | GoalDisc, float]] = [
+        ("mission area", area.id, mission.name, area.center, area.radius),
+        *(("robot", each.id, each.name, each.position, ROBOT_RADIUS) for each in mission.robots),
+        *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),
+        *(("goal area", disc.goal.id, disc.goal.name, disc, disc.radius) for disc in discs),
     ]
+    rows = [(kind, of, name, at.x, at.y, radius) for kind, of, name, at, radius in places]
     return Table(title, ("kind", "id", "name", "x", "y", "radius"), rows)
 
 
@@ -215,8 +210,8 @@ def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
 def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
     """Return evaluations with what came of each goal; several objectives in one cell.
 
-    They are read one after the other. The counts are those of the first mission seed. A cell is
-    empty where a goal was not missed since any tick, or an older record does not say.
+    The counts are those of the first mission seed. A cell is empty where a goal was not missed
+    since any tick, or an older record does not say.
     """
     counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")

@@ -21,9 +21,6 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""
 
-Keys: TypeAlias = NDArray[np.uint64]
-"""Hashes of specifications."""
-
 
 @dataclass(frozen=True, slots=True)
 class Columns:
@@ -41,18 +38,16 @@ class Columns:
     costs: NDArray[np.int64]
     distinct: Rows
     tried: Counter[str]
-    _keys: Keys
+    _keys: NDArray[np.uint64]
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
-        """Read the evaluations of a campaign, some thousand at a time, for goals by their IDs.
-
-        A goal whose violations the record lacks is a ``UsageError``.
-        """
+        """Read the evaluations of a campaign, for goals by their IDs that the record has."""
         measure.require(goals)
         n, n_read = store.n_evaluations, 0
         names, decoded = _decoding(measure, goals)
-        fitness, violations = np.empty(n), np.empty((n, len(goals)), _type(measure))
+        kind = np.float64 if measure.n_seeds > 1 else np.int64  # means are no whole numbers
+        fitness, violations = np.empty(n), np.empty((n, len(goals)), kind)
         costs, keys = np.empty(n, np.int64), np.empty(n, np.uint64)
         is_first, known = np.zeros(n, bool), np.empty(0, np.uint64)
         tried: Counter[str] = Counter()
@@ -76,10 +71,7 @@ class Columns:
         return self.violations[:, [self.goals.index(goal) for goal in goals]]
 
     def top(self, n: int) -> tuple[int, ...]:
-        """Return the ``n`` most critical distinct evaluations, or all if there are fewer.
-
-        Of two with the same fitness the earlier one comes first.
-        """
+        """Return the ``n`` most critical distinct evaluations, or all; of equals the first."""
         ranked = np.argsort(-self.fitness[self.distinct], kind="stable")
         return tuple(self.distinct[ranked[:n]].tolist())
 
@@ -94,24 +86,17 @@ def top(store: CampaignStore, measure: Measure, n: int) -> tuple[Evaluation, ...
     return tuple(store.evaluation(index) for index in Columns.read(store, measure).top(n))
 
 
-def _type(measure: Measure) -> type[np.generic]:
-    """Return what violations are numbers of: means are no whole ones."""
-    return np.float64 if measure.n_seeds > 1 else np.int64
-
-
 def _decoding(
     measure: Measure, goals: Sequence[str]
 ) -> tuple[tuple[str, ...], Callable[[Sequence[Sequence[Any]]], tuple[Any, ...]]]:
-    """Return which columns of a store are read, and what decodes some rows of them.
-
-    It returns faults, texts of timed faults, fitness, violations and costs.
-    """
+    """Return which columns of a store are read, and what decodes some rows of them."""
     is_mean = measure.n_seeds > 1
     recorded = measure.chosen if is_mean else measure.goals
     places = [recorded.index(goal) for goal in goals]
     counted = () if is_mean or not goals else (measure.kind,)
 
     def decoded(stored: Sequence[Sequence[Any]]) -> tuple[Any, ...]:
+        """Return faults, texts of timed faults, fitness, violations and costs."""
         specifications, fitness_texts, fault_ticks, *counts = stored
         faults, texts = zip(*map(encoding.fault_texts, specifications), strict=True)
         fitness = encoding.lists(fitness_texts)
@@ -122,7 +107,7 @@ def _decoding(
                 if counts
                 else [each[1:] for each in fitness]
             )
-            table = np.array(found, _type(measure))
+            table = np.array(found, np.float64 if is_mean else np.int64)
             violations = table.reshape(len(faults), len(recorded))[:, places]
         costs = [*map(len, faults)] if measure.minimised == "faults" else fault_ticks
         ranked_by = np.array([float(first) for first, *_ in fitness])
@@ -131,7 +116,9 @@ def _decoding(
     return ("specification", "fitness", "fault_ticks", *counted), decoded
 
 
-def _met(known: Keys, keys: Keys) -> tuple[Keys, list[int]]:
+def _met(
+    known: NDArray[np.uint64], keys: NDArray[np.uint64]
+) -> tuple[NDArray[np.uint64], list[int]]:
     """Return all keys that were met, ascending, and where those stand that were not before."""
     new, first = np.unique(keys, return_index=True)
     places = np.searchsorted(known, new)

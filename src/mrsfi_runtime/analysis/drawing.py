@@ -15,7 +15,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self, TypeAlias
 
 
@@ -62,10 +61,7 @@ def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> Figur
 
 
 class DrawingProcess:
-    """A process that draws what it is asked to; it ends with the ``with`` block, or this one.
-
-    Figures ``ahead`` it draws before they are asked for.
-    """
+    """A process that draws, first what is ``ahead``; it ends with the ``with`` block."""
 
     def __init__(self, *ahead: Drawing) -> None:
         self._ahead = ahead
@@ -83,12 +79,7 @@ class DrawingProcess:
         self._ready = [(drawing, self._begin(drawing)) for drawing in self._ahead]
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
+    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
         if self._process is not None:
             if error is not None:
@@ -111,7 +102,6 @@ class DrawingProcess:
         return finish
 
     def _found(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        """Return what was drawn ahead, or begin to draw."""
         ready = (files for known, files in self._ready if known == drawing)
         return next(ready, None) or self._begin(drawing)
 

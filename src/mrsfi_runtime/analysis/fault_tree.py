@@ -9,6 +9,7 @@ Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``,
 
 import re
 from collections.abc import Iterable, Sequence
+from itertools import chain, count
 from textwrap import fill
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
@@ -30,28 +31,8 @@ _OF_PFTA = (
 )
 
 
-class _Names:
-    """Gives out names of ASCII letters, digits, ``_`` and ``-`` that differ in any case."""
-
-    def __init__(self) -> None:
-        self._taken: set[str] = set()
-
-    def of(self, *words: str) -> str:
-        """Return a name made of words, numbered if it is taken: ``g2-f9``, ``g2-f9-2``."""
-        stem = "-".join(re.sub(r"\W", "_", word, flags=re.ASCII) for word in words)[:100]
-        name, number = stem, 1
-        while name.lower() in self._taken:
-            number += 1
-            name = f"{stem}-{number}"
-        self._taken.add(name.lower())
-        return name
-
-
 def cut_sets(found: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
-    """Return the sets of faults that truly break a goal or let it be missed, small ones first.
-
-    None of them contains another one, whichever of both measures it breaks.
-    """
+    """Return the least sets of faults that break a goal truly or let it be missed, by size."""
     real = {way.faults for way in found if way.goal == goal and way.shown.column.kind != "believed"}
     least = (faults for faults in real if not any({*other} < {*faults} for other in real))
     return sorted(least, key=lambda faults: (len(faults), faults))
@@ -70,14 +51,24 @@ def _trees(
     mission: Mission, pool: FaultPool, found: Sequence[Way]
 ) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
     """Return the gates of each goal, its own first; name and label of the faults below them."""
-    names, sets = _Names(), {goal.id: cut_sets(found, goal.id) for goal in mission.goals}
-    tops = {goal: names.of(goal) for goal in sets if sets[goal]}
+    taken: set[str] = set()
+
+    def named(*words: str) -> str:
+        """Return a name of ASCII letters, digits, ``_`` and ``-`` that none has in any case."""
+        stem = "-".join(re.sub(r"\W", "_", word, flags=re.ASCII) for word in words)[:100]
+        names = chain([stem], (f"{stem}-{number}" for number in count(2)))
+        name = next(each for each in names if each.lower() not in taken)
+        taken.add(name.lower())
+        return name
+
+    sets = {goal.id: cut_sets(found, goal.id) for goal in mission.goals}
+    tops = {goal: named(goal) for goal in sets if sets[goal]}
     used = {fault for some in sets.values() for faults in some for fault in faults}
-    event = {fault.id: names.of(fault.id) for fault in pool if fault.id in used}
+    event = {fault.id: named(fault.id) for fault in pool if fault.id in used}
     trees = []
     for goal in (each for each in mission.goals if each.id in tops):
         below = {
-            event[faults[0]] if len(faults) == 1 else names.of(goal.id, *faults): faults
+            event[faults[0]] if len(faults) == 1 else named(goal.id, *faults): faults
             for faults in sets[goal.id]
         }
         label = printable(f"{goal.name} ({goal.id}): truly violated or missed")

@@ -6,8 +6,8 @@ Source paper, section III-A, step 6, section III-D, equation (3), and section V,
 """
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import atan2
 from typing import Any
 
@@ -27,10 +27,7 @@ _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NU
 
 @dataclass(frozen=True, slots=True)
 class FrontPoint:
-    """A non-dominated specification: its evaluation and its violations of the chosen goals.
-
-    ``cost`` is how much it has of what the front has few of; 0 if of nothing.
-    """
+    """A non-dominated specification: its evaluation, its violations, and how much it costs."""
 
     evaluation: int
     violations: tuple[float, ...]
@@ -67,12 +64,6 @@ class Ratio:
         return "{}:{}={:g}:{:g}".format(*self.goals, *self.parts)
 
 
-def non_dominated(vectors: Iterable[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
-    """Return the distinct vectors that no other dominates, in ascending order; more is better."""
-    ordered = sorted(set(vectors))
-    return tuple(ordered[place] for place in _undominated(np.array(ordered))) if ordered else ()
-
-
 def _undominated(vectors: NDArray[Any]) -> list[int]:
     """Return which of distinct vectors in ascending order no other dominates."""
     # Whoever dominates another has no smaller sum, and of equal ones (by rounding) comes later.
@@ -86,11 +77,7 @@ def _undominated(vectors: NDArray[Any]) -> list[int]:
 
 def _earliest(vectors: NDArray[Any]) -> NDArray[np.intp]:
     """Return the first row of each vector, the vectors in ascending order."""
-    order = np.lexsort(vectors.T[::-1])
-    ordered = vectors[order]
-    is_first = np.ones(len(order), bool)
-    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    return order[is_first]
+    return np.unique(vectors, axis=0, return_index=True)[1]
 
 
 def find_front(
@@ -121,8 +108,7 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
     Of more than ten thousand the smallest of each cell of a grid is drawn, whose cells are a 200th
     of the range of each goal: what is drawn of a point covers its cell.
     """
-    found = vectors[_earliest(vectors)]
-    shown = found
+    shown = found = np.unique(vectors, axis=0)
     if len(found) > _MOST_DRAWN:
         least, most = found.min(axis=0), found.max(axis=0)
         cells = (found - least) * _N_CELLS // np.maximum(most - least, 1)
@@ -132,11 +118,7 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
 
 @dataclass(frozen=True, slots=True)
 class Harm:
-    """The most harm that was found with at most so many faults, or ticks of faults.
-
-    Most violated goals and most violations of all looked at goals together, each with its
-    evaluation.
-    """
+    """The most harm with at most so many faults, or ticks of faults, each with its evaluation."""
 
     cost: int
     n_violated: int
@@ -156,37 +138,25 @@ def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
     n_violated = (counts > 0).sum(axis=1)
     violations = np.fromiter((sum(row.tolist()) for row in counts), counts.dtype, len(counts))
     found: dict[int, Harm] = {}
-    harm: Harm | None = None
-    for place in np.flatnonzero(_is_more(n_violated) | _is_more(violations)):
-        cost, index = int(columns.costs[rows[place]]), int(rows[place])
-        new = Harm(cost, int(n_violated[place]), index, violations[place].item(), index)
-        harm = found[cost] = new if harm is None else _more(new, harm)
+    is_wider, is_greater = is_more(n_violated), is_more(violations)
+    for place in np.flatnonzero(is_wider | is_greater):
+        if is_wider[place]:
+            widest = int(n_violated[place]), int(rows[place])
+        if is_greater[place]:
+            most = violations[place].item(), int(rows[place])
+        cost = int(columns.costs[rows[place]])
+        found[cost] = Harm(cost, *widest, *most)
     return tuple(found.values())
 
 
-def _is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
+def is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
     """Return which values are greater than all before; the first is."""
-    is_more = np.ones(len(values), bool)
-    is_more[1:] = values[1:] > np.maximum.accumulate(values)[:-1]
-    return is_more
-
-
-def _more(new: Harm, known: Harm) -> Harm:
-    """Return the later harm, with what the one before it did more of, or as much."""
-    if known.n_violated >= new.n_violated:
-        new = replace(new, n_violated=known.n_violated, n_violated_by=known.n_violated_by)
-    if known.violations >= new.violations:
-        new = replace(new, violations=known.violations, violations_by=known.violations_by)
-    return new
+    return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: len(values)]
 
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """The point of a front that comes nearest to a wanted ratio.
-
-    ``None`` if no specification violates a goal of the ratio; ``goals`` are those of the front, in
-    the order of the point's violations.
-    """
+    """The point of a front over ``goals`` nearest to a ratio; ``None`` if none violates them."""
 
     ratio: Ratio
     point: FrontPoint | None
@@ -229,18 +199,13 @@ def parse_ratio(text: str) -> Ratio:
     )
 
 
-def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
+def nearest_ratio(front: Front, ratio: Ratio) -> FrontPoint | None:
     """Return the point of the front that comes nearest to a ratio (paper, section V, RQ3).
 
     Nearest is the smallest angle between the two goals' violations and the two parts of the ratio,
     as vectors; of equal angles the point with more violations of the two goals. Points that violate
-    neither goal have no ratio: ``None`` if all are such. A ratio over other goals than the front's
-    is a ``UsageError``.
+    neither goal have no ratio: ``None`` if all are such.
     """
-    ratio = parse_ratio(wanted) if isinstance(wanted, str) else wanted
-    if not set(ratio.goals) <= set(front.goals):
-        chosen = ", ".join(front.goals) or "none"
-        raise UsageError(f"found ratio '{ratio}'; expected two of the front's goals: {chosen}")
     first, second = (front.goals.index(goal) for goal in ratio.goals)
     direction = atan2(ratio.parts[1], ratio.parts[0])
 

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from mrsfi_runtime.analysis.campaign_tables import (
     front_table,
     harm_table,
@@ -29,10 +31,7 @@ N_GENERATION_FRONTS = 5
 
 
 class Illustration(NamedTuple):
-    """A figure and the numbers behind it, whose title is its caption.
-
-    ``name`` is the stem of their files.
-    """
+    """A figure and the numbers behind it, with its caption as title, by the stem of their files."""
 
     name: str
     drawing: Drawing
@@ -80,13 +79,6 @@ def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
         "focused": f"{measure.words} of {goals}, ticks",
     }
     return f"fitness ({known.get(name, name)}{measure.means})"
-
-
-def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
-    """Return up to ``n_wanted`` of ``0 … n - 1`` with the first, the last and equal steps."""
-    if n <= n_wanted:
-        return tuple(range(n))
-    return tuple(step * (n - 1) // (n_wanted - 1) for step in range(n_wanted))
 
 
 def _fitness(summary: Summary) -> Iterator[Illustration]:
@@ -138,10 +130,10 @@ def _fronts(
 def _generation_fronts(
     measure: Measure, columns: Columns, store: CampaignStore, goals: Sequence[str]
 ) -> dict[int, Front]:
-    """Return the fronts of evenly spaced generations' populations, by generation."""
     populated = store.populated()
+    evenly = np.linspace(0, len(populated) - 1, N_GENERATION_FRONTS).astype(int).tolist()
     fronts = {}
-    for place in evenly_spaced(len(populated), N_GENERATION_FRONTS):
+    for place in dict.fromkeys(evenly) if populated else ():
         generation = store.generation(populated[place])
         assert generation is not None
         rows = columns.distinct_among(generation.population)

@@ -146,7 +146,6 @@ def _top(summary: Summary) -> Iterator[str]:
 
 
 def _weaknesses(summary: Summary) -> Iterator[str]:
-    """Yield what breaks which goal, if anybody looked."""
     if summary.harvest is None:
         return
     mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.said

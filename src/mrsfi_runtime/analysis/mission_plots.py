@@ -7,11 +7,15 @@ Source paper, section V, figure 5.
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import fill
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -29,13 +33,14 @@ from mrsfi_runtime.analysis.plots import (
     ROCK,
     SERIES,
     SOFT,
+    STYLE,
     TRUE,
     drawing,
     legend_below,
     name_rows,
     whole_numbers,
 )
-from mrsfi_runtime.analysis.story import Story, seen, working_window
+from mrsfi_runtime.analysis.story import Story, seen, windows, working_window
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
 Place: TypeAlias = tuple[float, float]
@@ -44,10 +49,10 @@ _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_LABELS = 12  # of the map of a flight
 _MOST_ROUNDS = 60  # of parting labels
-_BELIEVED: Mapping[str, Any] = MappingProxyType({"s": 5, "alpha": 0.45, "lw": 0, "zorder": 1.8})
-_COLLISION: Mapping[str, Any] = MappingProxyType(
-    {"marker": "x", "s": 60, "lw": 2, "color": INK, "zorder": 3.2}
-)
+_N_FRAMES = 100
+_PER_SECOND = 12
+_GIF_DPI = 72
+_TRAIL = 20  # frames of a robot's way that are seen behind it
 _TRAJECTORY: Mapping[str, Any] = MappingProxyType(
     {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 )
@@ -70,13 +75,8 @@ def mission_map(mission: Mission) -> Figure:
         far.add_patch(
             Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
         )
-        reach = radius * 1.08
-        far.set(
-            xlim=(centre.x - reach, centre.x + reach),
-            ylim=(centre.y - reach, centre.y + reach),
-            aspect="equal",
-            anchor="NW",
-        )
+        _look_at(far, (centre.x, centre.y, radius * 1.08), "")
+        far.set(anchor="NW", xlabel="", ylabel="")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
         far.xaxis.set_major_locator(whole_numbers(4))
@@ -90,10 +90,7 @@ def mission_map(mission: Mission) -> Figure:
 
 
 def flight_map(story: Story) -> Figure:
-    """Draw where robots were, and where they were believed to be at ticks at which that differs.
-
-    The picture holds all places where robots were; what is believed outside it is counted.
-    """
+    """Draw where robots were, and where they were believed to be at ticks at which that differs."""
     wrong = (story.true != story.believed).any(axis=-1)
     is_many = bool(wrong.sum() > MANY_POINTS)
     mission, colours = story.mission, _colours(story.mission)
@@ -108,7 +105,8 @@ def flight_map(story: Story) -> Figure:
             colour = colours[robot.id]
             axes.plot(*story.true[:, k].T, color=colour, lw=1.6, zorder=2.4)
             spots = story.believed[wrong[:, k], k]
-            axes.scatter(spots[:, 0], spots[:, 1], color=colour, rasterized=is_many, **_BELIEVED)
+            style: dict[str, Any] = {"color": colour, "alpha": 0.45, "lw": 0, "zorder": 1.8}
+            axes.scatter(spots[:, 0], spots[:, 1], 5, rasterized=is_many, **style)
             x, y = story.true[-1, k]
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
@@ -122,24 +120,56 @@ def flight_map(story: Story) -> Figure:
         ]
         if story.collisions:
             met = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
-            axes.scatter(*met.T, **_COLLISION)
+            x, y = met.T
+            axes.scatter(x, y, s=60, color=INK, marker="x", lw=2, zorder=3.2)
             keys.append(_key("x", "collision", mew=2, color=INK))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
-            words = f"believed outside the picture: {n_outside} robot-ticks"
-            keys.append(_key("", words))
+            keys.append(_key("", f"believed outside the picture: {n_outside} robot-ticks"))
         legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
 
 
-def mission_axes(story: Story) -> tuple[Figure, Axes]:
-    """Return a figure of the mission alone, around all places where robots were in a flight."""
+def flight_gif(story: Story) -> bytes:
+    """Return where robots were (filled) and were believed to be (rings), as a GIF."""
     with drawing((8.2, 8.2)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
         _look_at(axes, seen(story.mission, story.true), fill(story.title, 70))
-    return figure, axes
+    n_ticks, n_robots, _ = story.true.shape
+    colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
+    (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
+    ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
+    trail = _TRAIL * max(1, n_ticks // _N_FRAMES)
+    with TemporaryDirectory() as folder, rc_context(STYLE):
+        trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
+        believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
+        true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
+        told = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
+        path = Path(folder) / "flight.gif"
+        FigureCanvasAgg(figure)
+        writer = PillowWriter(fps=_PER_SECOND)
+        with writer.saving(figure, path, _GIF_DPI):
+            for tick in ticks.tolist():
+                for k, line in enumerate(trails):
+                    line.set_data(*story.true[max(0, tick - trail) : tick + 1, k].T)
+                true.set_offsets(story.true[tick])
+                believed.set_offsets(story.believed[tick])
+                told.set_text(_said(story, tick))
+                writer.grab_frame()
+        return path.read_bytes()
+
+
+def _said(story: Story, tick: int) -> str:
+    """Return what is so at a tick: faults at work, and goals that are violated."""
+    now = [so for *so, first, last in windows(story) if first <= tick <= last]
+    active = [name for kind, name, _ in now if kind == "fault"]
+    broken = [name for kind, name, what in now if (kind, what) == ("goal", "truly violated")]
+    parts = [f"tick {tick}"]
+    parts += [f"{', '.join(active)} at work"] if active else []
+    parts += [f"{', '.join(broken)} truly violated"] if broken else []
+    return "   ".join(parts)
 
 
 def flight_timeline(story: Story) -> Figure:

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import erfc, sqrt
+from operator import itemgetter
 from statistics import linear_regression
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -61,16 +62,8 @@ def find_trend(generations: Iterable[Generation]) -> Trend:
     continuity (the Mann-Kendall test). That is rough below some ten generations, and generations of
     one search are not independent: read it as a description, not a proof.
     """
-    rows = tuple(
-        GenerationFitness(
-            generation.index,
-            generation.statistics["mean"],
-            generation.statistics["std"],
-            generation.statistics["max"],
-            generation.statistics["min"],
-        )
-        for generation in generations
-    )
+    of = itemgetter("mean", "std", "max", "min")
+    rows = tuple(GenerationFitness(each.index, *of(each.statistics)) for each in generations)
     means = [row.mean for row in rows]
     slope, intercept = 0.0, sum(means, 0.0)
     if len(rows) > 1:
@@ -132,19 +125,11 @@ def find_patterns(
         for kind in {pool[timed.fault].type for timed in specification}
     )
     n_top = in_top.total()
-    patterns = [
-        TypePattern(
-            type=kind,
-            n_occurrences=in_top[kind],
-            n_specifications=containing[kind],
-            share=_share(in_top, kind),
-            pool_share=_share(in_pool, kind),
-            campaign_share=_share(in_campaign, kind),
-            pool_expected=n_top * _share(in_pool, kind),
-            campaign_expected=n_top * _share(in_campaign, kind),
-        )
-        for kind in in_pool
-    ]
+    patterns = []
+    for kind in in_pool:
+        shares = [_share(counts, kind) for counts in (in_top, in_pool, in_campaign)]
+        expected = [n_top * share for share in shares[1:]]
+        patterns.append(TypePattern(kind, in_top[kind], containing[kind], *shares, *expected))
     return tuple(sorted(patterns, key=lambda pattern: (-pattern.n_occurrences, pattern.type)))
 
 

@@ -95,10 +95,7 @@ def rendered(figure: Figure, suffixes: Iterable[str] = (".png", ".svg")) -> dict
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
-    """Draw mean fitness per generation with its deviation and trend (figures 6 and 8).
-
-    Of more than two thousand generations every so-manyth is drawn.
-    """
+    """Draw mean fitness of each generation, or each so-manyth, and its trend (figures 6, 8)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
@@ -118,10 +115,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
 
 
 def best_fitness(trend: Trend, label: str) -> Figure:
-    """Draw the best fitness per generation, and so far (figures 7 and 9).
-
-    Of more than two thousand generations the best of every so many is drawn.
-    """
+    """Draw the best fitness per generation, or of so many, and so far (figures 7 and 9)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
@@ -154,11 +148,7 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
 def whole_front(
     front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | None, n_left_out: int = 0
 ) -> Figure:
-    """Draw the front of a campaign over the cloud of all its evaluations (figure 11).
-
-    ``cloud`` holds the violations of the front's two goals, shape ``(n_points, 2)``, but for so
-    many distinct points that were left out.
-    """
+    """Draw the front of a campaign over the cloud of all its evaluations (figure 11)."""
     with drawing((7.6, 6.0)) as figure:
         axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front)
         points = sorted(set(cloud))
@@ -229,8 +219,8 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
 def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
     """Draw which values and windows of faults break a goal."""
     with drawing((7.2, 4.8)) as figure:
-        axes = figure.add_subplot()
-        axes.set_title(title)
+        axes = figure.add_subplot(title=title, xlabel="ticks at work")
+        axes.set_ylabel("values off, % of their range")
         for is_broken, colour, words in ((False, SAND, "kept"), (True, ORANGE, "broken")):
             points = [each for each in tried if each.is_broken is is_broken]
             axes.scatter(
@@ -240,8 +230,6 @@ def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
                 color=colour,
                 label=f"{words}, {len(points)}",
             )
-        axes.set_xlabel("ticks at work")
-        axes.set_ylabel("values off, % of their range")
         legend_below(figure)
     return figure
 

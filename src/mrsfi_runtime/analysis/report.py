@@ -1,10 +1,6 @@
 """Writes what a campaign found into its folder: specifications, figures, tables, report.
 
 A way to break a goal is also drawn by itself: its flight in time and in space.
-
-References
-----------
-Source paper, section V, figures 5 to 12.
 """
 
 import json
@@ -27,8 +23,8 @@ from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
-from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError
+from mrsfi_runtime.engine.recording import Record
+from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -61,17 +57,13 @@ class Shown(NamedTuple):
     figures: Sequence[Path]
 
 
-def _unflown(_: Specification) -> Recording:
-    raise EvaluationError("Nothing was flown again.")
-
-
 def write_report(  # noqa: PLR0913 - most have a default
     folder: Path,
     mission: Mission,
     pool: FaultPool,
     write_specification: SpecificationWriter,
     *,
-    record: Record = _unflown,
+    record: Record,
     ratio: str | None = None,
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
@@ -79,10 +71,9 @@ def write_report(  # noqa: PLR0913 - most have a default
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
-    Every file of an earlier report is replaced or removed. What the page shows is flown by
-    ``record``; where that fails, the page says why. ``show`` is given what the report says once all
-    but the page and the figures is written; these are finished whatever becomes of it. A ``ratio``
-    is one to pick by, such as ``g3:g1=2:1``. With ``latex``, ``report.tex`` and PDFs come with it.
+    Every file of an earlier report goes. What the page shows is flown by ``record``; where that
+    fails, the page says why. ``show`` is given what the report says once all but the page and the
+    figures is written; these are finished whatever becomes of it. A ``ratio`` is one to pick by.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
@@ -99,7 +90,11 @@ def write_report(  # noqa: PLR0913 - most have a default
                 flown = [*_fly(layout, summary, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with _writing(folder, "report"):
-                _write_evaluations(layout.tables / "evaluations.csv", summary, store)
+                listed = store.flown(every(summary.n_evaluations, MOST_LISTED))
+                table = evaluations_table("Evaluations", listed, summary.measure)
+                path = layout.tables / "evaluations.csv"
+                with path.open("w", encoding="utf-8", newline="") as file:
+                    write_csv(file, table.lines)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
                 captions = {each.name: each.table.title for each in shown}
@@ -173,7 +168,6 @@ def _fly(
 
 
 def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
-    """Return what flies a way again."""
     seed = str(summary.settings.mission_seed)
     path = str(_witness(layout, way))
     return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
@@ -242,13 +236,6 @@ def _write_figures(
     for each in shown:
         (layout.tables / f"{each.name}.csv").write_bytes(as_csv(each.table.lines))
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
-
-
-def _write_evaluations(path: Path, summary: Summary, store: CampaignStore) -> None:
-    """Write what came of each evaluation, or of each so many-th."""
-    flown = store.flown(every(summary.n_evaluations, MOST_LISTED))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        write_csv(file, evaluations_table("Evaluations", flown, summary.measure).lines)
 
 
 def _emptied(folder: Path, *patterns: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.analysis.table import Table, every
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 
@@ -66,14 +66,12 @@ def story_of(
     title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording
 ) -> Story:
     """Return what figures tell of a recorded flight."""
-    true, believed = (places(recording, side) for side in ("world", "belief"))
+    true, believed = (
+        np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
+        for side in SIDES
+    )
     met = tuple(collisions(mission, true))
     return Story(title, mission, tuple(faults), judged(recording), met, true, believed)
-
-
-def places(recording: Recording, side: str) -> Places:
-    """Return where robots were in the world, or in belief, shape ``(n_ticks, n_robots, 2)``."""
-    return np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
 
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
@@ -124,10 +122,7 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
 
 
 def working_window(mission: Mission) -> tuple[float, float, float]:
-    """Return the square around all robots' starts, obstacles and goal areas, with a margin.
-
-    It is centre x, centre y and half width, in distance units.
-    """
+    """Return x, y and half width of the square around robots' starts, obstacles and goal areas."""
     discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
     discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
     discs += [
@@ -141,10 +136,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
 
 
 def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
-    """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
-
-    It is centre x, centre y and half width, in distance units.
-    """
+    """Return the same of the square around these and around places, shape ``(…, 2)``."""
     x, y, half = working_window(mission)
     reach = float(np.abs(places - (x, y)).max())
     return x, y, max(half, reach * 1.05)

@@ -40,15 +40,12 @@ N_TOP = 10
 class Summary:
     """What a campaign found.
 
-    ``name`` is that of the mission, ``place`` where it lies in its project, ``semantics`` the
-    version of the world's rules. ``top`` are the most critical distinct specifications, at most
-    ten, the worst first, with the ``faults`` of each and the ways that it ``contained``.
-    ``harvest`` is ``None`` if nobody looked for ``ways``, which stand in the order of their
-    numbers; ``verdicts`` are of the goals, ``said`` is their headline and what stands out;
-    ``sentences`` say by number what each fault of some did. ``front`` is over the goals that
-    settings or ratio choose and over what is minimised, ``None`` if that is fewer than two;
-    ``harm`` is the front of harm against what is minimised. ``patterns`` are fault types in the
-    top, ``guilty`` those in the ways.
+    ``name`` is that of the mission, ``place`` where it lies in its project. ``top`` are the most
+    critical distinct specifications, at most ten, the worst first, with the ``faults`` of each and
+    the ways that it ``contained``. ``harvest`` is ``None`` if nobody looked for ``ways``; ``said``
+    is the headline of ``verdicts`` and what stands out; ``sentences`` say by number what each fault
+    of some ways did. ``front`` is ``None`` if it is over fewer than two. ``patterns`` are fault
+    types in the top, ``guilty`` those in the ways.
     """
 
     folder: Path
@@ -107,7 +104,9 @@ def summarise(
     """Return what the campaign in a folder found so far, and its evaluations."""
     measure = Measure.of(store.settings, mission)
     wanted = None if ratio is None else parse_ratio(ratio)
-    goals = _front_goals(store.settings, wanted)
+    goals = store.settings.goals
+    if len(goals) < (1 if measure.minimised else 2):
+        goals = () if wanted is None else wanted.goals
     harmed = measure.chosen if measure.minimised else ()
     looked_at = (*goals, *(() if wanted is None else wanted.goals), *harmed)
     columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
@@ -167,21 +166,18 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "digest": summary.digest,
         "best": ranked[0] if ranked else None,
         "top": ranked,
-        "weaknesses": _weaknesses(summary),
-        "front": _front(summary.front),
+        "weaknesses": summary.harvest and _weaknesses(summary, summary.harvest),
+        "front": summary.front and _front(summary.front),
         "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
-        "pick": _picked(summary.pick),
+        "pick": summary.pick and _picked(summary.pick),
         "trend": asdict(summary.trend),
         "patterns": [asdict(pattern) for pattern in summary.patterns],
     }
 
 
-def _weaknesses(summary: Summary) -> dict[str, Any] | None:
-    """Return the ways in which goals break; ``None`` if nobody looked."""
-    if summary.harvest is None:
-        return None
+def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
     return {
-        "n_flown": summary.harvest.n_flights,
+        "n_flown": known.n_flights,
         "found": [
             each
             | {
@@ -193,12 +189,6 @@ def _weaknesses(summary: Summary) -> dict[str, Any] | None:
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
     }
-
-
-def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str, ...]:
-    if len(settings.goals) >= (1 if settings.minimise else 2):
-        return settings.goals
-    return () if wanted is None else wanted.goals
 
 
 def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio) -> Pick:
@@ -229,9 +219,7 @@ def _ranked(
     }
 
 
-def _front(front: Front | None) -> dict[str, Any] | None:
-    if front is None:
-        return None
+def _front(front: Front) -> dict[str, Any]:
     return {
         "goals": list(front.goals),
         "points": [
@@ -245,9 +233,7 @@ def _front(front: Front | None) -> dict[str, Any] | None:
     }
 
 
-def _picked(pick: Pick | None) -> dict[str, Any] | None:
-    if pick is None:
-        return None
+def _picked(pick: Pick) -> dict[str, Any]:
     point = pick.point
     return {
         "ratio": str(pick.ratio),

@@ -10,8 +10,6 @@ from typing import Any, TextIO, TypeAlias
 from mrsfi_runtime.record.measure import NONE
 
 Cell: TypeAlias = str | int | float | None
-Rows: TypeAlias = list[tuple[Cell, ...]]
-"""Lines of a table: the first row names the columns."""
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 

@@ -39,16 +39,14 @@ class State(IntEnum):
 _STATES = dict(
     zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
 )
-_WORDS: Mapping[State, str] = MappingProxyType(
-    {
-        State.FAILS: "fails",
-        State.VIOLATED: "is violated",
-        State.BROKEN_ANYWAY: "is violated without any fault",
-        State.FALSE_ALARM: "is only believed broken",
-        State.HOLDS: "is broken by nothing that was found",
-    }
+_WORDS = (
+    "fails",
+    "is violated",
+    "is violated without any fault",
+    "is only believed broken",
+    "is broken by nothing that was found",
 )
-
+"""What stands for each state in a sentence."""
 
 _DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
     {
@@ -134,10 +132,14 @@ def _verdict(
     if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
         state = State.BROKEN_ANYWAY
     cause = heard = ""
+    sure: tuple[str, ...] = ()
     if state is State.BROKEN_ANYWAY:  # not by what it would break
         cause = starvation(mission, goal)
     elif way is not None:
         cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown)
+    if way is not None:
+        seeds = f"{way.shown.n_held}/{way.shown.n_seeds} seeds"
+        sure = seeds, f"{100 * way.shown.share:.0f} % of forms"
     return GoalVerdict(
         goal=goal.id,
         name=mission.name_of(goal),
@@ -147,7 +149,7 @@ def _verdict(
         n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
         cause=cause,
         noticed=heard,
-        sure=() if way is None else _sure(way.shown),
+        sure=sure,
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )
 
@@ -159,12 +161,6 @@ def _is_broken_anyway(known: Harvest, goal: str) -> bool:
         most > 0 and column.goal == goal and column.kind != MEASURES[0]
         for column, most in zip(yardstick.columns, yardstick.most, strict=True)
     )
-
-
-def _sure(weakness: Weakness) -> tuple[str, str]:
-    """Say in how many mission seeds a weakness holds, and in how many of its forms."""
-    seeds = f"{weakness.n_held}/{weakness.n_seeds} seeds"
-    return seeds, f"{100 * weakness.share:.0f} % of forms"
 
 
 def noticed(weakness: Weakness) -> str:

@@ -1,15 +1,21 @@
 """What breaks which goal at the least, as people and scripts read of it."""
 
+import math
 from collections.abc import Iterable, Sequence
+from functools import cache, lru_cache
+from typing import NamedTuple
 
-from mrsfi_runtime.analysis.table import Cell, Table
+from mrsfi_runtime.analysis.table import Cell, Table, as_csv, plain, to_markdown
+from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.measure import NONE
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 _BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
 
@@ -27,7 +33,9 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
             targets[named.name] = named.target
             row = cells.setdefault(named.name, {})
             if len(way.faults) == 1:
-                row[way.goal] = _share(way)
+                share = f"{100 * way.shown.share:.0f}%"
+                is_believed = way.shown.column.kind == MEASURES[0]
+                row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_unseen
             else:
                 row.setdefault(way.goal, "joint")
     goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
@@ -57,22 +65,14 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
 
 
 def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
-    """Return a row for each fault of each way, in the form that breaks the goal.
-
-    Where that does not fit, all that is said of a fault stands below its type.
-    """
+    """Return a row for each fault of each way, in the form that breaks the goal."""
     rows, stacked = [], []
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
         shares[way.shown.column.kind] += "*" * way.is_unseen
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
-        head: tuple[Cell, ...] = (
-            way.number,
-            way.goal,
-            *map(shares.get, MEASURES),
-            way.shown.since,
-            seeds,
-        )
+        by = map(shares.get, MEASURES)
+        head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
             told = named.target, named.values
@@ -126,9 +126,91 @@ def broken_by(way: Way) -> str:
     return f"Broken by {verdict(way)}.{least}"
 
 
-def _share(way: Way) -> str:
-    shown = way.shown
-    share = f"{100 * shown.share:.0f}%"
-    if shown.column.kind == MEASURES[0]:
-        return f"({share})"
-    return f"{share}*" if way.is_unseen else share
+class FailureMode(NamedTuple):
+    """A row of the table, of the form that breaks the goal by the gravest measure.
+
+    ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
+    listed, ``detected`` whether the collective intelligence believes that the goal is broken,
+    ``ticks`` how long the goal is broken, by the measure that counts most, and ``occurrence`` the
+    chance of all the faults, 0 … 1, as if none hung on another, if it is known.
+    """
+
+    number: int
+    faults: str
+    form: str
+    item: str
+    failure_mode: str
+    local_effect: str
+    end_effect: str
+    measures: str
+    detected: str
+    severity: str
+    ticks: int
+    occurrence: float | None
+
+
+def failure_modes(
+    mission: Mission,
+    pool: FaultPool,
+    found: Sequence[Way],
+    record: Record,
+) -> list[FailureMode]:
+    """Return what weaknesses come to, by occurrence where it is known, then by severity.
+
+    Severest is what lets a goal be missed, then what breaks it for longest.
+    """
+    fly = lru_cache(4)(record)
+
+    @cache
+    def flown(form: Specification) -> tuple[str, list[int]]:
+        effects = (local_effect(chain) or NONE for chain in chains(fly, mission, form))
+        counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
+        return "; ".join(effects), [*map(max, *counts)]
+
+    def mode(way: Way) -> FailureMode:
+        shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
+        faults = named_faults(mission, pool, shown.witness)
+        effect, ticks = flown(shown.witness)
+        return FailureMode(
+            number=way.number,
+            faults=" ".join(way.faults),
+            form="listed" if way.mildest is None else "mildest",
+            item="; ".join(dict.fromkeys(each.target for each in faults)),
+            failure_mode="; ".join(map(_mode, faults)),
+            local_effect=effect,
+            end_effect=goal_in_words(mission, way.goal),
+            measures=", ".join(each.column.kind for each in way.by),
+            detected="no" if shown.is_masked else "yes",
+            severity="missed" if shown.column.kind == "missed" else "violated",
+            ticks=ticks[place],
+            occurrence=_chance([pool[fault].likelihood for fault in way.faults]),
+        )
+
+    return sorted(map(mode, found), key=_rank)
+
+
+def _mode(named: NamedFault) -> str:
+    window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
+    return ", ".join(filter(None, (window, named.values)))
+
+
+def _chance(chances: Sequence[float | None]) -> float | None:
+    known = [chance for chance in chances if chance is not None]
+    return math.prod(known) if len(known) == len(chances) else None
+
+
+def _rank(mode: FailureMode) -> tuple[float, bool, int]:
+    chance = 1.0 if mode.occurrence is None else -mode.occurrence
+    return chance, mode.severity != "missed", -mode.ticks
+
+
+def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
+    """Return failure modes as CSV."""
+    return as_csv([FailureMode._fields, *modes])
+
+
+def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
+    """Return failure modes of a mission, by its name, as a page in Markdown."""
+    title = f"Failure modes of mission {mission}"
+    modes_table = Table(title, [name.replace("_", " ") for name in FailureMode._fields], modes)
+    return f"# {plain(title)}\n\n{to_markdown(modes_table)}\n".encode()

@@ -1,16 +1,17 @@
 """The faults that a specification's violations are due to, and how they come to break goals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
-from mrsfi_runtime.causes.chain import Chain, chains
+from mrsfi_runtime.causes.chain import Chain, chains, sentence
 from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import following
 
 N_SEEDS = 20
@@ -32,11 +33,9 @@ class Cause:
     """What a specification's violations are due to.
 
     ``places`` are the cause set: the faults without which the violations would not be. ``counts``
-    are under all faults, ``fault_free`` under none, ``kept`` under the cause set, all by
-    ``columns``; ``outcome`` is what flying the cause set finds, and ``chains`` what each of its
-    faults changes first, against the set without it, both in the first mission seed. ``robustness``
-    says what each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on, and
-    ``n_flown`` how many flights each part took.
+    are under all faults, ``fault_free`` under none, ``kept`` under the set, all by ``columns``. Of
+    the set are ``outcome`` and ``chains``, in the first mission seed, and ``robustness``, in
+    ``N_SEEDS`` of them.
     """
 
     specification: Specification
@@ -48,12 +47,16 @@ class Cause:
     outcome: Outcome
     chains: tuple[Chain, ...]
     robustness: tuple[Robustness, ...]
-    n_flown: Mapping[str, int]
 
     @property
     def faults(self) -> Specification:
         """The cause set as a specification."""
         return chosen(self.specification, self.places)
+
+    def sentences(self, faults: Sequence[NamedFault]) -> tuple[str, ...]:
+        """Return what each fault of it did, in words; ``faults`` are all of the specification."""
+        told = zip(self.places, self.chains, strict=True)
+        return tuple(sentence(faults[place], chain) for place, chain in told)
 
 
 def find_cause(
@@ -90,7 +93,6 @@ def find_cause(
         outcome=flights.outcome(cause),
         chains=linked,
         robustness=firm,
-        n_flown=dict(flights.n_flown),
     )
 
 

@@ -1,23 +1,28 @@
-"""How a fault comes to break a goal: the first differences that it makes, one after the other.
+"""How a fault comes to break a goal: the first differences that it makes, and these in a sentence.
 
 Both flights have the same mission seed, so that every difference comes from the fault.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
+from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.named_faults import NamedFault
 
 POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
 
 Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
 """Fields of a record, by what they say together."""
+
+_Pair: TypeAlias = tuple[str, Quantities, Part, Part]
+"""Records of a list in both flights, by its name, and what counts there."""
 
 KNOWN: Mapping[str, Quantities] = MappingProxyType(
     {
@@ -83,10 +88,7 @@ class FirstVerdict(NamedTuple):
 
 
 class FirstVerdicts(NamedTuple):
-    """The first verdicts on a goal that differ; ``None`` where none does.
-
-    Whether it is believed or truly violated, and whether it is certain to be missed.
-    """
+    """The first verdicts on a goal that differ: whether violated or missed; ``None`` for none."""
 
     goal: str
     believed: FirstVerdict | None
@@ -96,11 +98,7 @@ class FirstVerdicts(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """The first differences that a fault makes; ``None`` where it makes none.
-
-    In what is believed, in what is sent to the robots, in what robots and sensors do, and in the
-    verdicts on those goals on which any differs.
-    """
+    """The first differences in belief, commands, truth and verdicts on goals; ``None`` for none."""
 
     belief: First | None
     command: First | None
@@ -113,21 +111,21 @@ def chain_as_json(chain: Chain) -> dict[str, Any]:
     firsts = {"belief": chain.belief, "command": chain.command, "truth": chain.truth}
     return {
         **{
-            name: None if first is None else _first_as_json(first) for name, first in firsts.items()
+            name: first
+            and {
+                "tick": first.tick,
+                "changes": [each._asdict() | {"size": each.size} for each in first.changes],
+            }
+            for name, first in firsts.items()
         },
         "verdicts": {
             each.goal: {
-                name: None if verdict is None else verdict._asdict()
+                name: verdict and verdict._asdict()
                 for name, verdict in zip(each._fields[1:], each[1:], strict=True)
             }
             for each in chain.verdicts
         },
     }
-
-
-def _first_as_json(first: First) -> dict[str, Any]:
-    changes = [change._asdict() | {"size": change.size} for change in first.changes]
-    return {"tick": first.tick, "changes": changes}
 
 
 def chains(record: Record, mission: Mission, specification: Specification) -> tuple[Chain, ...]:
@@ -151,12 +149,9 @@ def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
     )
 
 
-_JUDGED = ("is_believed", "is_true", "missed")
-"""What is judged of a goal, in the order of ``FirstVerdicts``."""
-
-
 def _verdicts(mission: Mission, flight: Recording, twin: Recording) -> Iterator[FirstVerdicts]:
-    pairs = [(flight[name] > 0, twin[name] > 0) for name in _JUDGED]
+    names = ("is_believed", "is_true", "missed")
+    pairs = [(flight[name] > 0, twin[name] > 0) for name in names]
     for g, goal in enumerate(mission.goal_ids):
         judged = [_judged(found[:, g], otherwise[:, g]) for found, otherwise in pairs]
         if any(judged):
@@ -164,84 +159,70 @@ def _verdicts(mission: Mission, flight: Recording, twin: Recording) -> Iterator[
 
 
 def _judged(found: Records, otherwise: Records) -> FirstVerdict | None:
-    """Return where a verdict differs first."""
     tick = _first_tick(found, otherwise)
     return None if tick is None else FirstVerdict(tick, bool(found[tick]))
 
 
 def _first_tick(found: Records, otherwise: Records) -> int | None:
-    """Return the first tick at which any value differs."""
     differs = found != otherwise
     if not differs.any():
         return None
     return int(differs.reshape(len(differs), -1).any(axis=1).argmax())
 
 
-class _Pair(NamedTuple):
-    """A list of records in both flights, shape ``(n_ticks, n_records)``, and what counts there."""
-
-    name: str
-    quantities: Quantities
-    found: Part
-    otherwise: Part
-
-
 def _pairs(found: Part, otherwise: Part, lists: Mapping[str, Quantities]) -> list[_Pair]:
-    return [
-        _Pair(name, quantities, found[name], otherwise[name]) for name, quantities in lists.items()
-    ]
+    return [(name, fields, found[name], otherwise[name]) for name, fields in lists.items()]
 
 
-def _owners(mission: Mission) -> Mapping[str, tuple[str, ...]]:
+def _owners(mission: Mission) -> Mapping[str, Sequence[str]]:
     """Return the IDs of those whose quantities are in each list."""
-    robots, sensors, obstacles, goals = (
-        tuple(each.id for each in some)
-        for some in (mission.robots, mission.sensors, mission.obstacles, mission.goals)
-    )
-    return {
-        "robots": robots,
-        "sensors": sensors,
-        "obstacles": obstacles,
-        "goals": goals,
-        "members": tuple(goal.id for goal in mission.goals for _ in goal.members),
-        "commands": robots,
-        "switches": sensors,
+    known = {
+        name: [each.id for each in getattr(mission, name)]
+        for name in ("robots", "sensors", "obstacles", "goals")
+    }
+    members = [goal.id for goal in mission.goals for _ in goal.members]
+    return known | {
+        "members": members,
+        "commands": known["robots"],
+        "switches": known["sensors"],
     }
 
 
-def _first(owners: Mapping[str, tuple[str, ...]], pairs: Sequence[_Pair]) -> First | None:
+def _first(owners: Mapping[str, Sequence[str]], pairs: Sequence[_Pair]) -> First | None:
     ticks = (
-        _first_tick(pair.found[field], pair.otherwise[field])
-        for pair in pairs
-        for fields in pair.quantities.values()
+        _first_tick(found[field], otherwise[field])
+        for _, quantities, found, otherwise in pairs
+        for fields in quantities.values()
         for field in fields
     )
     first = min((tick for tick in ticks if tick is not None), default=None)
     if first is None:
         return None
-    changes = (change for pair in pairs for change in _changes(owners[pair.name], pair, first))
+    changes = (
+        change
+        for name, quantities, found, otherwise in pairs
+        for change in _changes(owners[name], quantities, found[first], otherwise[first])
+    )
     return First(first, tuple(dict.fromkeys(changes)))
 
 
-def _changes(owners: Sequence[str], pair: _Pair, tick: int) -> Iterator[Change]:
-    read = {
-        quantity: [_read(records[tick], fields) for records in (pair.found, pair.otherwise)]
-        for quantity, fields in pair.quantities.items()
-    }
+def _changes(
+    owners: Sequence[str], quantities: Quantities, found: Records, otherwise: Records
+) -> Iterator[Change]:
     for place, owner in enumerate(owners):
-        for quantity, (found, otherwise) in read.items():
-            if found[place] != otherwise[place]:
-                yield from _told(owner, quantity, found[place], otherwise[place])
-
-
-def _read(records: Records, fields: Sequence[str]) -> list[tuple[Any, ...]]:
-    """Return fields of each record as plain numbers."""
-    return [*zip(*(records[field].tolist() for field in fields), strict=True)]
+        for quantity, fields in quantities.items():
+            values = (
+                tuple(records[field][place].tolist() for field in fields)
+                for records in (found, otherwise)
+            )
+            yield from _told(owner, quantity, *values)
 
 
 def _told(
     owner: str, quantity: str, found: tuple[Any, ...], otherwise: tuple[Any, ...]
 ) -> Iterator[Change]:
+    if found == otherwise:
+        return
     if quantity == HEADING:
         yield Change(owner, quantity, _degrees(found), _degrees(otherwise))
     elif quantity == MEMORY:
@@ -255,3 +236,73 @@ def _told(
 def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:
     x, y = heading
     return (math.degrees(math.atan2(y, x)) % 360.0,)
+
+
+def sentence(fault: NamedFault, chain: Chain) -> str:
+    """Say what a fault did, what was believed and sent then, what happened, and what was missed."""
+    parts = [*(words for _, words in _differences(chain)), *map(_verdict, chain.verdicts)]
+    window = f"from tick {fault.timed.start} to {fault.timed.finish}"
+    done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
+    return f"{done}: {'; '.join(parts) or 'nothing differs at any tick'}."
+
+
+def _deed(fault: NamedFault) -> str:
+    kind = fault.fault.kind
+    deed = "falsified"
+    if kind.mode in {Mode.DELAY, Mode.BLOCK}:
+        deed = "held back"
+    elif {Field.MOTION, Field.ACTIVATION} & {*kind.properties}:
+        deed = "forged"
+    where = f" in message {fault.fault.target}" if kind.struck is Struck.MESSAGE else ""
+    return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
+
+
+def local_effect(chain: Chain) -> str:
+    """Say what a fault changed first of what is believed or sent; empty if it changed neither."""
+    told = [*_differences(replace(chain, truth=None))]
+    return min(told, key=lambda each: each[0])[1] if told else ""
+
+
+def _differences(chain: Chain) -> Iterator[tuple[int, str]]:
+    for first, words in (
+        (chain.belief, "the CI believed"),
+        (chain.command, "what was sent was"),
+        (chain.truth, "there truly was"),
+    ):
+        if first is not None:
+            yield first.tick, f"at tick {first.tick} {words} {changed(first)}"
+
+
+def changed(first: First) -> str:
+    """Return the first change in words: ``r2 position (3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)``.
+
+    Of several, it is the first in the order of robots, sensors, obstacles and goals. One that is
+    too small to be seen in these figures is told by its size: ``r2 heading 90.0 degrees, 1e-14
+    off``.
+    """
+    change = first.changes[0]
+    found, otherwise = (_value(change, value) for value in (change.found, change.otherwise))
+    apart = f"{change.size:.0e} off" if found == otherwise else f"not {otherwise}"
+    return f"{change.owner} {change.quantity} {found}, {apart}"
+
+
+def _value(change: Change, value: tuple[float, ...]) -> str:
+    if change.quantity == HEADING:
+        return f"{value[0]:.1f} degrees"
+    if len(value) > 1:
+        return f"({', '.join(f'{each:.2f}' for each in value)})"
+    return f"{value[0]:g}" if value[0] == int(value[0]) else f"{value[0]:.2f}"
+
+
+def _verdict(first: FirstVerdicts) -> str:
+    words = {
+        "believed violated": first.believed,
+        "truly violated": first.true,
+        "certain to be missed": first.missed,
+    }
+    said = [
+        f"{'' if verdict.is_so else 'no longer '}{what} at tick {verdict.tick}"
+        for what, verdict in words.items()
+        if verdict is not None
+    ]
+    return f"{first.goal} was {', '.join(said)}"

@@ -44,7 +44,6 @@ class Flights:
         mission_seeds: tuple[int, ...],
     ) -> None:
         kinds = tuple(dict.fromkeys((measure.kind, "true")))
-        self.measure = measure
         self.mission_seeds = mission_seeds
         self.columns = tuple(Column(goal, kind) for goal in measure.chosen for kind in kinds)
         self.n_flown: Counter[str] = Counter()
@@ -67,10 +66,7 @@ class Flights:
         self.n_flown[self._purpose] += n_flights
 
     def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
-        """Fly specifications all at once, as far as they are not known, with one seed or all.
-
-        If the mission's own code fails in one of them, that is an ``EvaluationError``.
-        """
+        """Fly what is not known yet, all at once, with one seed or all; a failure is an error."""
         wanted = tuple(dict.fromkeys(specifications))
         for one in self.mission_seeds if seed is None else (seed,):
             new = [each for each in wanted if (each, one) not in self._known]

@@ -1,7 +1,4 @@
-"""The search ``cover``: all the ways in which goals break, without a fitness.
-
-It asks for what ``probing`` wants flown, and nothing else.
-"""
+"""The search ``cover``: all the ways in which goals break, without a fitness, by ``probing``."""
 
 import json
 from collections.abc import Mapping, Sequence

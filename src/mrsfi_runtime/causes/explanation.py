@@ -1,29 +1,78 @@
-"""All that is found out about one specification, in the order in which it is asked."""
+"""All that is found out about one specification, in the order in which it is asked.
 
-from collections.abc import Mapping
+References
+----------
+L. S. Shapley, "A Value for n-Person Games", Annals of Mathematics Studies 28, 1953. J. Castro,
+D. Gómez and J. Tejada, "Polynomial Calculation of the Shapley Value Based on Sampling", Computers
+and Operations Research 36, 2009.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from fractions import Fraction
+from itertools import combinations, groupby
+from operator import sub
+from random import Random
+from statistics import stdev
 
-from mrsfi_runtime.causes.attribution import Attribution, attribute
 from mrsfi_runtime.causes.cause import Cause, find_cause
-from mrsfi_runtime.causes.cause_set import Places, Question, floor, without
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
 from mrsfi_runtime.causes.counts import Counts, Flights
-from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
-from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.bounds import value_bounds
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+
+N_EXACT = 10
+"""Faults up to which every subset is flown: 1,024 of them."""
+
+N_PERMUTATIONS = 100
+"""Orders in which faults join where there are more."""
+
+_SEED = 1
+_NORMAL = 1.96  # of a normal distribution, 95 % lies so many standard deviations from the mean
+BYSTANDER = "bystander"
+_RISE = Fraction("1.05")
+_KEEP_SIMPLEST = 0.99  # of each count of the cause set
+_DIGITS = (1, 2, 3)  # of a round number, the fewest first
+
+
+@dataclass(frozen=True, slots=True)
+class GoalCauses:
+    """What a goal's violations are due to: its cause set, and a label for every fault.
+
+    A fault of the set is ``sole`` if it is enough alone, or else ``joint``. Of the others, a
+    ``redundant`` one is able to take the place of a member; without a ``masking`` one, a count of
+    the goal is higher; a ``lesser`` one breaks the goal alone, though others break it more, or hide
+    it; what does none of these is a ``bystander``.
+    """
+
+    goal: str
+    places: Places
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Attribution:
+    """Shares of faults in counts, in ticks, shape ``(n_faults, n_columns)``.
+
+    Each column of ``shares`` sums to what the faults together add to the count without faults.
+    ``margins`` are half of the 95 % confidence intervals; ``None`` if shares are exact.
+    """
+
+    shares: tuple[tuple[Fraction, ...], ...]
+    margins: tuple[tuple[float, ...], ...] | None
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """Why a specification breaks goals.
 
-    ``simplest`` is the simplest form of the cause set, with its counts and what flying it finds in
-    the first mission seed; ``minima`` are the different cause sets that shuffled orders gave;
-    ``goals`` say what each goal's own violations are due to. ``alone`` and ``left_out`` are counts
-    under each fault alone, and under all but it; ``attribution`` shares them among the cause set.
-    ``n_flown`` says how many flights each part took.
+    ``simplest`` is the simplest form of the cause set, flown in the first mission seed; ``minima``
+    are the different sets that shuffled orders gave; ``alone`` and ``left_out`` are counts under
+    each fault alone, and under all but it; ``n_flown`` are the flights that each part took.
     """
 
     cause: Cause
@@ -41,11 +90,7 @@ class Explanation:
 def explain(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Explanation | None:
-    """Find out why a specification breaks goals, by what ``find_cause`` takes.
-
-    ``None`` if it violates nothing that is counted; an ``EvaluationError`` if the mission's own
-    code fails.
-    """
+    """Find out why a specification breaks goals; ``None`` and errors are as of ``find_cause``."""
     cause = find_cause(flights, engine, specification, keep)
     if cause is None:
         return None
@@ -76,4 +121,171 @@ def explain(
         left_out=tuple(map(flights.counts, left_out)),
         attribution=attribution,
         n_flown=dict(flights.n_flown),
+    )
+
+
+def goal_causes(question: Question, goal: str) -> GoalCauses:
+    """Return the cause set of one goal, by its counts alone, and what every fault is to it.
+
+    Where it is not violated, that is for nothing: then only a fault that hides violations, or
+    would cause some alone, is more than a bystander.
+    """
+    whole = question.specification
+    everyone = range(len(whole))
+    places = question.minimum()
+    others = [place for place in everyone if place not in places]
+    question.flights.fly(
+        chosen(whole, swapped) for other in others for swapped in _swaps(places, other)
+    )
+    labels = {place: "sole" if question.is_kept_by((place,)) else "joint" for place in places}
+    for other in others:
+        if any(map(question.is_kept_by, _swaps(places, other))):
+            labels[other] = "redundant"
+        elif _rises(question, goal, whole, without(whole, other), _RISE):
+            labels[other] = "masking"
+        elif _rises(question, goal, (), (whole[other],), Fraction(1)):
+            labels[other] = "lesser"
+        else:
+            labels[other] = BYSTANDER
+    return GoalCauses(goal, places, tuple(labels[place] for place in everyone))
+
+
+def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
+    """Yield a set with another fault in the place of each member."""
+    return ((*(place for place in places if place != member), other) for member in places)
+
+
+def _rises(
+    question: Question, goal: str, first: Specification, second: Specification, by: Fraction
+) -> bool:
+    """Return whether a count of a goal is higher in the second flight, by more than a factor."""
+    flights = question.flights
+    found = zip(flights.columns, flights.counts(first), flights.counts(second), strict=True)
+    return any(after > by * count for column, count, after in found if column.goal == goal)
+
+
+def simplest(
+    flights: Flights, mission: Mission, pool: FaultPool, specification: Specification
+) -> Specification:
+    """Return a cause set with shorter windows and plainer values that keeps its counts.
+
+    Fault by fault, what can go is cut from the start of the window, then from its finish, in steps
+    that begin with half of it; then each value becomes the first of the pool's own, a bound, and
+    the number itself in one, two or three digits with which enough is kept.
+    """
+    columns = range(len(flights.columns))
+    least = floor(flights.counts(specification), _KEEP_SIMPLEST, columns)
+    found = [*specification]
+    for place, timed in enumerate(specification):
+
+        def is_kept(tried: TimedFault, place: int = place) -> bool:
+            counts = flights.counts((*found[:place], tried, *found[place + 1 :]))
+            return all(counts[k] >= count for k, count in least.items())
+
+        found[place] = _cut(timed, mission.duration, is_kept)
+        found[place] = _plain(found[place], mission, pool[timed.fault], is_kept)
+    return tuple(found)
+
+
+def _cut(timed: TimedFault, duration: int, is_kept: Callable[[TimedFault], bool]) -> TimedFault:
+    """Return a fault with a window cut from both ends, as far as enough is kept."""
+    timed = timed._replace(finish=max(timed.start, min(timed.finish, duration - 1)))
+    for first, last in ((1, 0), (0, 1)):
+        step = (timed.finish - timed.start + 1) // 2
+        while step:
+            tried = timed._replace(
+                start=timed.start + first * step, finish=timed.finish - last * step
+            )
+            if tried.start <= tried.finish and is_kept(tried):
+                timed = tried
+            else:
+                step //= 2
+    return timed
+
+
+def _plain(
+    timed: TimedFault, mission: Mission, fault: Fault, is_kept: Callable[[TimedFault], bool]
+) -> TimedFault:
+    """Return a fault with the plainest values with which enough is kept."""
+    bounds = value_bounds(mission, fault)
+    for k, (low, high) in enumerate(bounds):
+        for value in _plainer(timed.values[k], fault.values[k], low, high):
+            values = (*timed.values[:k], value, *timed.values[k + 1 :])
+            tried = timed._replace(values=values)
+            if value == timed.values[k] or is_kept(tried):
+                timed = tried
+                break
+    return timed
+
+
+def _plainer(value: float, own: float, low: float, high: float) -> Iterator[float]:
+    """Yield values within bounds, the plainest first."""
+    yield from (own, low, high)
+    for digits in _DIGITS:
+        rounded = float(f"{value:.{digits}g}")
+        if low <= rounded <= high:
+            yield rounded
+
+
+def attribute(flights: Flights, specification: Specification) -> Attribution:
+    """Return how much of each count is due to each fault of a specification.
+
+    A share is the mean of what the fault adds when it joins those before it, over all orders in
+    which the faults can join; beyond ``N_EXACT`` faults over ``N_PERMUTATIONS`` drawn ones, the
+    same in every call.
+    """
+    if len(specification) <= N_EXACT:
+        return Attribution(_exact(flights, specification), None)
+    return _sampled(flights, specification)
+
+
+def _exact(flights: Flights, specification: Specification) -> tuple[tuple[Fraction, ...], ...]:
+    n = len(specification)
+    everyone = range(n)
+    flights.fly(
+        chosen(specification, places)
+        for size in range(n + 1)
+        for places in combinations(everyone, size)
+    )
+    orders = math.factorial(n)
+    shares = []
+    for joining in everyone:
+        others = [place for place in everyone if place != joining]
+        added = []
+        for size in range(n):
+            weight = math.factorial(size) * math.factorial(n - size - 1)
+            for before in combinations(others, size):
+                more = _added(flights, specification, before, joining)
+                added.append([weight * each for each in more])
+        shares.append(tuple(Fraction(sum(each), orders) for each in zip(*added, strict=True)))
+    return tuple(shares)
+
+
+def _added(
+    flights: Flights, specification: Specification, before: Sequence[int], joining: int
+) -> Counts:
+    """Return what a fault adds to each count when it joins some others, all by their places."""
+    less, more = (chosen(specification, places) for places in (before, (*before, joining)))
+    return tuple(map(sub, flights.counts(more), flights.counts(less)))
+
+
+def _sampled(flights: Flights, specification: Specification) -> Attribution:
+    random = Random(_SEED)
+    everyone = range(len(specification))
+    orders = [random.sample(everyone, len(everyone)) for _ in range(N_PERMUTATIONS)]
+    flights.fly(
+        chosen(specification, order[:size]) for order in orders for size in range(len(order) + 1)
+    )
+    added: list[list[Counts]] = [[] for _ in everyone]
+    for order in orders:
+        for n_before, joining in enumerate(order):
+            added[joining].append(_added(flights, specification, order[:n_before], joining))
+    columns = [tuple(zip(*of_fault, strict=True)) for of_fault in added]
+    scale = _NORMAL / math.sqrt(N_PERMUTATIONS)
+    return Attribution(
+        tuple(
+            tuple(Fraction(sum(column), N_PERMUTATIONS) for column in of_fault)
+            for of_fault in columns
+        ),
+        tuple(tuple(scale * stdev(column) for column in of_fault) for of_fault in columns),
     )

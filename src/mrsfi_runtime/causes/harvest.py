@@ -53,10 +53,9 @@ _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 class Harvest:
     """What is known of a campaign, of its first mission seed.
 
-    ``weaknesses`` have the number of mission seeds in which they hold; ``n_flights`` were taken for
-    them after the search, beside those for ``mildest`` forms, which are of what is the least that
-    breaks each goal. ``outcomes`` are of what was flown for it, unless it failed; ``yardstick`` is
-    what goals are judged by, ``None`` if nothing is known yet.
+    ``n_flights`` were taken for ``weaknesses`` after the search, beside those for the ``mildest``
+    form of the least that breaks each goal. ``outcomes`` are of what did not fail; ``yardstick`` is
+    ``None`` if nothing is known yet.
     """
 
     known: Known
@@ -106,8 +105,7 @@ def harvest(
 
     Of a campaign that was interrupted here, only what is missing is flown. ``on_flown`` is told
     what is known, how many flights were taken until now, and how many it may take. If the mission's
-    own code fails without faults, that is an ``EvaluationError``; if somebody who flies is gone,
-    what was flown before is kept.
+    own code fails without faults, that is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
@@ -139,10 +137,8 @@ def harvest(
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
         found = dated(yardstick, found, record)
-    n_taken = flights.n_taken
-    mild: tuple[Mildest, ...] = ()
-    if some := [way.shown for way in least(ways(found))]:
-        mild = mildest(space, known, some, flights, record, seeds[:N_MILD])
+    n_taken, some = flights.n_taken, [way.shown for way in least(ways(found))]
+    mild = mildest(space, known, some, flights, record, seeds[:N_MILD]) if some else ()
     store.keep(_KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
@@ -252,18 +248,14 @@ class _Flights:
     def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Evaluated]:
         """Return what comes of specifications in a mission seed."""
         missing = [each for each in specifications if (each, seed) not in self._found]
-        if missing:
-            self._fly(missing, seed)
-        self.n_taken += len(specifications)
-        return [self._found[each, seed] for each in specifications]
-
-    def _fly(self, specifications: Sequence[Specification], seed: int) -> None:
-        """Fly and record, also what came before an interrupt."""
+        found = self._evaluate_many(missing, seed) if missing else ()
         flown = []
         try:
-            found = self._evaluate_many(specifications, seed)
-            for specification, each in zip(specifications, found, strict=True):
+            for specification, each in zip(missing, found, strict=True):
                 self._found[specification, seed] = each
                 flown.append(RecordedFlight(seed, specification, each))
-        finally:
-            self._store.append_flights(flown)
+        finally:  # also what came before an interrupt
+            if missing:
+                self._store.append_flights(flown)
+        self.n_taken += len(specifications)
+        return [self._found[each, seed] for each in specifications]

@@ -25,6 +25,7 @@ from mrsfi_runtime.causes.weakness import (
     yardstick_of,
 )
 from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.kernel.packing import PROPERTIES
 from mrsfi_runtime.model.fault_types import UNITS, Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
@@ -225,7 +226,6 @@ class _Flown:
 
 
 def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Specification:
-    """Return the mildest form that is found from one that is known."""
     column = weakness.column
     known_ones = known.breaking(column, frozenset(weakness.faults))
     starts = [*sorted(known_ones, key=deviation.size)[:_N_STARTS], weakness.witness]
@@ -275,18 +275,14 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     def n_ticks(each: Specification) -> int:
         return fault_ticks(each, deviation.space.duration)
 
-    def ticks(each: Specification) -> str:
-        return f"{n_ticks(each)} tick{'s' * (n_ticks(each) != 1)}"
-
     def size(each: Specification) -> float:
         return deviation.share(each[0]) if is_off else n_ticks(each)
 
     def words(each: Specification) -> str:
-        return deviation.in_words(each[0]) if is_off else ticks(each)
+        return deviation.in_words(each[0]) if is_off else counted(n_ticks(each), "ticks")
 
-    how = (
-        f"from {words(found)} for {ticks(found)}" if is_off else f"when at work for {ticks(found)}"
-    )
+    at_work = counted(n_ticks(found), "ticks")
+    how = f"from {words(found)} for {at_work}" if is_off else f"when at work for {at_work}"
     least = min(size(each) for each, is_broken in tried.items() if is_broken)
     kept = [each for each in tried if size(each) < least]
     less = "nothing less that was tried kept it"

@@ -2,20 +2,15 @@
 
 First each fault is flown alone, in varied forms: most weaknesses are one fault. Then come random
 specifications, for each goal by each measure, without a set that is known to break that; what
-breaks it nevertheless is reduced to a minimal one. Every flight is judged for all goals.
-
-References
-----------
-The reduction is ddmin, see ``cause_set``.
+breaks it nevertheless is reduced to a minimal one, by ddmin. Every flight is judged for all goals.
 """
 
 from collections.abc import Callable, Generator, Iterator
 from random import Random
-from typing import TypeAlias
 
 from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Broken, Known, form
+from mrsfi_runtime.causes.weakness import Broken, FaultSet, Known, form
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import varied_fault, varied_specification
@@ -24,8 +19,6 @@ N_ALONE = 10
 """Forms in which each fault is flown alone before several are flown together."""
 
 _N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
-
-_Probe: TypeAlias = Generator[Specification, Broken, None]
 
 
 class Probing:
@@ -99,24 +92,21 @@ class Probing:
         self._wishes[column] = wish or ()
         return None
 
-    def _drawn(self, column: Column) -> Specification:
-        """Draw a specification without a set that is known to break a column; maybe none."""
-        return varied_specification(
-            self._space,
-            self._n_faults,
-            self._rng,
-            lambda faults: not self._known.has_part_of(column, faults),
-        )
+    def _probe(self, column: Column) -> Generator[Specification, Broken, None]:
+        def is_unknown(faults: FaultSet) -> bool:
+            return not self._known.has_part_of(column, faults)
 
-    def _probe(self, column: Column) -> _Probe:
+        space, most, rng = self._space, self._n_faults, self._rng
         while True:
-            drawn = self._given(column) or self._drawn(column)
+            drawn = self._given(column) or varied_specification(space, most, rng, is_unknown)
             if column not in (yield drawn):
                 self._known.n_kept[column] += 1
             else:
                 yield from self._reduced(column, drawn)
 
-    def _reduced(self, column: Column, broken: Specification) -> _Probe:
+    def _reduced(
+        self, column: Column, broken: Specification
+    ) -> Generator[Specification, Broken, None]:
         """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
         faults = tuple(dict.fromkeys(timed.fault for timed in broken))
         trials = reduction(tuple(range(len(faults))))

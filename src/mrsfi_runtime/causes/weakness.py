@@ -150,10 +150,6 @@ class Known:
         """Return whether a set that breaks a column is among some faults."""
         return any(known <= faults for known in self.sets[column])
 
-    def tries(self, column: Column, faults: FaultSet) -> tuple[int, int]:
-        """Return how many forms of just these faults were tried, and how many broke a column."""
-        return len(self._forms[faults]), sum(1 for _ in self.breaking(column, faults))
-
     def breaking(self, column: Column, faults: FaultSet) -> Iterator[Specification]:
         """Yield the forms of just these faults that broke a column, in the order of the tries."""
         return (each for each in self._forms[faults] if column in self.flown[form(each)])
@@ -201,10 +197,9 @@ class Known:
         return broken.difference(*known)
 
     def _weakness(self, column: Column, faults: FaultSet, witness: Specification) -> "Weakness":
+        n_tried, n_broken = len(self._forms[faults]), len([*self.breaking(column, faults)])
         is_masked = Column(column.goal, "believed") not in self.flown[form(witness)]
-        return Weakness(
-            column, tuple(sorted(faults)), witness, *self.tries(column, faults), is_masked
-        )
+        return Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken, is_masked)
 
 
 def _shortness(specification: Specification) -> tuple[int, Specification]:

@@ -27,9 +27,8 @@ from mrsfi_runtime.errors import TransportError
 from mrsfi_runtime.record.manifest import BOTH
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.study.comparison import Comparison
+    from mrsfi_runtime.study.comparison import Comparison, RunResult
     from mrsfi_runtime.study.folder import ComparisonFolder
-    from mrsfi_runtime.study.run_results import RunResult
 
 _HELP = """Compare two campaigns of a mission, or search algorithms on MISSION.
 
@@ -293,7 +292,7 @@ def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
 
 def _legend(comparison: "Comparison") -> list[str]:
     """Return what the names of measures mean, line by line."""
-    from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
+    from mrsfi_runtime.study.comparison import MOST_OBJECTIVES
 
     names = [criterion.name for criterion in comparison.criteria]
     lines = ["fitness      best of a run"]

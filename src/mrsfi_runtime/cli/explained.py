@@ -13,9 +13,7 @@ from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.causes.cause import N_SEEDS
 from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.counts import Counts
-from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.labels import BYSTANDER
-from mrsfi_runtime.causes.sentence import sentences
+from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
@@ -67,7 +65,7 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     print_table(_counts_table(shown, found))
     if found.cause.places:
         print_table(_share_table(shown, found))
-        for said in sentences(found.cause, shown.faults):
+        for said in found.cause.sentences(shown.faults):
             click.echo(f"{said}\n")
         print_table(_chain_table(shown, found))
         print_table(_robustness_table(found))
@@ -258,6 +256,6 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
             for place, fault in enumerate(shown.faults)
         ],
         "firmness": [asdict(firm) for firm in cause.robustness],
-        "sentences": list(sentences(cause, shown.faults)),
+        "sentences": list(cause.sentences(shown.faults)),
         "n_flown": dict(found.n_flown),
     }

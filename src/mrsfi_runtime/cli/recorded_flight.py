@@ -25,9 +25,8 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +98,7 @@ def _recorder(
             observers.append(flight_progress(mission.duration))
         observers += _texts(opened, files, mission, Events(mission, faults, tallies))
         if files.mcap is not None:
-            from mrsfi_runtime.record.bag.writer import Bag
+            from mrsfi_runtime.record.bag import Bag
 
             whole = opened.enter_context(whole_file(files.mcap))
             bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
@@ -159,7 +158,7 @@ def _animation(
     engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
 ) -> tuple[Observer, _Finish]:
     """Return what records a flight for a picture, and what draws it; matplotlib comes with that."""
-    from mrsfi_runtime.analysis.animation import flight_gif
+    from mrsfi_runtime.analysis.mission_plots import flight_gif
     from mrsfi_runtime.analysis.story import story_of
     from mrsfi_runtime.engine.recording import Recorder
 

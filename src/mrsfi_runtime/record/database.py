@@ -56,16 +56,8 @@ def stored_counts(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]
 
 
 def select_evaluations(counts: Iterable[str], specification: str = "specification") -> str:
-    """Return the query for evaluations, whose counts stand in the order given.
-
-    What is to stand in the place of their specifications may be something else.
-    """
+    """Return the query for evaluations by their counts; something else may stand for faults."""
     return f"SELECT {_columns(counts, specification)} FROM evaluation"
-
-
-def select_digested(counts: Iterable[str]) -> str:
-    """Return the query for what a campaign's digest is made of, in its order."""
-    return f"SELECT specification, {quoted(counts)}, digest, fitness FROM evaluation"
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:
@@ -125,15 +117,9 @@ def closed_on_error(connection: sqlite3.Connection) -> Iterator[None]:
 @contextmanager
 def transaction(path: Path, connection: sqlite3.Connection) -> Iterator[sqlite3.Connection]:
     """Run the body as one transaction: stored whole at its end, or not at all."""
-    with translated(path):
+    with translated(path), connection:  # which commits, or rolls back
         connection.execute("BEGIN IMMEDIATE")
-        try:
-            yield connection
-            connection.commit()
-        except BaseException:
-            if connection.in_transaction:
-                connection.rollback()
-            raise
+        yield connection
 
 
 @contextmanager

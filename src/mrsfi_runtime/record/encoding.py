@@ -1,8 +1,4 @@
-"""Canonical JSON text of what a campaign stores: same value, same bytes, and back bit for bit.
-
-Floats are written as their shortest exact decimal form, so that reading gives the very
-same IEEE-754 bits.
-"""
+"""Canonical JSON text of what a campaign stores: same value, same bytes, and back bit for bit."""
 
 import json
 import re
@@ -19,10 +15,6 @@ from mrsfi_runtime.model.outcome import Outcome
 
 COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
 """Names of the count vectors of an outcome, in the order in which they are stored."""
-
-LATER_COUNTS = ("missed",)
-"""Those of them that no record of semantics 1 has: an outcome read from one has ``None`` there."""
-
 
 _ENCODER = json.JSONEncoder(
     separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=methodcaller("item")
@@ -46,10 +38,8 @@ def specification(rows: Iterable[Any]) -> Specification:
     """Return the specification whose text has such rows; a ValueError if none."""
     try:
         return tuple(
-            [
-                plain(TimedFault(fault, start, finish, tuple(values)))
-                for fault, start, finish, values in rows
-            ]
+            plain(TimedFault(fault, start, finish, tuple(values)))
+            for fault, start, finish, values in rows
         )
     except (SpecificationError, TypeError) as error:
         raise ValueError(f"{error}") from error

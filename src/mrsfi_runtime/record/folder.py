@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.files import OURS, keep_names
+from mrsfi_runtime.files import OURS, keep_names, write_atomically
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 
 
@@ -130,14 +130,10 @@ def _explained(path: Path) -> Iterator[None]:
 
 
 def _copy_files(files: Mapping[str, Path], target: Path) -> None:
-    """Copy files to where they go below a folder."""
     for name, file in files.items():
         place = target / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        with place.open("wb") as copy:
-            copy.write(file.read_bytes())
-            copy.flush()
-            os.fsync(copy.fileno())
+        write_atomically(place, file.read_bytes())
         keep_names(place.parent)
     keep_names(target)
 

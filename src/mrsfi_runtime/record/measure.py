@@ -6,7 +6,6 @@ from typing import Self
 
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation
 
@@ -60,13 +59,14 @@ class Measure:
 
     def require(self, goals: Sequence[str]) -> None:
         """Refuse goals that the mission lacks, or whose mean is not recorded: a ``UsageError``."""
-        _require(goals, self.goals, "a goal of the mission:")
+        known = [(self.goals, "a goal of the mission:")]
         if self.n_seeds > 1:
-            what = (
-                "a goal of the campaign file, because the record keeps means over mission seeds "
-                "of these only:"
-            )
-            _require(goals, self.chosen, what)
+            why = "because the record keeps means over mission seeds of these only:"
+            known.append((self.chosen, f"a goal of the campaign file, {why}"))
+        for some, what in known:
+            for goal in goals:
+                if goal not in some:
+                    raise UsageError(f"found goal '{goal}'; {expected(goal, some, what)}")
 
     def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
         """Return the violations of each goal that is recorded, by its ID."""
@@ -75,30 +75,10 @@ class Measure:
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
 
 
-MISSED_FROM = "missed from"
-"""Name of a column or line of what ``missed_from`` returns."""
-
 NONE, UNKNOWN = "–", "?"
 """What a table shows where there is nothing, and where an older record does not say."""
-
-
-def missed_from(outcome: Outcome, duration: int) -> tuple[str, ...]:
-    """Return from which tick on each goal was certain to be missed, as text.
-
-    It is ``–`` where the goal was met, ``?`` where an older record does not say.
-    """
-    since = outcome.missed_since(duration)
-    if since is None:
-        return (UNKNOWN,) * len(outcome.true)
-    return tuple(NONE if tick is None else str(tick) for tick in since)
 
 
 def ticks(count: float) -> str:
     """Return a count, or a mean of counts, as text."""
     return str(count) if isinstance(count, int) else f"{count:.2f}"
-
-
-def _require(goals: Sequence[str], known: Sequence[str], what: str) -> None:
-    for goal in goals:
-        if goal not in known:
-            raise UsageError(f"found goal '{goal}'; {expected(goal, known, what)}")

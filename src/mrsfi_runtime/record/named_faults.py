@@ -7,9 +7,7 @@ from typing import Any
 from mrsfi_runtime.kernel.injections import active_window
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import describe, robots_of, touched
-from mrsfi_runtime.record.measure import NONE
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +63,7 @@ def named_faults(
     specification: Specification,
     names: Sequence[str] | None = None,
 ) -> tuple[NamedFault, ...]:
-    """Return the faults of a specification with what names them, in its order.
-
-    ``names`` are those of the timed faults; the IDs of the pool faults if left out.
-    """
+    """Return the faults of a specification; ``names`` are IDs of the pool if left out."""
     if names is None:
         names = [timed.fault for timed in specification]
     found = []
@@ -79,26 +74,3 @@ def named_faults(
         window = active_window(mission, pool, timed)
         found.append(NamedFault(name, timed, fault, words, robots_of(mission, targets), window))
     return tuple(found)
-
-
-FAULT_COLUMNS = ("fault", "type", "start", "finish", "applied", "changed", "target", "values")
-"""What ``fault_rows`` says of each: ``applied`` and ``changed`` are numbers of ticks."""
-
-
-def fault_rows(
-    faults: Sequence[NamedFault], outcome: Outcome
-) -> list[tuple[str, str, int, int, int, int, str, str]]:
-    """Return a row of a table for each fault of a flight."""
-    return [
-        (
-            each.name,
-            each.fault.type,
-            each.timed.start,
-            each.timed.finish,
-            applied,
-            changed,
-            each.target,
-            each.values or NONE,
-        )
-        for each, applied, changed in zip(faults, outcome.applied, outcome.changed, strict=True)
-    ]

@@ -1,15 +1,95 @@
-"""What a flight is written down as: belief and truth of every tick, and a log for people."""
+"""What happens in a flight, and its being written down: a trace, and a log for people."""
 
 import csv
+import math
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import combinations, groupby
 from typing import TextIO
 
-from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.packing import PROPERTIES
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.events import Events
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.record.named_faults import NamedFault
+
+
+class Events:
+    """Tells what happens in a flight, tick by tick from the first.
+
+    ``tallies`` say what each fault does, and are filled before the first tick.
+    """
+
+    def __init__(
+        self, mission: Mission, faults: Sequence[NamedFault], tallies: Sequence[FaultTally]
+    ) -> None:
+        self._mission = mission
+        self._faults = faults
+        self._tallies = tallies
+        self._known = {
+            subject: fact for _, subject, fact in self._judged(no_verdicts(len(mission.goals)))
+        }
+
+    def at(self, world: State, verdicts: Verdicts) -> Iterator[tuple[str, str]]:
+        """Yield what happens at the next tick, in words, each after what it is about."""
+        yield from self._of_faults(world.mission.tick)
+        for kind, subject, fact in (*self._facts(world), *self._judged(verdicts)):
+            before = self._known.get(subject, fact)
+            self._known[subject] = fact
+            if before != fact:
+                yield kind, f"{subject}: {before} -> {fact}"
+
+    def _of_faults(self, tick: int) -> Iterator[tuple[str, str]]:
+        for fault, tally in zip(self._faults, self._tallies, strict=True):
+            what = f"fault {fault.fault.id} {fault.words}"
+            if fault.window is None:
+                if tick == fault.timed.start:
+                    yield "fault", f"{what}: is active at no tick"
+                continue
+            first, last = fault.window
+            if tick == first:
+                values = f" with {fault.values}" if fault.values else ""
+                yield "fault", f"{what}: starts ({first} … {last}){values}"
+            if tick == tally.first_changed:
+                yield "fault", f"{what}: first changes something"
+            if tick == last:
+                yield "fault", f"{what}: ends"
+
+    def _facts(self, world: State) -> Iterator[tuple[str, str, str]]:
+        """Yield what is worth an event when it changes, as subject and value."""
+        mission = self._mission
+        for index, robot in enumerate(mission.robots):
+            command = world.commands[index]
+            degrees = math.degrees(math.atan2(command.heading_y, command.heading_x)) % 360.0
+            yield "command", f"{robot.id} speed", f"{world.robots[index].speed:g}"
+            yield "command", f"{robot.id} heading", f"{degrees:.1f} degrees"
+        for k, sensor in enumerate(mission.sensors):
+            is_on = world.sensors[k].active
+            yield "command", f"{sensor.id} activation", "on" if is_on else "off"
+        for name, gap in self._gaps(world):
+            yield "collision", f"collision of {name}", "yes" if gap < 0.0 else "no"
+
+    def _judged(self, verdicts: Verdicts) -> Iterator[tuple[str, str, str]]:
+        """Yield what is said of each goal; before the first tick, nothing is violated or missed."""
+        for index, goal in enumerate(self._mission.goal_ids):
+            for what, flag in (
+                ("violated", verdicts.is_true[index]),
+                ("believed violated", verdicts.is_believed[index]),
+                ("missed", verdicts.missed[index]),
+            ):
+                yield "verdict", f"{goal} {what}", "yes" if flag else "no"
+
+    def _gaps(self, world: State) -> Iterator[tuple[str, float]]:
+        """Yield the gap between the discs of every two robots, and of robots and obstacles."""
+        robots = list(zip(self._mission.robots, world.robots, strict=True))
+        for (first, a), (second, b) in combinations(robots, 2):
+            gap = distance(a.x, a.y, b.x, b.y) - 2.0 * ROBOT_RADIUS
+            yield f"{first.id} and {second.id}", gap
+        for obstacle, area in zip(self._mission.obstacles, world.obstacles, strict=True):
+            for robot, a in robots:
+                gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - ROBOT_RADIUS
+                yield f"{robot.id} and {obstacle.id}", gap
 
 
 class TraceTable:
@@ -74,7 +154,7 @@ class SimulationLog:
         for index, robot in enumerate(self._mission.robots):
             lines.append(f"  {robot.id} {self._robot(world, index)}")
         lines += self._mistaken(world, belief)
-        lines += (f"  event {event}" for event in self._events.at(world, verdicts))
+        lines += (f"  event {said}" for _, said in self._events.at(world, verdicts))
         self._stream.write("\n".join(lines) + "\n")
 
     def _robot(self, world: State, index: int) -> str:
@@ -90,7 +170,6 @@ class SimulationLog:
         ).rstrip()
 
     def _mistaken(self, world: State, belief: State) -> Iterator[str]:
-        """Yield what is believed otherwise than it is."""
         for listed, some in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
             properties = [*some]
             owners, *sides = (getattr(each, listed) for each in (self._mission, belief, world))

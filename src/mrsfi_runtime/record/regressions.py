@@ -18,7 +18,6 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-_KEYS = ("found", "accepted", "violations", "mission_seeds", "goals", "max")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +85,8 @@ class Regression:
                 f"{path}: cannot be read ({error}); expected the limits of a kept weakness in TOML"
             ) from error
         for key in content:
-            if key not in _KEYS:
-                raise UsageError(f"{path}: found unknown key '{key}'; expected {', '.join(_KEYS)}")
+            if key not in _RULES:
+                raise UsageError(f"{path}: found unknown key '{key}'; expected {', '.join(_RULES)}")
         for key, (expected, accepts) in _RULES.items():
             value = content.get(key)
             if not accepts(value):

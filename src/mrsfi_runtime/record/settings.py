@@ -139,10 +139,7 @@ class CampaignSettings:
 
     @classmethod
     def load(cls, path: Path, **overrides: object) -> Self:
-        """Read a campaign file; what is given by keyword and not ``None`` replaces its values.
-
-        It is a ``UsageError`` if it cannot be read, has an unknown key, or a value of a wrong kind.
-        """
+        """Read a campaign file, as ``parse`` does; one that cannot be read is a ``UsageError``."""
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
@@ -153,7 +150,7 @@ class CampaignSettings:
 
     @classmethod
     def parse(cls, text: str, source: str, **overrides: object) -> Self:
-        """Read the text of a campaign file; see ``load``."""
+        """Read the text of a campaign file; what is given by keyword replaces its values."""
         try:
             document = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
@@ -229,8 +226,7 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
     for key, value in table.items():
         if key not in _RULES:
             raise UsageError(f"{where} found unknown key '{key}'; {expected(key, _RULES)}")
-        rule = _RULES[key]
-        values[key] = _kept(rule, f"{where} {key}", value)
+        values[key] = _kept(_RULES[key], f"{where} {key}", value)
     return values
 
 

@@ -8,7 +8,7 @@ earlier one.
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from sqlite3 import Connection
@@ -24,8 +24,6 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
-
-_OUTCOME = (*encoding.COUNTS, "digest")
 
 _BATCH = 2000  # evaluations whose texts are held at once
 _FEW = 256  # generations that are: the state of a random generator is a long text
@@ -85,10 +83,7 @@ class RecordedFlight:
 
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, what came of it."""
-        if isinstance(self.found, FailedFlight):
-            found: Any = self.found.traceback
-        else:
-            found = {name: getattr(self.found, name) for name in _OUTCOME}
+        found = self.found.traceback if isinstance(self.found, FailedFlight) else asdict(self.found)
         text = encoding.specification_text(self.specification)
         return int(self.mission_seed), text, encoding.canonical([found])
 
@@ -100,7 +95,7 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(seed, known, FailedFlight(found))
-        if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
+        if rest or not isinstance(found, dict) or found.keys() != {*encoding.COUNTS, "digest"}:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
         return cls(seed, known, _outcome(encoding.COUNTS, counts, str(found["digest"])))
@@ -168,10 +163,14 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
         Their indexes follow those stored; if one does not, nothing is stored (ValueError).
         """
+        text = encoding.canonical
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
             "failure": [_failure_row(failure) for failure in failures],
-            "generation": [_generation_row(generation) for generation in generations],
+            "generation": [
+                (each.index, text(each.statistics), text(each.population), each.random_state)
+                for each in generations
+            ],
         }
         with database.transaction(self.path, self._connection) as connection:
             _require_next("evaluation", rows["evaluation"], self.n_evaluations)
@@ -203,10 +202,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def stored(
         self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
     ) -> Iterator[T]:
-        """Yield what the first evaluations have in some columns, some thousand at a time.
-
-        What ``decode`` refuses with a ValueError or TypeError is damaged.
-        """
+        """Yield what the first evaluations have in some columns, decoded, thousands at a time."""
         query = f"SELECT {database.quoted(columns)} FROM evaluation"
         n_read = 0
         for rows in self._batches(query, range(n)):
@@ -296,7 +292,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        query = database.select_digested(self._counts)
+        counts = database.quoted(self._counts)
+        query = f"SELECT specification, {counts}, digest, fitness FROM evaluation"
         for rows in self._batches(query, range(self.n_evaluations)):
             lines = [*map(encoding.canonical, rows), ""]
             digest.update("\n".join(lines).encode())
@@ -356,19 +353,9 @@ def _flown(
 
 
 def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:
-    """Refuse rows whose indexes do not follow those stored."""
     for expected, row in enumerate(rows, first):
         if row[0] != expected:
             raise ValueError(f"found {what} {row[0]}; expected {expected} next")
-
-
-def _generation_row(generation: Generation) -> tuple[Any, ...]:
-    return (
-        int(generation.index),
-        encoding.canonical(dict(generation.statistics)),
-        encoding.canonical(generation.population),
-        generation.random_state,
-    )
 
 
 def _generation(row: tuple[Any, ...]) -> Generation:
@@ -389,7 +376,7 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(names: Sequence[str], found: Sequence[Sequence[Any]], digest: str) -> Outcome:
-    """Return an outcome of counts by their names; an older record has fewer of them."""
-    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
+    """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
+    counts: dict[str, Any] = {"missed": None}
     counts.update(zip(names, encoding.integers(found), strict=True))
     return Outcome(**counts, digest=digest)

@@ -1,4 +1,4 @@
-"""Searches compared: several algorithms, the same seeds and as many evaluations each.
+"""Searches, each in numbers, and compared: the same seeds and as many evaluations each.
 
 References
 ----------
@@ -13,23 +13,130 @@ Statistics 6, 1979.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import accumulate, combinations
 from math import comb, inf, isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+import numpy as np
+from moocore import hypervolume
+from numpy.typing import NDArray
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from mrsfi_runtime.study.run_results import RunResult
+from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.fronts import find_front, is_more
+from mrsfi_runtime.analysis.story import first
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.encoding import object_from_text
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import CampaignStore
 
 SCHEMA = 1
 """Version of ``comparison.json``."""
 
+MOST_OBJECTIVES = 7
+"""Of a hypervolume that is computed; its cost grows exponentially with their number."""
 
 _MOST_EXACT = 20_000  # divisions of the pooled values that are enumerated to be exact
 _SIGNIFICANT = 0.05
 _MAGNITUDES = ((0.71, "large"), (0.64, "medium"), (0.56, "small"))
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What one algorithm found with one seed.
+
+    ``improvements`` are numbers of evaluations at which a fitness above all before was found, and
+    that. ``at_once`` has for k = 1, 2, … the number of evaluations until one specification broke k
+    goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for one or another of
+    those so far. ``hypervolume`` is the share of the possible that the front reaches, 0 … 1, see
+    ``front_volume``; ``front_size`` counts its different vectors. ``seconds`` are wall time.
+    """
+
+    algorithm: str
+    seed: int
+    n_evaluations: int
+    n_failures: int
+    improvements: tuple[tuple[int, float], ...]
+    at_once: tuple[int | None, ...]
+    together: tuple[int | None, ...]
+    hypervolume: float | None
+    front_size: int
+    seconds: float
+    digest: str
+
+    @property
+    def best_fitness(self) -> float:
+        """Highest fitness of all evaluations; 0 without any."""
+        return self.improvements[-1][1] if self.improvements else 0.0
+
+    def best_after(self, n_evaluations: int) -> float:
+        """Return the highest fitness of the first so many evaluations."""
+        return max(
+            (value for place, value in self.improvements if place <= n_evaluations), default=0.0
+        )
+
+    @classmethod
+    def from_text(cls, text: str) -> Self:
+        """Return the result of which a JSON text has all fields."""
+        return cls(**{key: _frozen(value) for key, value in object_from_text(text).items()})
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunResult:
+    """Return what a search found, in the first mission seed."""
+    settings = store.settings
+    measure = replace(Measure.of(settings, mission), n_seeds=1)
+    columns = Columns.read(store, measure, measure.goals)
+    is_broken = columns.violations > 0
+    is_improved = np.flatnonzero(is_more(columns.fitness))
+    best = [mission.duration] * len(measure.chosen)
+    points = find_front(measure, columns, measure.chosen).points
+    front = [point.violations for point in points]
+    if measure.minimised is not None:
+        most = settings.faults * (mission.duration if measure.minimised == "fault_ticks" else 1)
+        best.append(most - 1)
+        front = [(*point.violations, most - point.cost) for point in points]
+    return RunResult(
+        algorithm=settings.algorithm,
+        seed=settings.seed,
+        n_evaluations=len(columns),
+        n_failures=store.n_failures,
+        improvements=tuple((k + 1, columns.fitness[k].item()) for k in is_improved.tolist()),
+        at_once=_reached(is_broken.sum(axis=1), len(mission.goals)),
+        together=_reached(np.logical_or.accumulate(is_broken).sum(axis=1), len(mission.goals)),
+        hypervolume=front_volume(front, best),
+        front_size=len(front),
+        seconds=seconds,
+        digest=store.digest(),
+    )
+
+
+def _reached(n_broken: NDArray[Any], n_goals: int) -> tuple[int | None, ...]:
+    """Return at which place, from 1, 1, 2, … goals were broken, ``None`` where they never were."""
+    firsts = [first(n_broken >= n) for n in range(1, n_goals + 1)]
+    return tuple(None if place is None else place + 1 for place in firsts)
+
+
+def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
+    """Return the hypervolume of a front, as a share of the possible.
+
+    Points are whole numbers from 0 on, more is better: violations, or how many fewer faults, or
+    ticks of faults, than a specification may have; ``best`` is the best possible one. The reference
+    point is ``(-1, …, -1)``: so a front whose points violate one goal alone counts, and the volume
+    is the number of whole vectors that the front reaches or exceeds, over the number of all.
+    ``None`` with fewer than two objectives, or more than ``MOST_OBJECTIVES``.
+    """
+    if not 2 <= len(best) <= MOST_OBJECTIVES:
+        return None
+    if not front:
+        return 0.0
+    shares = (np.array(front) + 1) / (np.array(best) + 1)
+    return float(hypervolume(shares, ref=[0.0] * len(best), maximise=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,10 +214,7 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A number by which runs are compared.
-
-    ``sign`` is 1 where more is better, -1 where less is, and 0 of what is only told, not tested.
-    """
+    """A number of runs: more is better (``sign`` 1), or less (-1), or it is only told (0)."""
 
     name: str
     sign: int
@@ -119,10 +223,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class PairTest:
-    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first does better.
-
-    ``holm_p_value`` is adjusted for all pairs on this measure.
-    """
+    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first is better."""
 
     measure: str
     first: str
@@ -149,10 +250,7 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say: quartiles and tests of every pair, by measure.
-
-    ``folder`` has the campaigns, tables, figures and summary.
-    """
+    """What the runs of some algorithms say: quartiles and tests of every pair, by measure."""
 
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]
@@ -168,10 +266,7 @@ class Comparison:
 
 
 def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
-    """Compare algorithms, in the order in which they are paired, by at least one run each.
-
-    All runs are on one mission, with one number of evaluations.
-    """
+    """Compare algorithms, in this order, by runs on one mission with one number of evaluations."""
     ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
     criteria = _criteria(ordered)
     values = {
@@ -248,7 +343,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             for measure, by_algorithm in comparison.quartiles.items()
         },
         "tests": [test.as_json() for test in comparison.tests],
-        "runs": [run.as_json() | {"best_fitness": run.best_fitness} for run in comparison.runs],
+        "runs": [asdict(run) | {"best_fitness": run.best_fitness} for run in comparison.runs],
     }
 
 

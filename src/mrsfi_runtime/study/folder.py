@@ -3,11 +3,12 @@
 import json
 from collections.abc import Mapping
 from dataclasses import astuple
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Self
 
 from mrsfi_runtime.analysis.plots import rendered
-from mrsfi_runtime.analysis.table import Rows, as_csv
+from mrsfi_runtime.analysis.table import Table, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -46,7 +47,7 @@ class ComparisonFolder(CampaignFolder):
         text = f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n"
         try:
             for name, table in (("runs", _runs), ("quartiles", _quartiles), ("tests", _tests)):
-                write_atomically(self.path / f"{name}.csv", as_csv(table(comparison)))
+                write_atomically(self.path / f"{name}.csv", as_csv(table(comparison).lines))
             self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
                 for suffix, drawn in rendered(figure).items():
@@ -59,7 +60,7 @@ class ComparisonFolder(CampaignFolder):
             ) from error
 
 
-def _runs(comparison: Comparison) -> Rows:
+def _runs(comparison: Comparison) -> Table:
     """Return one row for each run with all measures; what was never reached is empty."""
     names = (criterion.name for criterion in comparison.criteria)
     rows = (
@@ -73,21 +74,23 @@ def _runs(comparison: Comparison) -> Rows:
         )
         for run in comparison.runs
     )
-    return [("algorithm", "seed", "n_evaluations", "n_failures", *names, "digest"), *rows]
+    columns = ("algorithm", "seed", "n_evaluations", "n_failures", *names, "digest")
+    return Table("Runs", columns, rows)
 
 
-def _quartiles(comparison: Comparison) -> Rows:
-    """Return the quartiles of every measure for every algorithm; never reached is empty."""
+def _quartiles(comparison: Comparison) -> Table:
     rows = (
         (measure, name, len(comparison.of(name)), *map(finite, astuple(found)))
         for measure, by_algorithm in comparison.quartiles.items()
         for name, found in by_algorithm.items()
     )
-    return [("measure", "algorithm", "n_runs", "lower", "median", "upper"), *rows]
+    columns = ("measure", "algorithm", "n_runs", "lower", "median", "upper")
+    return Table("Quartiles", columns, rows)
 
 
-def _tests(comparison: Comparison) -> Rows:
-    """Return every test of two algorithms on a measure."""
+def _tests(comparison: Comparison) -> Table:
     names = ("measure", "first", "second", "u", "p_value", "holm_p_value", "method", "a12")
     columns = (*names, "magnitude")
-    return [columns, *(tuple(map(test.as_json().get, columns)) for test in comparison.tests)]
+    return Table(
+        "Tests", columns, [itemgetter(*columns)(test.as_json()) for test in comparison.tests]
+    )

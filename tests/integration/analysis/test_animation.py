@@ -8,8 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Annotation
 from PIL import Image
 
-from mrsfi_runtime.analysis.animation import flight_gif
-from mrsfi_runtime.analysis.mission_plots import flight_map
+from mrsfi_runtime.analysis.mission_plots import flight_gif, flight_map
 from mrsfi_runtime.analysis.story import story_of
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.record.named_faults import named_faults

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.analysis.fmea import failure_modes
+from mrsfi_runtime.analysis.weaknesses import failure_modes
 from mrsfi_runtime.causes.ways import ways
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool

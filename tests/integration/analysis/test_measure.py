@@ -5,13 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation
 from tests.support.campaigns import statistics
-from tests.support.drawing import table
+from tests.support.drawing import table, write_report
 from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission
 from tests.support.world import paper_code

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
-from mrsfi_runtime.analysis.illustrations import evenly_spaced, illustrate
-from mrsfi_runtime.analysis.report import specification_rows, write_report
+from mrsfi_runtime.analysis.illustrations import illustrate
+from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Generation
 from tests.support.campaigns import (
@@ -21,7 +22,7 @@ from tests.support.campaigns import (
     statistics,
     write_campaign,
 )
-from tests.support.drawing import table
+from tests.support.drawing import table, write_report
 from tests.support.search import pool_of
 from tests.support.world import paper_code
 from tests.tiers import slow
@@ -88,13 +89,6 @@ def focused(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_campaign(folder, settings=FOCUS)
     write_report(folder, CODE.mission, CODE.pool, write, ratio="g3:g1=2:1")
     return folder
-
-
-@pytest.mark.parametrize(
-    ("n", "expected"), [(0, ()), (1, (0,)), (5, (0, 1, 2, 3, 4)), (51, (0, 12, 25, 37, 50))]
-)
-def test_generations_are_evenly_spaced(n, expected):
-    assert evenly_spaced(n, 5) == expected
 
 
 def evaluations_of(folder: Path) -> list:
@@ -221,8 +215,8 @@ def test_report_and_summary_name_every_fault_of_the_most_critical(focused):
         assert section.startswith(f"{rank}, evaluation {best.index}\n")
         lines = [line for line in section.splitlines() if line.startswith("| f")]
         rows = [line.strip("| ").split(" | ") for line in lines[: 1 + len(faults)]]
-        found = fault_rows(faults, best.outcome)
-        assert rows == [[str(cell) for cell in row] for row in (FAULT_COLUMNS, *found)]
+        table = fault_table("", faults, best.outcome)
+        assert rows == [[str(cell) for cell in row] for row in table.lines]
 
 
 @slow

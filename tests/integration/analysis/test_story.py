@@ -14,9 +14,8 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.model.mission import Coordinates
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
 from tests.support.world import paper_code, specification
@@ -154,7 +153,7 @@ def test_collisions_are_those_of_the_log():
     engine = ReferenceEngine(code, 3)
     for drawn in (1, 2):
         chosen, stream = specification(code, drawn), StringIO()
-        log = SimulationLog(code.mission, stream, Events(code.mission))
+        log = SimulationLog(code.mission, stream, Events(code.mission, (), ()))
         engine.evaluate(chosen, observer=log)
         told, tick = [], 0
         for line in stream.getvalue().splitlines():

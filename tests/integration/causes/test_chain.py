@@ -6,8 +6,7 @@ from io import StringIO
 
 import pytest
 
-from mrsfi_runtime.causes.chain import FirstVerdict, chains
-from mrsfi_runtime.causes.sentence import sentence
+from mrsfi_runtime.causes.chain import FirstVerdict, chains, sentence
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.model.faults import TimedFault

@@ -16,10 +16,9 @@ from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 from mrsfi_runtime.model.targets import robots_of, touched
-from mrsfi_runtime.record.bag.writer import Bag
-from mrsfi_runtime.record.events import Events
+from mrsfi_runtime.record.bag import Bag
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support import world
 from tests.support.bags import bagged, read_bag
 from tests.tiers import slow
@@ -224,7 +223,7 @@ def test_a_misplaced_obstacle_is_drawn_where_it_is_believed_to_be(engine, tmp_pa
     mission = engine.code.mission
     truth, belief, stream = initial_state(mission, SEED), initial_state(mission, SEED), BytesIO()
     belief.obstacles[1].x += 5.0
-    bag = Bag(mission, stream, (), Events(mission))
+    bag = Bag(mission, stream, (), Events(mission, (), ()))
     bag(truth, belief, no_verdicts(len(mission.goals)))
     bag.finish()
     (tmp_path / "b.mcap").write_bytes(stream.getvalue())
@@ -278,7 +277,7 @@ def test_ids_become_names_that_ros_allows(tmp_path):
     first, *others = mission.robots
     renamed = replace(mission, robots=(replace(first, id="Scout-1.a b"), *others))
     truth, stream = initial_state(mission, SEED), BytesIO()
-    bag = Bag(renamed, stream, (), Events(renamed))
+    bag = Bag(renamed, stream, (), Events(renamed, (), ()))
     bag(truth, truth, no_verdicts(len(mission.goals)))
     bag.finish()
     (tmp_path / "b.mcap").write_bytes(stream.getvalue())

@@ -1,8 +1,9 @@
+from dataclasses import asdict
+
 import pytest
 
 from mrsfi_runtime.study import plots as study_plots
-from mrsfi_runtime.study.comparison import Comparison, compare
-from mrsfi_runtime.study.run_results import RunResult
+from mrsfi_runtime.study.comparison import Comparison, RunResult, compare
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
 from tests.tiers import slow
@@ -76,7 +77,7 @@ def test_without_a_hypervolume_the_fitness_stands_alone():
 
 def test_where_no_run_broke_a_goal_no_goals_are_drawn():
     calm = run("paper", 1, 0.0)
-    nothing = RunResult(**{**calm.as_json(), "at_once": (None,), "together": (None,)})
+    nothing = RunResult(**{**asdict(calm), "at_once": (None,), "together": (None,)})
 
     names = [name for name, _ in study_plots.illustrate(compare(("paper",), [nothing]))]
 

@@ -3,7 +3,7 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.causes.attribution import N_EXACT, N_PERMUTATIONS, attribute
+from mrsfi_runtime.causes.explanation import N_EXACT, N_PERMUTATIONS, attribute
 from tests.support.planted import faults, flights
 
 

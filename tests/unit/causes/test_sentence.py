@@ -1,7 +1,6 @@
 import pytest
 
-from mrsfi_runtime.causes.chain import HEADING, Change, First
-from mrsfi_runtime.causes.sentence import changed
+from mrsfi_runtime.causes.chain import HEADING, Change, First, changed
 
 
 @pytest.mark.parametrize(

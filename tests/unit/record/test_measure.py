@@ -2,8 +2,10 @@ from dataclasses import replace
 
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import goal_table
+from mrsfi_runtime.analysis.table import in_words
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.measure import Measure, missed_from, ticks
+from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.measures import MEANS
 from tests.support.search import outcome_of, paper_mission
@@ -37,7 +39,12 @@ def test_a_measure_says_what_it_counts(settings, words):
     ("missed", "told"), [((0, 3), ("–", "7")), ((10, 1), ("0", "9")), (None, ("?", "?"))]
 )
 def test_a_goal_is_missed_from_a_tick_on_or_not_or_an_older_record_does_not_say(missed, told):
-    assert missed_from(replace(outcome_of(0, 0), missed=missed), 10) == told
+    mission = replace(paper_mission(), duration=10, goals=paper_mission().goals[:2])
+
+    table = goal_table("", mission, replace(outcome_of(0, 0), missed=missed))
+
+    place = table.columns.index("missed from")
+    assert tuple(in_words(row[place]) for row in table.rows) == told
 
 
 def test_a_count_is_whole_and_a_mean_of_counts_is_not():

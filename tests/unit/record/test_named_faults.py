@@ -1,7 +1,8 @@
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
+from mrsfi_runtime.record.named_faults import named_faults
 from tests.support.campaigns import outcome
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import paper_mission, pool_of
@@ -81,9 +82,8 @@ def test_a_script_gets_all_digits_and_both_windows():
 def test_a_row_has_a_cell_for_each_column():
     faults = _named(TimedFault("f21", 2, 475), TimedFault("f2", 3, 4, (5.0,)))
 
-    rows = [
-        dict(zip(FAULT_COLUMNS, row, strict=True)) for row in fault_rows(faults, outcome((), 2))
-    ]
+    table = fault_table("", faults, outcome((), 2))
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
 
     assert [row["values"] for row in rows] == ["–", "BLOCK_DURATION 5 ticks"]
     assert rows[0] == {

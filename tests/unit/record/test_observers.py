@@ -7,9 +7,8 @@ from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.search import paper_mission, pool_of
 
 
@@ -20,7 +19,7 @@ def test_the_log_tells_what_is_so_from_the_first_tick_on():
     verdicts.is_true[0] = verdicts.missed[0] = verdicts.is_believed[2] = 1
     stream = StringIO()
 
-    SimulationLog(mission, stream, Events(mission))(world, world, verdicts)
+    SimulationLog(mission, stream, Events(mission, (), ()))(world, world, verdicts)
 
     events = [line for line in stream.getvalue().splitlines() if "event" in line]
     assert events == [
@@ -40,7 +39,9 @@ def test_the_log_shows_what_is_believed_beside_what_is_so():
     belief.obstacles[4].x, belief.obstacles[4].y = -1.0, 0.125
     stream = StringIO()
 
-    SimulationLog(mission, stream, Events(mission))(world, belief, no_verdicts(len(mission.goals)))
+    SimulationLog(mission, stream, Events(mission, (), ()))(
+        world, belief, no_verdicts(len(mission.goals))
+    )
 
     robot, obstacle = world.robots[1], world.obstacles[4]
     place = f"{robot.y:g} {robot.z:g}"
@@ -101,10 +102,10 @@ def test_a_new_heading_is_told_in_degrees_from_the_x_axis_on(x, y, told):
     mission = paper_mission()
     before, after = initial_state(mission, 1), initial_state(mission, 1)
     after.commands[1].heading_x, after.commands[1].heading_y = x, y
-    events, verdicts = Events(mission), no_verdicts(len(mission.goals))
+    events, verdicts = Events(mission, (), ()), no_verdicts(len(mission.goals))
     [*events.at(before, verdicts)]
 
     (heading,) = events.at(after, verdicts)
 
-    assert heading.subject == "r2 heading"
-    assert heading.said.endswith(f"-> {told} degrees")
+    assert heading[1].startswith("r2 heading: ")
+    assert heading[1].endswith(f"-> {told} degrees")

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from mrsfi_runtime.study.comparison import Comparison, Quartiles, as_json, compare, holm
-from mrsfi_runtime.study.run_results import RunResult
+from mrsfi_runtime.study.comparison import Comparison, Quartiles, RunResult, as_json, compare, holm
 from tests.support.comparisons import run_result
 
 

@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import groupby, islice
 from typing import Any
 
 from mrsfi_runtime.analysis.campaign_tables import (
@@ -14,7 +14,6 @@ from mrsfi_runtime.analysis.campaign_tables import (
     short_evaluations_table,
 )
 from mrsfi_runtime.analysis.markdown import trend_in_words
-from mrsfi_runtime.analysis.page.first_screen import first_screen
 from mrsfi_runtime.analysis.page.flight import (
     Flown,
     flight_content,
@@ -23,12 +22,20 @@ from mrsfi_runtime.analysis.page.flight import (
 )
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import every, to_page
-from mrsfi_runtime.analysis.weaknesses import goal_in_words
+from mrsfi_runtime.analysis.verdicts import (
+    GoalVerdict,
+    State,
+    cause_in_words,
+    noticed,
+    owner_of,
+    when_noticed,
+)
+from mrsfi_runtime.analysis.weaknesses import goal_in_words, harmless, verdict
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.chain import chain
-from mrsfi_runtime.causes.sentence import sentence
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.chain import chain, sentence
+from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -38,14 +45,13 @@ from mrsfi_runtime.record.store import CampaignStore
 MOST_LISTED = 5000
 """Evaluations that the page lists, at most."""
 
+_MARKS = dict(zip(State, "×!!?✓", strict=True))
+"""What stands for the state of a goal."""
+
 
 @dataclass(frozen=True, slots=True)
 class PageEntry:
-    """What the page says of a specification that was flown.
-
-    Why it breaks goals, what each fault did and what flies it again are in words; ``xmi`` is the
-    specification as a file holds it.
-    """
+    """What the page says of a specification that was flown; ``xmi`` is that as a file holds it."""
 
     title: str
     sentence: str
@@ -76,22 +82,113 @@ def campaign_page(
     shown: Sequence[dict[str, Any]],
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
-    """Return what the page shows of a campaign, and of the ways in which goals break.
-
-    ``next_of`` says what to do next about one of them, as for ``first_screen``.
-    """
+    """Return what the page shows of a campaign; ``next_of`` has commands by what they do."""
     step = every(summary.n_evaluations, MOST_LISTED)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = short_evaluations_table(listed, store.flown(step), summary.measure)
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": mission_content(summary.mission),
-        "first": first_screen(summary, next_of),
+        "first": _first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
         "evaluations": to_page(evaluations),
         "record": list(_record(summary, store)),
+    }
+
+
+def _first_screen(
+    summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
+) -> dict[str, Any] | None:
+    """Return a sentence a goal, which fault breaks which, and what is next, if anybody looked."""
+    known, mission, pool = summary.harvest, summary.mission, summary.pool
+    if known is None:
+        return None
+    headline, *facts = summary.said
+    told = least(summary.ways)
+    places = {way.number: place for place, way in enumerate(told)}
+    names = {each.goal: each.name for each in summary.verdicts}
+    shown = {way.number: way for way in (*summary.ways, *told)}
+    guilty = {fault for way in summary.ways for fault in way.faults}
+    n_flights = summary.n_evaluations + known.n_flights
+    about = (
+        f"Campaign {summary.folder.name} on mission {summary.name}",
+        counted(len(mission.robots), "robots"),
+        f"{len(guilty)} of {counted(len(pool), 'faults')} break a goal",
+        counted(n_flights, "flights"),
+    )
+    return {
+        "headline": headline,
+        "about": " · ".join(about),
+        "facts": facts,
+        "goals": [_goal(each) for each in summary.verdicts],
+        "ways": [
+            {
+                "number": way.number,
+                "goal": way.goal,
+                "name": names[way.goal],
+                "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
+                f"{noticed(way.shown)}",
+                "sure": verdict(way),
+                "kind": way.shown.column.kind,
+                "unseen": way.is_unseen,
+                "share": way.shown.share,
+                "joint": len(way.faults) > 1,
+                "shown": places.get(way.number),
+                "next": [(what, shlex.join(words)) for what, words in next_of(way).items()],
+            }
+            for way in shown.values()
+        ],
+        "matrix": _matrix(summary) if summary.ways else None,
+    }
+
+
+def _goal(each: GoalVerdict) -> dict[str, Any]:
+    way = each.way
+    return {
+        "id": each.goal,
+        "name": each.name,
+        "state": each.words,
+        "mark": _MARKS[each.state],
+        "grave": each.state <= State.VIOLATED,
+        "cause": each.cause,
+        "by": "" if way is None else " and ".join(way.faults),
+        "noticed": "" if way is None else when_noticed(way.shown),
+        "sure": each.sure,
+        "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
+        "unknown": each.unknown,
+        "number": None if way is None else way.number,
+    }
+
+
+def _matrix(summary: Summary) -> dict[str, Any]:
+    """Return which fault breaks which goal: goals by faults, these by whom they strike."""
+    mission, pool = summary.mission, summary.pool
+    guilty = {fault for way in summary.ways for fault in way.faults}
+    owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
+    owned.sort(key=lambda each: each[0])
+    fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # which replace the others
+    cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
+    return {
+        "owners": [
+            {"name": name, "n": sum(1 for _ in some)}
+            for (_, name), some in groupby(owned, key=lambda each: each[0])
+        ],
+        "faults": [
+            {"label": f"{fault.id} {what}", "title": f"{fault.id}: {fault.words}"}
+            for _, what, fault in owned
+        ],
+        "rows": [
+            {
+                "id": each.goal,
+                "name": each.name,
+                "cells": [cells.get((each.goal, fault.id)) for *_, fault in owned],
+            }
+            for each in summary.verdicts
+            if each.way is not None
+        ],
+        "note": f"{harmless(pool, summary.ways)}.",
     }
 
 
@@ -114,10 +211,7 @@ def flown_of(
 def told_content(
     mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
-    """Return what the page shows of what was flown, and of its flight or why it has none.
-
-    So many flights are on the page in all.
-    """
+    """Return what the page shows of what was flown, and of its flight or why it has none."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
@@ -144,16 +238,9 @@ def told_content(
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
     rows = summary.trend.generations
     if rows:
-        yield {
-            "title": "Fitness of each generation",
-            "x": "generation",
-            "y": "fitness",
-            "xs": [row.generation for row in rows],
-            "lines": [
-                {"label": "best", "values": [row.best for row in rows]},
-                {"label": "mean", "values": [row.mean for row in rows]},
-            ],
-        }
+        lines = {"best": [row.best for row in rows], "mean": [row.mean for row in rows]}
+        xs = [row.generation for row in rows]
+        yield _chart("Fitness of each generation", "generation", "fitness", xs, lines)
     front = summary.front
     if front is not None and front.points and len(front.goals) > 1:
         x, y, *_ = front.goals
@@ -167,8 +254,14 @@ def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
 
 def _scatter(title: str, x: str, y: str, points: Sequence[Sequence[float]]) -> dict[str, Any]:
     xs, values = zip(*points, strict=True)
-    lines = [{"label": y, "values": values}]
-    return {"title": title, "x": x, "y": y, "xs": xs, "lines": lines, "points": True}
+    return _chart(title, x, y, xs, {y: values}) | {"points": True}
+
+
+def _chart(
+    title: str, x: str, y: str, xs: Sequence[float], lines: Mapping[str, Sequence[float]]
+) -> dict[str, Any]:
+    told = [{"label": label, "values": values} for label, values in lines.items()]
+    return {"title": title, "x": x, "y": y, "xs": xs, "lines": told}
 
 
 def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]:

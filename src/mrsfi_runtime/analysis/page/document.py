@@ -6,6 +6,7 @@ policy allows that script and those styles alone, by their hashes.
 """
 
 import json
+import re
 from base64 import b64encode
 from collections.abc import Mapping
 from hashlib import sha256
@@ -31,10 +32,7 @@ def document(content: Mapping[str, Any]) -> str:
         "data": f'<script type="application/json" id="data">{data.translate(_UNSAFE)}</script>',
         "scripts": f"<script>{scripts}</script>",
     }
-    first, *others = _asset("page.html").split("{{")
-    return first + "".join(
-        parts[name] + text for name, text in (other.split("}}", 1) for other in others)
-    )
+    return re.sub(r"\{\{(\w+)}}", lambda found: parts[found[1]], _asset("page.html"))
 
 
 def _asset(name: str) -> str:

@@ -26,10 +26,7 @@ _DIGITS = 6  # of the largest value of a series
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """A flight, and those without one of its faults, by its place.
-
-    It is about a ``goal``, if about one, and shown from tick ``first`` on.
-    """
+    """A flight about a goal, if about one, and those without one of its faults, by its place."""
 
     title: str
     faults: Sequence[NamedFault]
@@ -113,9 +110,7 @@ def stride(mission: Mission, n_flights: int) -> int:
 def _flight(
     mission: Mission, recording: Recording, steps: dict[str, float], stride: int
 ) -> dict[str, Any]:
-    kept = [*range(0, mission.duration, stride)]
-    if kept[-1] != mission.duration - 1:
-        kept.append(mission.duration - 1)
+    kept = sorted({*range(0, mission.duration, stride), mission.duration - 1})
     packed = {}
     for name in _SERIES:
         true, believed = (

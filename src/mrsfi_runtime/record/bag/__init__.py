@@ -1,1 +1,0 @@
-"""Flights as bags: MCAP files with the messages of ROS 2."""
