@@ -99,15 +99,9 @@ class FaultModel:
             chance = (1.0 - _RATE) * self._chances[fault] + _RATE * share
             self._chances[fault] = max(_LEAST_CHANCE, chance)
             if among_best:
-                columns = zip(
-                    zip(*among_best, strict=True), zip(*among_all, strict=True), strict=True
-                )
-                self._gaussians[fault] = [
-                    _moved(old, best, every, bounds)
-                    for old, (best, every), bounds in zip(
-                        gaussians, columns, self._ranges[fault], strict=True
-                    )
-                ]
+                best, every = zip(*among_best, strict=True), zip(*among_all, strict=True)
+                moved = map(_moved, gaussians, best, every, self._ranges[fault])
+                self._gaussians[fault] = [*moved]
 
 
 def _rows(fault: str, individuals: Sequence[Individual]) -> list[tuple[float, ...]]:

@@ -54,17 +54,14 @@ def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple
 
 
 def _places(mission: Mission, fault: Fault) -> Iterator[tuple[float, ...]]:
-    own_height = fault.values[2:]
     for point in _points(mission):
-        yield (float(point.x), float(point.y), *own_height)
+        yield (float(point.x), float(point.y), *fault.values[2:])  # and its own height
 
 
 def _points(mission: Mission) -> Iterator[Coordinates]:
     center, far = mission.area.center, _OUTSIDE * mission.area.radius
-    for robot in mission.robots:
-        yield robot.position
-    for obstacle in mission.obstacles:
-        yield obstacle.area.center
+    yield from (robot.position for robot in mission.robots)
+    yield from (obstacle.area.center for obstacle in mission.obstacles)
     for goal in mission.goals:
         if goal.area is not None:
             yield goal.area.center

@@ -96,11 +96,11 @@ def crossed(
     if not combined:
         return first, second
     nearest = min(combined, key=lambda sizes: (abs(max(sizes) - wanted), max(sizes), sizes))
-    leave = {place for number in combined[nearest] for place in blocks[number][0]}
-    arrive = {place for number in combined[nearest] for place in blocks[number][1]}
+    leave = {first[place] for number in combined[nearest] for place in blocks[number][0]}
+    arrive = {second[place] for number in combined[nearest] for place in blocks[number][1]}
     return (
-        space.ordered([*_without(first, leave), *_only(second, arrive)]),
-        space.ordered([*_without(second, arrive), *_only(first, leave)]),
+        space.ordered((set(first) - leave) | arrive),
+        space.ordered((set(second) - arrive) | leave),
     )
 
 
@@ -168,14 +168,6 @@ def _combined(
                 found[sizes] = (*chosen, number)
     del found[0, 0]
     return found
-
-
-def _only(specification: Specification, places: set[int]) -> list[TimedFault]:
-    return [timed for place, timed in enumerate(specification) if place in places]
-
-
-def _without(specification: Specification, places: set[int]) -> list[TimedFault]:
-    return [timed for place, timed in enumerate(specification) if place not in places]
 
 
 CROSSOVERS: Mapping[str, Crossover] = MappingProxyType({"exchange": crossed})
