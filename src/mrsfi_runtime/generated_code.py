@@ -20,9 +20,8 @@ from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.semantics_of_code import require_semantics
+from mrsfi_runtime.readiness import require_filled, require_semantics
 from mrsfi_runtime.transport.topics import Topic
-from mrsfi_runtime.unfilled import require_filled
 
 
 @dataclass(frozen=True)
@@ -50,21 +49,19 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     require_semantics(directory)
     require_filled(directory)
     with fenced(lambda error: failed(error, directory, "cannot be loaded", directory)):
-        return _loaded_code(directory, pool)
-
-
-def _loaded_code(directory: Path, pool: FaultPool | None) -> MissionCode:
-    collective = _module(directory, "collective_intelligence")
-    topics, interface, simulation = _siblings(directory, "topics", "sim_interface", "simulation")
-    return MissionCode(
-        mission=_loaded(directory, "mission_loader", "load_mission"),
-        pool=_loaded(directory, "fault_loader", "load_faults") if pool is None else pool,
-        simulation=simulation.Simulation,
-        interface=interface.SimInterface,
-        truth=tuple(robot.truth for robot in topics.ROBOTS),
-        functions=_functions(directory, collective, _module(directory, "fault_effects")),
-        directory=directory,
-    )
+        collective = _module(directory, "collective_intelligence")
+        topics, interface, simulation = _siblings(
+            directory, "topics", "sim_interface", "simulation"
+        )
+        return MissionCode(
+            mission=_loaded(directory, "mission_loader", "load_mission"),
+            pool=_loaded(directory, "fault_loader", "load_faults") if pool is None else pool,
+            simulation=simulation.Simulation,
+            interface=interface.SimInterface,
+            truth=tuple(robot.truth for robot in topics.ROBOTS),
+            functions=_functions(directory, collective, _module(directory, "fault_effects")),
+            directory=directory,
+        )
 
 
 def _functions(directory: Path, collective: ModuleType, effects: ModuleType) -> MissionFunctions:

@@ -24,7 +24,7 @@ from mrsfi_runtime.engine.region_kinds import API, Kinds, fields
 from mrsfi_runtime.engine.region_rules import remarks
 from mrsfi_runtime.engine.region_sources import Source, sources
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.unfilled import unfilled_regions
+from mrsfi_runtime.readiness import unfilled_regions
 
 _CERTAIN = (
     messages.UndefinedLocal,

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mrsfi_runtime.imported_copies import team_file
 from mrsfi_runtime.markers import lines_in_regions
-from mrsfi_runtime.unfilled import FILES
+from mrsfi_runtime.readiness import FILES
 
 _LONGEST = 200  # letters of a text that may be the name of a file
 _UNLIKELY = re.compile(r"^/|\.\.|[\0\n]|\.py$")

@@ -55,11 +55,6 @@ class CompiledEngine(Engine):
         self._fly_many = CompiledFlight(code)
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
 
-    @property
-    def is_new(self) -> bool:
-        """Whether this process has compiled something of it, and not found all in the cache."""
-        return self._fly_many.is_new
-
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
@@ -74,7 +69,7 @@ class CompiledEngine(Engine):
         except WorkerLost:  # code that gets no further is no difference
             raise
         except EvaluationError:
-            if self.is_new:
+            if self._fly_many.is_new:
                 raise
             self._fly_many.forget()
             self._require_same(flown)

@@ -1,20 +1,47 @@
-"""Regions that are generated empty, because only the team knows what belongs there.
+"""What has to hold of generated code before it flies, told without loading it.
 
-No engine flies a mission that has one: a check without a body would never find a violation.
+It is made for this world's rules, and no region is empty where only the team knows what belongs
+there: a check without a body would never find a violation.
 """
 
 import ast
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.markers import MARKER
+from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED, difference, flown_by
 
 FILES = ("collective_intelligence.py", "fault_effects.py")
 """Generated files that hold regions."""
 
 _OPTIONAL = (".progress",)
+
+
+def require_semantics(directory: Path) -> None:
+    """Refuse code that was generated for other rules of the world than this runtime flies.
+
+    The ``GenerationError`` names both versions, and what to do. A manifest that is missing or is
+    none does not say which it was generated for, and is one as well.
+    """
+    path = directory / "manifest.json"
+    if not path.is_file():
+        raise GenerationError(f"{path}: no such file; run `mrsfi generate` to make it")
+    try:
+        found = int(json.loads(path.read_bytes()).get("semantics", UNNUMBERED))
+    except (ValueError, TypeError, AttributeError) as error:
+        raise GenerationError(
+            f"{path}: is no manifest ({type(error).__name__}: {error}); restore it from version "
+            "control, or delete it and run `mrsfi generate`"
+        ) from error
+    if found != SEMANTICS:
+        remedy = "run `mrsfi generate`, then review the diff and your regions"
+        raise GenerationError(
+            f"{path}: {difference(found)}; "
+            f"{remedy if found < SEMANTICS else f'use {flown_by(found)}'}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
