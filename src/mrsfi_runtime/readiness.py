@@ -44,23 +44,39 @@ def require_semantics(directory: Path) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class UnfilledRegion:
-    """A region whose function has no body: where it begins, and which it is in words.
+FILLED, RUNS, COMPILES_ALIKE = "RegionFilled", "RegionRuns", "RegionCompilesAlike"
 
-    ``message`` says what was found, and what to write.
+
+@dataclass(frozen=True, slots=True)
+class RegionFinding:
+    """What is wrong with a line: what was found, why it matters and what to write instead.
+
+    ``place`` is the region, function or module that it stands in, such as ``region 'g1.check'``.
+    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a
+    warning: the line compiles to something else.
     """
 
     path: Path
     line: int
     place: str
     message: str
+    constraint: str = FILLED
 
-    def __str__(self) -> str:
+    @property
+    def is_error(self) -> bool:
+        """Whether nothing should fly with it."""
+        return self.constraint != COMPILES_ALIKE
+
+    @property
+    def words(self) -> str:
+        """Where it is, and what."""
         return f"{self.path}:{self.line}: {self.place}: {self.message}"
 
+    def __str__(self) -> str:
+        return f"{self.words} [{self.constraint}]"
 
-def unfilled_regions(directory: Path) -> tuple[UnfilledRegion, ...]:
+
+def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
     """Return the regions of ``generated/<mission>`` that have to be filled before it can fly.
 
     A file that is missing, or no Python, has none.
@@ -73,10 +89,10 @@ def require_filled(directory: Path) -> None:
     """Refuse a mission with regions to be filled: an ``EvaluationError`` names each, one a line."""
     found = unfilled_regions(directory)
     if found:
-        raise EvaluationError("\n".join(map(str, found)))
+        raise EvaluationError("\n".join(each.words for each in found))
 
 
-def _of_file(path: Path) -> Iterator[UnfilledRegion]:
+def _of_file(path: Path) -> Iterator[RegionFinding]:
     text = path.read_text(encoding="utf-8", errors="replace")
     try:
         tree = ast.parse(text)
@@ -92,4 +108,4 @@ def _of_file(path: Path) -> Iterator[UnfilledRegion]:
         marker = MARKER.fullmatch(line)
         if purpose and marker and marker["state"] and not marker["id"].endswith(_OPTIONAL):
             message = f"is empty; expected the body of {node.name}, which is to: {purpose}"
-            yield UnfilledRegion(path, number, f"region '{marker['id']}'", message)
+            yield RegionFinding(path, number, f"region '{marker['id']}'", message)

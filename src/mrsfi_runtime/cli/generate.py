@@ -64,4 +64,4 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
             click.echo(f"{verb:<9}  {folders.generated / name}")
     unfilled = unfilled_regions(folders.generated)
     if unfilled:
-        raise GenerationError("\n".join(map(str, unfilled)))
+        raise GenerationError("\n".join(each.words for each in unfilled))

@@ -264,7 +264,6 @@ class _Assessment:
         return tuple(index for index in indexes if index != _FAILED)
 
     def progress(self, summary: GenerationSummary) -> CampaignProgress:
-        """Return how far the campaign is."""
         return CampaignProgress(
             generation=summary.index,
             best=self._best,

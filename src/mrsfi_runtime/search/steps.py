@@ -123,7 +123,6 @@ _Change: TypeAlias = Callable[[SearchSpace, TimedFault, Specification, Random], 
 def _changed(
     change: _Change, space: SearchSpace, specification: Specification, rng: Random
 ) -> Specification:
-    """Change one fault."""
     if not specification:
         return specification
     place = rng.randrange(len(specification))
