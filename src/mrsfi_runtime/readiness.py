@@ -14,9 +14,6 @@ from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.markers import MARKER
 from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED, difference, flown_by
 
-FILES = ("collective_intelligence.py", "fault_effects.py")
-"""Generated files that hold regions."""
-
 _OPTIONAL = (".progress",)
 
 
@@ -76,13 +73,18 @@ class RegionFinding:
         return f"{self.words} [{self.constraint}]"
 
 
+def region_files(directory: Path) -> list[Path]:
+    """Return the generated files that hold regions, if they are there."""
+    paths = (directory / name for name in ("collective_intelligence.py", "fault_effects.py"))
+    return [path for path in paths if path.is_file()]
+
+
 def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
     """Return the regions of ``generated/<mission>`` that have to be filled before it can fly.
 
     A file that is missing, or no Python, has none.
     """
-    paths = (directory / name for name in FILES)
-    return tuple(found for path in paths if path.is_file() for found in _of_file(path))
+    return tuple(found for path in region_files(directory) for found in _of_file(path))
 
 
 def require_filled(directory: Path) -> None:

@@ -13,8 +13,7 @@ from uuid import uuid4
 
 from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
-from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin
+from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin, Shipment
 from mrsfi_runtime.engine.pools import apart
 from mrsfi_runtime.engine.settings import LOCAL
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
