@@ -190,7 +190,11 @@ class MissionPlugin(WorkerPlugin):
                 seconds = perf_counter() - start
             except MrsfiError as error:
                 raise type(error)(self._told(str(error))) from error
-        return EvaluatedChunk(tuple(map(self._as_at_home, results)), seconds)
+        told = (
+            FailedFlight(self._told(each.traceback)) if isinstance(each, FailedFlight) else each
+            for each in results
+        )
+        return EvaluatedChunk(tuple(told), seconds)
 
     def _require_same_environment(self) -> None:
         differences = self._shipment.differences()
@@ -211,11 +215,6 @@ class MissionPlugin(WorkerPlugin):
                     "installed on every worker"
                 ) from error
         return self._engines[settings]
-
-    def _as_at_home(self, result: Evaluated) -> Evaluated:
-        if isinstance(result, FailedFlight):
-            return FailedFlight(self._told(result.traceback))
-        return result
 
     def _told(self, text: str) -> str:
         return self._shipment.told_as_at_home(text, self._folder)
