@@ -75,12 +75,9 @@ class FaultModel:
         if not overlaps:
             return None
         start, finish = max(overlaps, key=lambda window: window[1] - window[0])
-        candidate = self._space.candidates[fault]
-        values = tuple(
-            float(round(value)) if is_integer and low < high else value
-            for value, is_integer, (low, high) in zip(
-                drawn[2:], candidate.is_integer, candidate.bounds, strict=True
-            )
+        values = self._space.candidates[fault].changed(
+            drawn[2:],
+            lambda value, _low, _high, is_whole: float(round(value)) if is_whole else value,
         )
         return TimedFault(fault, start, finish, values)
 

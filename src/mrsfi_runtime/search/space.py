@@ -5,7 +5,7 @@ References
 Source paper, sections III-C b) and III-E a) to c).
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 from types import MappingProxyType
@@ -90,6 +90,17 @@ class Candidate:
     conflicts: frozenset[str]
     landmarks: tuple[tuple[float, ...], ...] = ()
     is_place: bool = False
+
+    def changed(
+        self, values: Sequence[float], change: Callable[[float, float, float, bool], float]
+    ) -> tuple[float, ...]:
+        """Change the values that evolve; each is given with its bounds and ``is_integer``."""
+        return tuple(
+            change(value, low, high, is_integer) if low < high else value
+            for value, (low, high), is_integer in zip(
+                values, self.bounds, self.is_integer, strict=True
+            )
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,18 +50,13 @@ def random_values(
     candidate: Candidate, values: tuple[float, ...], rng: Random
 ) -> tuple[float, ...]:
     """Draw the values that evolve anew within their bounds; keep the others."""
-    return tuple(
-        _random_value(low, high, is_integer=is_integer, rng=rng) if low < high else value
-        for value, (low, high), is_integer in zip(
-            values, candidate.bounds, candidate.is_integer, strict=True
-        )
-    )
 
+    def drawn(_: float, low: float, high: float, is_integer: bool) -> float:
+        if is_integer:
+            return float(rng.randint(int(low), int(high)))
+        return min(high, max(low, rng.uniform(low, high)))  # rounding may leave the bounds
 
-def _random_value(low: float, high: float, *, is_integer: bool, rng: Random) -> float:
-    if is_integer:
-        return float(rng.randint(int(low), int(high)))
-    return min(high, max(low, rng.uniform(low, high)))  # rounding may leave the bounds
+    return candidate.changed(values, drawn)
 
 
 def crossed(
