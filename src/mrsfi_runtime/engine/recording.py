@@ -186,11 +186,9 @@ class Part:
     def __getitem__(self, which: str | int) -> Any:
         if isinstance(which, str):
             path, dtype = (*self._path, which), self.dtype[which].base
-            return (
-                self._whole.column(path)
-                if dtype.names is None
-                else type(self)(self._whole, path, dtype)
-            )
+            if dtype.names is None:
+                return self._whole.column(path)
+            return Part(self._whole, path, dtype)
         records = self._whole.moment(which)
         for name in self._path:
             records = records[name]
