@@ -33,7 +33,10 @@ def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     inside an obstacle is a point that chance hardly ever hits.
     """
     bounds = value_bounds(mission, fault)
-    found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
+    found: Iterable[tuple[float, ...]] = _ends(fault, bounds)
+    if fault.kind.is_place:
+        height = fault.values[2:]
+        found = ((float(point.x), float(point.y), *height) for point in _points(mission))
     return tuple(
         dict.fromkeys(
             values for values in (fault.values, *found) if all(map(within, values, bounds))
@@ -51,11 +54,6 @@ def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple
     for place, (low, high) in enumerate(bounds):
         for end in (low, high):
             yield (*fault.values[:place], end, *fault.values[place + 1 :])
-
-
-def _places(mission: Mission, fault: Fault) -> Iterator[tuple[float, ...]]:
-    for point in _points(mission):
-        yield (float(point.x), float(point.y), *fault.values[2:])  # and its own height
 
 
 def _points(mission: Mission) -> Iterator[Coordinates]:
