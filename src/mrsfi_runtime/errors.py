@@ -73,13 +73,7 @@ class ProtectedRegionError(GenerationError):
 
 
 class SpecificationError(MrsfiError):
-    """A fault specification cannot be flown on its mission.
-
-    Attributes
-    ----------
-    faults
-        IDs of the faults that it is about, if it is about some.
-    """
+    """A fault specification cannot be flown on its mission; ``faults`` has the IDs it is about."""
 
     exit_code = 5
 
@@ -91,10 +85,7 @@ class SpecificationError(MrsfiError):
 class EvaluationError(MrsfiError):
     """The decision logic of a mission failed while it was evaluated, or is bound to.
 
-    Attributes
-    ----------
-    line
-        Line of the generated file that failed, if it is one; the message names both.
+    ``line`` is that of the generated file that failed, if it is one; the message names both.
     """
 
     exit_code = 6

@@ -60,7 +60,7 @@ def fenced(
         raise told(error) from error
 
 
-def apart(call: Callable[[], object]) -> None:
+def in_thread(call: Callable[[], object]) -> None:
     """Call machine code, which nothing can stop, in a thread that ends with this process."""
     raised: list[BaseException] = []
 

@@ -1,28 +1,27 @@
 """The one door to generated code."""
 
-import importlib.util
 import sys
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
-from importlib.machinery import SourceFileLoader
+from importlib.machinery import ModuleSpec, SourceFileLoader
+from importlib.util import module_from_spec
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 from zlib import crc32
 
 from mrsfi_runtime.cosimulation.sides import SimInterface, Simulation
-from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError, WorkerLost
+from mrsfi_runtime.errors import EvaluationError, GenerationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, words
 from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.semantics_of_code import require_semantics
+from mrsfi_runtime.readiness import require_filled, require_semantics
 from mrsfi_runtime.transport.topics import Topic
-from mrsfi_runtime.unfilled import require_filled
 
 
 @dataclass(frozen=True)
@@ -50,21 +49,19 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     require_semantics(directory)
     require_filled(directory)
     with fenced(lambda error: failed(error, directory, "cannot be loaded", directory)):
-        return _loaded_code(directory, pool)
-
-
-def _loaded_code(directory: Path, pool: FaultPool | None) -> MissionCode:
-    collective = _module(directory, "collective_intelligence")
-    topics, interface, simulation = _siblings(directory, "topics", "sim_interface", "simulation")
-    return MissionCode(
-        mission=_loaded(directory, "mission_loader", "load_mission"),
-        pool=_loaded(directory, "fault_loader", "load_faults") if pool is None else pool,
-        simulation=simulation.Simulation,
-        interface=interface.SimInterface,
-        truth=tuple(robot.truth for robot in topics.ROBOTS),
-        functions=_functions(directory, collective, _module(directory, "fault_effects")),
-        directory=directory,
-    )
+        collective = _module(directory, "collective_intelligence")
+        topics, interface, simulation = _siblings(
+            directory, "topics", "sim_interface", "simulation"
+        )
+        return MissionCode(
+            mission=_loaded(directory, "mission_loader", "load_mission"),
+            pool=_loaded(directory, "fault_loader", "load_faults") if pool is None else pool,
+            simulation=simulation.Simulation,
+            interface=interface.SimInterface,
+            truth=tuple(robot.truth for robot in topics.ROBOTS),
+            functions=_functions(directory, collective, _module(directory, "fault_effects")),
+            directory=directory,
+        )
 
 
 def _functions(directory: Path, collective: ModuleType, effects: ModuleType) -> MissionFunctions:
@@ -100,11 +97,7 @@ def mission_from_text(source: str) -> Mission:
 
 def pool_from_text(source: str) -> FaultPool:
     """Return the faults that the text of a generated fault loader describes."""
-    pool = _made("fault_loader.py", source, "load_faults")
-    if not isinstance(pool, FaultPool):
-        raise SpecificationError(
-            f"load_faults() returned {type(pool).__name__}; expected a FaultPool"
-        )
+    pool: FaultPool = _made("fault_loader.py", source, "load_faults")
     return pool
 
 
@@ -148,14 +141,13 @@ def _name_of(*paths: Path) -> str:
 def load_module(name: str, path: Path) -> ModuleType:
     """Import a file under a name, as it stands now; an ``EvaluationError`` if that fails."""
     loader = _SourceLoader(name, str(path.absolute()))
-    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
-    if spec is None or spec.loader is None:
-        raise EvaluationError(f"{path}: not a Python module")
-    module = importlib.util.module_from_spec(spec)
+    spec = ModuleSpec(name, loader, origin=loader.path)
+    spec.has_location = True
+    module = module_from_spec(spec)
     sys.modules[name] = module
     told = partial(failed, directory=path.parent, what="cannot be imported", file=path)
     with fenced(told), importing(path.parent, module):
-        spec.loader.exec_module(module)
+        loader.exec_module(module)
     return module
 
 

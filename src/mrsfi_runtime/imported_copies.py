@@ -137,6 +137,5 @@ class _Loader(SourceFileLoader):
     scope: Mapping[str, Any]
 
     def exec_module(self, module: ModuleType) -> None:
-        """Run the module."""
         vars(module)["__builtins__"] = self.scope
         super().exec_module(module)

@@ -48,7 +48,7 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
 with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
     engine.evaluate(())
-    print(int(engine.is_new))
+    print(int(engine._fly_many.is_new))
 """
 
 

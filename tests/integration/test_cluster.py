@@ -25,7 +25,7 @@ import distributed  # noqa: E402 - needs dask
 
 from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: E402 - needs dask
 from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: E402 - needs dask
-from mrsfi_runtime.engine.cluster.shipment import Shipment  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster.worker import Shipment  # noqa: E402 - needs dask
 
 MISSION = "tight_margins"
 GENERATED = ROOT / "generated" / MISSION

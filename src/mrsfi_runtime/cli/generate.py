@@ -52,7 +52,7 @@ def command(mission: str, generated: Path | None, check: bool, diff: bool, force
 
 def _write(folders: "MissionFolders", *, force: bool) -> None:
     from mrsfi.folders import generate
-    from mrsfi_runtime.unfilled import unfilled_regions
+    from mrsfi_runtime.readiness import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)
     for verb, names in (
@@ -64,4 +64,4 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
             click.echo(f"{verb:<9}  {folders.generated / name}")
     unfilled = unfilled_regions(folders.generated)
     if unfilled:
-        raise GenerationError("\n".join(map(str, unfilled)))
+        raise GenerationError("\n".join(each.words for each in unfilled))

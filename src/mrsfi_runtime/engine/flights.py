@@ -13,7 +13,7 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.generated_code import MissionCode, failed
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import FaultTally, Plan, plan
+from mrsfi_runtime.kernel.injections import FaultTally, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -148,12 +148,17 @@ class PlainEngine(Engine):
             return flight.world.mission.tick
 
         def told(error: BaseException) -> EvaluationError:
-            what = f"the mission failed at tick {tick()}"
-            return failed(error, code.directory, what)
+            return failed(error, code.directory, f"the mission failed at tick {tick()}")
 
         with fenced(told, tick, self.patience):
             self._fly(flight, seed)
-            return _outcome(flight, laid_out)
+            counts = (
+                *(getattr(flight.verdicts, name) for name in COUNTED),
+                [goal.count for goal in flight.world.goals],
+                [tally.applied for tally in laid_out.tallies],
+                [tally.changed for tally in laid_out.tallies],
+            )
+            return digested(counts, state_bytes(flight.world), state_bytes(flight.belief))
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:
@@ -168,17 +173,6 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
                 "fault_effects.py has only where the mission's pool has a fault of the type; add "
                 "one to its faults.xmi and run `mrsfi generate`"
             )
-
-
-def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
-    verdicts = flight.verdicts
-    counts = (
-        *(getattr(verdicts, name) for name in COUNTED),
-        [goal.count for goal in flight.world.goals],
-        [tally.applied for tally in laid_out.tallies],
-        [tally.changed for tally in laid_out.tallies],
-    )
-    return digested(counts, state_bytes(flight.world), state_bytes(flight.belief))
 
 
 def digested(

@@ -81,12 +81,7 @@ class Recording:
     remember is in ``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals,
     N_MEMORY)``. The verdicts are named as those of ``Verdicts``; ``recording["is_true"]`` has shape
     ``(n_ticks, n_goals)``. An array is read anew when it is asked for; a number in place of a name
-    asks for that tick.
-
-    Parameters
-    ----------
-    dtype
-        Layout of a tick, ``moment_type``.
+    asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``.
     """
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
@@ -191,11 +186,9 @@ class Part:
     def __getitem__(self, which: str | int) -> Any:
         if isinstance(which, str):
             path, dtype = (*self._path, which), self.dtype[which].base
-            return (
-                self._whole.column(path)
-                if dtype.names is None
-                else type(self)(self._whole, path, dtype)
-            )
+            if dtype.names is None:
+                return self._whole.column(path)
+            return Part(self._whole, path, dtype)
         records = self._whole.moment(which)
         for name in self._path:
             records = records[name]

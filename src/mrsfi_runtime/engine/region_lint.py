@@ -9,7 +9,6 @@ file, constants and tables included, stays plain Python on every engine.
 import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from pkgutil import resolve_name
@@ -24,7 +23,7 @@ from mrsfi_runtime.engine.region_kinds import API, Kinds, fields
 from mrsfi_runtime.engine.region_rules import remarks
 from mrsfi_runtime.engine.region_sources import Source, sources
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.unfilled import unfilled_regions
+from mrsfi_runtime.readiness import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
 
 _CERTAIN = (
     messages.UndefinedLocal,
@@ -45,33 +44,6 @@ _CERTAIN = (
 
 _LONGEST = 120  # letters of the names that are told
 
-FILLED, RUNS, COMPILES_ALIKE = "RegionFilled", "RegionRuns", "RegionCompilesAlike"
-
-
-@dataclass(frozen=True, slots=True)
-class RegionFinding:
-    """What is wrong with a line: what was found, why it matters and what to write instead.
-
-    ``place`` is the region, function or module that it stands in, such as ``region 'g1.check'``.
-    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a
-    warning: the line compiles to something else.
-    """
-
-    path: Path
-    line: int
-    place: str
-    constraint: str
-    message: str
-
-    @property
-    def is_error(self) -> bool:
-        """Whether nothing should fly with it."""
-        return self.constraint in (FILLED, RUNS)
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}: {self.place}: {self.message} [{self.constraint}]"
-
-
 _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
@@ -91,17 +63,13 @@ def require_sound_regions(directory: Path) -> None:
 
 
 def _found(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, ...]:
-    unfilled = (
-        RegionFinding(each.path, each.line, each.place, FILLED, each.message)
-        for each in unfilled_regions(directory)
-    )
     found = (
-        RegionFinding(source.path, line, source.place(line), constraint, message)
+        RegionFinding(source.path, line, source.place(line), message, constraint)
         for source in sources(directory)
         for rule, constraint in rules.items()
         for line, message in sorted(rule(source))
     )
-    return tuple(dict.fromkeys((*unfilled, *found)))
+    return tuple(dict.fromkeys((*unfilled_regions(directory), *found)))
 
 
 def _no_python(source: Source) -> Iterator[tuple[int, str]]:

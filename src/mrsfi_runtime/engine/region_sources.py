@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mrsfi_runtime.imported_copies import team_file
 from mrsfi_runtime.markers import lines_in_regions
-from mrsfi_runtime.unfilled import FILES
+from mrsfi_runtime.readiness import region_files
 
 _LONGEST = 200  # letters of a text that may be the name of a file
 _UNLIKELY = re.compile(r"^/|\.\.|[\0\n]|\.py$")
@@ -98,15 +98,11 @@ def sources(directory: Path) -> Iterator[Source]:
 
     None where no code was generated yet.
     """
-    for path in _generated(directory):
+    for path in region_files(directory):
         yield Source(path, has_regions=True)
     for path in imported_files(directory).values():
         if path.suffix == ".py":
             yield Source(path)
-
-
-def _generated(directory: Path) -> list[Path]:
-    return [path for path in (directory / name for name in FILES) if path.is_file()]
 
 
 def imported_files(directory: Path, modules: Iterable[str] = ()) -> dict[str, Path]:
@@ -117,7 +113,7 @@ def imported_files(directory: Path, modules: Iterable[str] = ()) -> dict[str, Pa
     """
     found: dict[str, Path] = {}
     names = [*modules]
-    for file in _generated(directory):
+    for file in region_files(directory):
         names += _named(Source(file).tree, "")
     for name in names:  # which grows
         for spec in _specs(name):

@@ -75,12 +75,9 @@ class FaultModel:
         if not overlaps:
             return None
         start, finish = max(overlaps, key=lambda window: window[1] - window[0])
-        candidate = self._space.candidates[fault]
-        values = tuple(
-            float(round(value)) if is_integer and low < high else value
-            for value, is_integer, (low, high) in zip(
-                drawn[2:], candidate.is_integer, candidate.bounds, strict=True
-            )
+        values = self._space.candidates[fault].changed(
+            drawn[2:],
+            lambda value, _low, _high, is_whole: float(round(value)) if is_whole else value,
         )
         return TimedFault(fault, start, finish, values)
 
@@ -99,15 +96,9 @@ class FaultModel:
             chance = (1.0 - _RATE) * self._chances[fault] + _RATE * share
             self._chances[fault] = max(_LEAST_CHANCE, chance)
             if among_best:
-                columns = zip(
-                    zip(*among_best, strict=True), zip(*among_all, strict=True), strict=True
-                )
-                self._gaussians[fault] = [
-                    _moved(old, best, every, bounds)
-                    for old, (best, every), bounds in zip(
-                        gaussians, columns, self._ranges[fault], strict=True
-                    )
-                ]
+                best, every = zip(*among_best, strict=True), zip(*among_all, strict=True)
+                moved = map(_moved, gaussians, best, every, self._ranges[fault])
+                self._gaussians[fault] = [*moved]
 
 
 def _rows(fault: str, individuals: Sequence[Individual]) -> list[tuple[float, ...]]:

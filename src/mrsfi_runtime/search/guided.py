@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from functools import partial
 from hashlib import blake2b
 from random import Random
-from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -32,9 +31,6 @@ _TWINS = 2  # individuals of one goal vector in a population
 _MOST_GOALS = 3  # of a front: of more, hardly anything dominates anything
 _HALF = 0.5
 _ATTEMPTS = 10  # to breed what was not asked for yet
-
-_Goals: TypeAlias = tuple[float, ...]
-_Niche: TypeAlias = tuple[object, ...]
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -72,10 +68,9 @@ class _Guide:
         self._size = settings.population
         self._rng = rng
         self._asked: set[bytes] = set()
-        self._numbers = {fault: number for number, fault in enumerate(space.candidates)}
-        self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
+        self._niches: dict[tuple[object, ...], tuple[tuple[float, ...], Individual]] = {}
         self._has_few_goals = 0 < len(settings.goals) <= _MOST_GOALS
-        self._front: dict[_Goals, Individual] = {}
+        self._front: dict[Criticality, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
@@ -130,7 +125,7 @@ class _Guide:
 
     def _has_succeeded(self, individual: Individual, parent_fitness: float) -> bool:
         if self._minimises:
-            return self._front.get(self._aims(individual).wvalues) is individual
+            return self._front.get(self._aims(individual)) is individual
         return individual.score.fitness > parent_fitness
 
     def _aims(self, individual: Individual) -> Criticality:
@@ -143,7 +138,7 @@ class _Guide:
     def _enter_niches(self, individual: Individual) -> None:
         """Keep the best of every pattern of violated goals, and of every goal."""
         goals, fitness = individual.score.goals, individual.score.fitness
-        ranks: dict[_Niche, tuple[float, ...]] = {
+        ranks: dict[tuple[object, ...], tuple[float, ...]] = {
             ("pattern", *(violations > 0 for violations in goals)): (fitness,),
             **{("goal", place): (count, fitness) for place, count in enumerate(goals)},
         }
@@ -153,14 +148,12 @@ class _Guide:
 
     def _enter_front(self, individual: Individual) -> None:
         """Enter an individual, unless another dominates it; of equal ones the newest."""
-        goals = self._aims(individual).wvalues
-        others = [known for known in self._front if known != goals]
-        if any(_covers(known, goals) for known in others):
+        aims = self._aims(individual)
+        if any(known.dominates(aims) for known in self._front):
             return
-        for known in others:
-            if _covers(goals, known):
-                del self._front[known]
-        self._front[goals] = individual
+        for known in filter(aims.dominates, [*self._front]):
+            del self._front[known]
+        self._front[aims] = individual
 
     def _child(self, population: Sequence[Individual]) -> Individual:
         """Return a child that was not asked for yet, if that is not hard to find."""
@@ -177,7 +170,8 @@ class _Guide:
         """Return 16 bytes that tell a specification: it would take thousands to keep."""
         numbers = array("d")
         for fault, start, finish, values in specification:
-            numbers.extend((self._numbers[fault], start, finish, len(values)))
+            index = self._space.candidates[fault].index
+            numbers.extend((index, start, finish, len(values)))
             numbers.extend(value + 0.0 for value in values)  # 0 equals -0
         return blake2b(numbers, digest_size=16).digest()
 
@@ -221,8 +215,3 @@ class _Guide:
 
 def _fitness(individual: Individual) -> float:
     return individual.score.fitness
-
-
-def _covers(goals: _Goals, others: _Goals) -> bool:
-    """Return whether the violations are as many, or more, in every goal."""
-    return all(mine >= theirs for mine, theirs in zip(goals, others, strict=True))

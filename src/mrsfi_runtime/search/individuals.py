@@ -17,7 +17,7 @@ from itertools import accumulate
 from operator import attrgetter
 from random import Random
 from types import MappingProxyType
-from typing import Any, Self, TypeAlias
+from typing import Self, TypeAlias
 
 from deap import base, tools
 
@@ -80,9 +80,6 @@ class Individual(list[TimedFault]):
             copy.assess(self.score)
         copy.number = self.number
         return copy
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self.clone()
 
 
 def foremost(

@@ -213,11 +213,6 @@ class _Assessment:
             fault_ticks=fault_ticks(specification, self._duration),
         )
 
-    def _score(self, result: Evaluation) -> Score:
-        if len(self._evaluators) == 1:
-            return Score(result.fitness[0], self._judge.goals(result.outcome), result.outcome)
-        return Score(result.fitness[0], result.fitness[1:], result.outcome)
-
     def _require_same_score(self, result: Result, place: int) -> None:
         """Refuse a record whose fitness function was another one.
 
@@ -236,7 +231,9 @@ class _Assessment:
             return Score(WORST_FITNESS, (0.0,) * self._judge.n_goals)
         self._indexes.append(result.index)
         self._n_evaluations += 1
-        score = self._score(result)
+        fitness, *means = result.fitness
+        goals = tuple(means) or self._judge.goals(result.outcome)
+        score = Score(fitness, goals, result.outcome)
         if not all(map(math.isfinite, (score.fitness, *score.goals))):  # DEAP takes NaN for best
             raise EvaluationError(
                 f"the fitness of {result.specification} is {score.fitness}; "
@@ -264,7 +261,6 @@ class _Assessment:
         return tuple(index for index in indexes if index != _FAILED)
 
     def progress(self, summary: GenerationSummary) -> CampaignProgress:
-        """Return how far the campaign is."""
         return CampaignProgress(
             generation=summary.index,
             best=self._best,

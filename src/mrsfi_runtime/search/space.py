@@ -5,7 +5,7 @@ References
 Source paper, sections III-C b) and III-E a) to c).
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 from types import MappingProxyType
@@ -33,7 +33,10 @@ def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     inside an obstacle is a point that chance hardly ever hits.
     """
     bounds = value_bounds(mission, fault)
-    found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
+    found: Iterable[tuple[float, ...]] = _ends(fault, bounds)
+    if fault.kind.is_place:
+        height = fault.values[2:]
+        found = ((float(point.x), float(point.y), *height) for point in _points(mission))
     return tuple(
         dict.fromkeys(
             values for values in (fault.values, *found) if all(map(within, values, bounds))
@@ -53,18 +56,10 @@ def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple
             yield (*fault.values[:place], end, *fault.values[place + 1 :])
 
 
-def _places(mission: Mission, fault: Fault) -> Iterator[tuple[float, ...]]:
-    own_height = fault.values[2:]
-    for point in _points(mission):
-        yield (float(point.x), float(point.y), *own_height)
-
-
 def _points(mission: Mission) -> Iterator[Coordinates]:
     center, far = mission.area.center, _OUTSIDE * mission.area.radius
-    for robot in mission.robots:
-        yield robot.position
-    for obstacle in mission.obstacles:
-        yield obstacle.area.center
+    yield from (robot.position for robot in mission.robots)
+    yield from (obstacle.area.center for obstacle in mission.obstacles)
     for goal in mission.goals:
         if goal.area is not None:
             yield goal.area.center
@@ -93,6 +88,17 @@ class Candidate:
     conflicts: frozenset[str]
     landmarks: tuple[tuple[float, ...], ...] = ()
     is_place: bool = False
+
+    def changed(
+        self, values: Sequence[float], change: Callable[[float, float, float, bool], float]
+    ) -> tuple[float, ...]:
+        """Change the values that evolve; each is given with its bounds and ``is_integer``."""
+        return tuple(
+            change(value, low, high, is_integer) if low < high else value
+            for value, (low, high), is_integer in zip(
+                values, self.bounds, self.is_integer, strict=True
+            )
+        )
 
 
 @dataclass(frozen=True, slots=True)

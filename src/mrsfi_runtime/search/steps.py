@@ -123,7 +123,6 @@ _Change: TypeAlias = Callable[[SearchSpace, TimedFault, Specification, Random], 
 def _changed(
     change: _Change, space: SearchSpace, specification: Specification, rng: Random
 ) -> Specification:
-    """Change one fault."""
     if not specification:
         return specification
     place = rng.randrange(len(specification))
@@ -156,13 +155,12 @@ def _shifted(
         for tick in (timed.start, timed.finish)
     )
     start, finish = sorted(ticks)
-    candidate = space.candidates[timed.fault]
-    values = tuple(
-        _stepped(value, low, high, is_integer=is_integer, rng=rng) if low < high else value
-        for value, (low, high), is_integer in zip(
-            timed.values, candidate.bounds, candidate.is_integer, strict=True
-        )
-    )
+
+    def stepped(value: float, low: float, high: float, is_integer: bool) -> float:
+        step = rng.gauss(value, _SPREAD * (high - low))
+        return min(high, max(low, float(round(step)) if is_integer else step))
+
+    values = space.candidates[timed.fault].changed(timed.values, stepped)
     return TimedFault(timed.fault, start, finish, values)
 
 
@@ -171,11 +169,6 @@ def _redrawn(
 ) -> TimedFault:
     start, finish = random_window(space.free_windows(timed.fault, others), rng)
     return timed._replace(start=start, finish=finish)
-
-
-def _stepped(value: float, low: float, high: float, *, is_integer: bool, rng: Random) -> float:
-    step = rng.gauss(value, _SPREAD * (high - low))
-    return min(high, max(low, float(round(step)) if is_integer else step))
 
 
 def _jumped(

@@ -50,18 +50,13 @@ def random_values(
     candidate: Candidate, values: tuple[float, ...], rng: Random
 ) -> tuple[float, ...]:
     """Draw the values that evolve anew within their bounds; keep the others."""
-    return tuple(
-        _random_value(low, high, is_integer=is_integer, rng=rng) if low < high else value
-        for value, (low, high), is_integer in zip(
-            values, candidate.bounds, candidate.is_integer, strict=True
-        )
-    )
 
+    def drawn(_: float, low: float, high: float, is_integer: bool) -> float:
+        if is_integer:
+            return float(rng.randint(int(low), int(high)))
+        return min(high, max(low, rng.uniform(low, high)))  # rounding may leave the bounds
 
-def _random_value(low: float, high: float, *, is_integer: bool, rng: Random) -> float:
-    if is_integer:
-        return float(rng.randint(int(low), int(high)))
-    return min(high, max(low, rng.uniform(low, high)))  # rounding may leave the bounds
+    return candidate.changed(values, drawn)
 
 
 def crossed(
@@ -96,11 +91,11 @@ def crossed(
     if not combined:
         return first, second
     nearest = min(combined, key=lambda sizes: (abs(max(sizes) - wanted), max(sizes), sizes))
-    leave = {place for number in combined[nearest] for place in blocks[number][0]}
-    arrive = {place for number in combined[nearest] for place in blocks[number][1]}
+    leave = {first[place] for number in combined[nearest] for place in blocks[number][0]}
+    arrive = {second[place] for number in combined[nearest] for place in blocks[number][1]}
     return (
-        space.ordered([*_without(first, leave), *_only(second, arrive)]),
-        space.ordered([*_without(second, arrive), *_only(first, leave)]),
+        space.ordered((set(first) - leave) | arrive),
+        space.ordered((set(second) - arrive) | leave),
     )
 
 
@@ -168,14 +163,6 @@ def _combined(
                 found[sizes] = (*chosen, number)
     del found[0, 0]
     return found
-
-
-def _only(specification: Specification, places: set[int]) -> list[TimedFault]:
-    return [timed for place, timed in enumerate(specification) if place in places]
-
-
-def _without(specification: Specification, places: set[int]) -> list[TimedFault]:
-    return [timed for place, timed in enumerate(specification) if place not in places]
 
 
 CROSSOVERS: Mapping[str, Crossover] = MappingProxyType({"exchange": crossed})

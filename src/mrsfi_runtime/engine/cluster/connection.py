@@ -13,8 +13,7 @@ from uuid import uuid4
 
 from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
-from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin
+from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin, Shipment
 from mrsfi_runtime.engine.pools import apart
 from mrsfi_runtime.engine.settings import LOCAL
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
@@ -44,17 +43,17 @@ class Cluster(AbstractContextManager["Cluster"]):
         self._has_workers_until = monotonic()
         self._plugins: dict[str, str] = {}
         with ExitStack() as stack:
-            stack.enter_context(_silence())
-            target = stack.enter_context(_local(n_workers)) if address == LOCAL else address
-            self._client = stack.enter_context(self._connected(target))
+            for log in map(logging.getLogger, _LOGGERS):  # what matters becomes an error
+                stack.callback(log.setLevel, log.level)
+                log.setLevel(_SILENT)
+            target = _local(n_workers, stack) if address == LOCAL else address
+            self._client = self._connected(target)
+            stack.callback(self._client.close, timeout=CONNECT_SECONDS)
             stack.callback(self._take_back)
             self._wait_for_workers()
             self._stack = stack.pop_all()
 
     def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
         """Leave the cluster as it was; a local one ends."""
         self._stack.close()
 
@@ -132,22 +131,17 @@ class Cluster(AbstractContextManager["Cluster"]):
                 f"({type(error).__name__}); see whether it still runs, and resume"
             ) from error
 
-    @contextmanager
-    def _connected(self, target: Any) -> Iterator[Any]:
+    def _connected(self, target: Any) -> Any:
         _require_certificates(self.address)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of versions that differ: we refuse them
-                client = Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
+                return Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
         except OSError as error:
             raise TransportError(
                 f"--dask {self.address}: no scheduler answers: {error}; start one with "
                 "`dask scheduler`, or correct the address"
             ) from error
-        try:
-            yield client
-        finally:
-            client.close(timeout=CONNECT_SECONDS)
 
     def _wait_for_workers(self) -> None:
         try:
@@ -191,37 +185,19 @@ def _require_certificates(address: str) -> None:
         )
 
 
-@contextmanager
-def _silence() -> Iterator[None]:
-    """Keep the log of dask to itself while the body runs: what matters becomes an error."""
-    levels = {name: logging.getLogger(name).level for name in _LOGGERS}
-    for name in levels:
-        logging.getLogger(name).setLevel(_SILENT)
-    try:
-        yield
-    finally:
-        for name, level in levels.items():
-            logging.getLogger(name).setLevel(level)
-
-
-@contextmanager
-def _local(n_workers: int) -> Iterator[Any]:
+def _local(n_workers: int, stack: ExitStack) -> Any:
     """Run a cluster of processes of one thread each, that only this machine can reach."""
     ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
-    with ExitStack() as stack:
-        try:
-            with apart():
-                cluster = LocalCluster(
-                    n_workers=n_workers,
-                    threads_per_worker=1,
-                    host=_LOOPBACK,
-                    dashboard_address=f"{_LOOPBACK}:0",
-                    silence_logs=_SILENT,
-                    memory_limit=0,
-                )
-                stack.enter_context(cluster)
-        except RuntimeError as error:
-            raise TransportError(
-                f"--dask {LOCAL}: {error}; use --workers without --dask"
-            ) from error
-        yield cluster
+    try:
+        with apart():
+            cluster = LocalCluster(
+                n_workers=n_workers,
+                threads_per_worker=1,
+                host=_LOOPBACK,
+                dashboard_address=f"{_LOOPBACK}:0",
+                silence_logs=_SILENT,
+                memory_limit=0,
+            )
+            return stack.enter_context(cluster)
+    except RuntimeError as error:
+        raise TransportError(f"--dask {LOCAL}: {error}; use --workers without --dask") from error

@@ -9,8 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from mrsfi_runtime.engine.cluster.connection import Cluster
-from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.cluster.worker import Chunk
+from mrsfi_runtime.engine.cluster.worker import Chunk, Shipment
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode

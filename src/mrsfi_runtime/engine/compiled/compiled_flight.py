@@ -23,7 +23,7 @@ from mrsfi_runtime.engine.compiled.machine_code import (
 from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import ROLES, Region, own_regions
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
-from mrsfi_runtime.fence import TimeLimitReached, apart, fenced, words
+from mrsfi_runtime.fence import TimeLimitReached, fenced, in_thread, words
 from mrsfi_runtime.generated_code import MissionCode
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class CompiledFlight:
             )
 
         with fenced(told, lambda: (frame.at, frame.tick)):
-            apart(partial(self._call, frame, first, last))
+            in_thread(partial(self._call, frame, first, last))
 
     def _call(self, frame: Frame, first: int, last: int) -> None:
         result, error = ctypes.c_int64(), ctypes.c_void_p()

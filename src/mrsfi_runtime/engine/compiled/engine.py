@@ -55,11 +55,6 @@ class CompiledEngine(Engine):
         self._fly_many = CompiledFlight(code)
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
 
-    @property
-    def is_new(self) -> bool:
-        """Whether this process has compiled something of it, and not found all in the cache."""
-        return self._fly_many.is_new
-
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
@@ -68,20 +63,19 @@ class CompiledEngine(Engine):
         """Hold compiled code to the reference engine once in a process; differing, compile anew."""
         if self._mission in _TRUSTED:
             return
-        flown = trials(self._gate)
+        check = partial(
+            require_same, self._reference, self._first_ticks, trials(self._gate), SECONDS
+        )
         try:
-            self._require_same(flown)
+            check()
         except WorkerLost:  # code that gets no further is no difference
             raise
         except EvaluationError:
-            if self.is_new:
+            if self._fly_many.is_new:
                 raise
             self._fly_many.forget()
-            self._require_same(flown)
+            check()
         _TRUSTED.add(self._mission)
-
-    def _require_same(self, flown: Sequence[Specification]) -> None:
-        require_same(self._reference, self._first_ticks, flown, SECONDS)
 
     def _first_ticks(
         self, specification: Specification, n_ticks: int, seed: int | None = None

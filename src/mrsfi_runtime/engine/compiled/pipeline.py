@@ -9,6 +9,7 @@ compilation away.
 """
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any, get_args, get_type_hints
 
 from numba import types
@@ -102,9 +103,9 @@ class _Library(JITCodeLibrary):
         return 0
 
     @property
-    def codegen(self) -> "_NoEnvironments":
+    def codegen(self) -> SimpleNamespace:
         """What sets environments: there is no machine code yet that could have one."""
-        return _NoEnvironments()
+        return SimpleNamespace(set_env=lambda *_: None)
 
     def linked(self) -> Any:
         """Return the code without that of what it calls."""
@@ -149,11 +150,6 @@ def _code(library: Any) -> Any:
     if isinstance(library, _Library):
         return library.linked()
     return library._get_module_for_linking()  # noqa: SLF001 - numba's own libraries ask each other
-
-
-class _NoEnvironments:
-    def set_env(self, _name: str, _environment: object) -> None:
-        """Leave it to ``bind``."""
 
 
 jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)

@@ -3,6 +3,7 @@
 What a directory says never changes while compiled code runs, which LLVM is told.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -23,6 +24,7 @@ from mrsfi_runtime.engine.compiled.layout import OWN, Entry, entries
 from mrsfi_runtime.engine.compiled.regions import EFFECT
 from mrsfi_runtime.kernel.state import State
 
+_intrinsic: Callable[[Callable[..., Any]], Callable[..., Any]] = intrinsic  # typed as it is called
 _WORD = ir.IntType(64)
 _LENGTHS = [ir.Constant(_WORD, 0), ir.Constant(_WORD, 2**40)]
 
@@ -112,7 +114,7 @@ def seen_as(kind: type) -> Any:
 
         return View(kind)(address), written
 
-    return intrinsic(view_of)
+    return _intrinsic(view_of)
 
 
 _STATE = View(State)
@@ -141,35 +143,30 @@ def _called(address: Any, *arguments: Any) -> Any:
     return result(address, *arguments), written
 
 
-def _call(_context: Any, address: Any, view: Any) -> Any:
+@_intrinsic
+def call(_context: Any, address: Any, view: Any) -> Any:
+    """Call a region of a goal by its address, with a state."""
     return _called(address, view)
 
 
-def _call_by_task(_context: Any, address: Any, view: Any, g: Any, task: Any) -> Any:
+@_intrinsic
+def call_by_task(_context: Any, address: Any, view: Any, g: Any, task: Any) -> Any:
+    """Call what a task says by its address, with a state, a goal and the task."""
     return _called(address, view, g, task)
 
 
-def _call_effect(_context: Any, address: Any, ci: Any, inbox: Any, fault: Any) -> Any:
+@_intrinsic
+def call_effect(_context: Any, address: Any, ci: Any, inbox: Any, fault: Any) -> Any:
+    """Call the effects of a team's own by their address."""
     return _called(address, ci, inbox, fault)
 
 
-def _word_of(_context: Any, record: Any, place: Any) -> Any:
+@_intrinsic
+def word_of(_context: Any, record: Any, place: Any) -> Any:
+    """Read a word of 8 bytes of a record."""
 
     def written(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         words = builder.bitcast(arguments[0], _WORD.as_pointer())
         return builder.load(builder.gep(words, [arguments[1]]))
 
     return types.int64(record, place), written
-
-
-call: Any = intrinsic(_call)
-"""Calls a region of a goal by its address, with a state."""
-
-call_by_task: Any = intrinsic(_call_by_task)
-"""Calls what a task says by its address, with a state, a goal and the task."""
-
-call_effect: Any = intrinsic(_call_effect)
-"""Calls the effects of a team's own by their address."""
-
-word_of: Any = intrinsic(_word_of)
-"""Reads a word of 8 bytes of a record."""

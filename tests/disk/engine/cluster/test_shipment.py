@@ -2,9 +2,13 @@ import pickle
 from dataclasses import replace
 from pathlib import Path
 
-from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.generated_code import load_code
+from tests.support.cluster import require_dask
 from tests.support.world import ROOT
+
+require_dask()
+
+from mrsfi_runtime.engine.cluster.worker import Shipment  # noqa: E402 - needs dask
 
 GENERATED = ROOT / "generated" / "tight_margins"
 
