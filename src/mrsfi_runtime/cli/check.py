@@ -21,26 +21,8 @@ if TYPE_CHECKING:
 
     from mrsfi.regressions import Checked
 
-_HELP = """Fly every kept weakness of MISSION against today's models and code.
 
-Without MISSION it goes through all of models/. Where a goal has more violations than is kept, the
-weakness came back: it says why, and ends with exit code 10. What cannot be judged any more, because
-a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
-are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
-
-An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record; the
-code that flies is the archive's. Options of kept weaknesses are refused.
-
-\b
-Examples:
-  mrsfi check
-  mrsfi check uuv_sampling --junit regressions.xml
-  mrsfi check uuv_sampling --engine reference --seeds 5
-  mrsfi check uuv_sampling --json | jq '.uuv_sampling[].state'
-"""
-
-
-@click.command(name="check", help=_HELP)
+@click.command(name="check")
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @generated_option
 @seeds_option(
@@ -60,7 +42,24 @@ def command(
     github: bool,
     is_json: bool,
 ) -> None:
-    """Fly everything that is kept, and say what came back."""
+    """Fly every kept weakness of MISSION against today's models and code.
+
+    Without MISSION it goes through all of models/. Where a goal has more violations than is kept,
+    the weakness came back: it says why, and ends with exit code 10. What cannot be judged any more,
+    because a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error:
+    the others are flown all the same, and the exit code is the lowest of such. Nothing kept is no
+    pass either.
+
+    An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record;
+    the code that flies is the archive's. Options of kept weaknesses are refused.
+
+    \b
+    Examples:
+      mrsfi check
+      mrsfi check uuv_sampling --junit regressions.xml
+      mrsfi check uuv_sampling --engine reference --seeds 5
+      mrsfi check uuv_sampling --json | jq '.uuv_sampling[].state'
+    """
     from mrsfi.folders import find_mission
     from mrsfi.packing import repeat
     from mrsfi.regressions import check_all, missions_with_kept

@@ -31,37 +31,11 @@ if TYPE_CHECKING:
     from mrsfi_runtime.study.folder import ComparisonFolder
     from mrsfi_runtime.study.run_results import RunResult
 
-_HELP = """Compare two campaigns of a mission, or search algorithms on MISSION.
-
-Two campaign folders, before and after a fix or an edit of the model: which weaknesses went, which
-came, which stayed. Each is flown once more, in the mission of the other campaign. --markdown writes
-that for a pull request, --html as a page; search options make no sense then.
-
-Of algorithms: several seeds, as many evaluations for each.
-
-Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
-Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
-p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
-run of the first does better than one of the second.
-
-\b
-Examples:
-  mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
-  mrsfi compare uuv_sampling
-  mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
-  mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
-  mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
-
-A comparison that was ended goes on with the same command; a run that is finished is not made
-again, also when algorithms or seeds are added. Any run can be had by itself, with the same
-digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
-"""
-
 
 _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
 
 
-@click.command(name="compare", help=_HELP)
+@click.command(name="compare")
 @click.pass_context
 @click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
 @generated_option
@@ -118,7 +92,31 @@ def command(  # noqa: PLR0913 - one for each option
     out: Path | None,
     is_json: bool,
 ) -> None:
-    """Compare two campaigns of a mission, or search algorithms on one."""
+    """Compare two campaigns of a mission, or search algorithms on MISSION.
+
+    Two campaign folders, before and after a fix or an edit of the model: which weaknesses went,
+    which came, which stayed. Each is flown once more, in the mission of the other campaign.
+    --markdown writes that for a pull request, --html as a page; search options make no sense then.
+
+    Of algorithms: several seeds, as many evaluations for each.
+
+    Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
+    Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
+    p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
+    run of the first does better than one of the second.
+
+    \b
+    Examples:
+      mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
+      mrsfi compare uuv_sampling
+      mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
+      mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
+      mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
+
+    A comparison that was ended goes on with the same command; a run that is finished is not made
+    again, also when algorithms or seeds are added. Any run can be had by itself, with the same
+    digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+    """
     if len(targets) > 1:
         _compare_runs(ctx, targets, engine, workers, markdown, html, is_json=is_json)
         return

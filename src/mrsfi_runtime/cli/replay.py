@@ -12,21 +12,8 @@ if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
     from mrsfi_runtime.engine.flights import Engine
 
-_HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
-The flight uses the campaign's own copies of models and code, so it is the same whatever was
-edited since. A difference ends with exit code 7 and says what differs; a campaign of other rules
-of the world ends with exit code 9 and says which mrsfi flies it.
-
-\b
-Examples:
-  mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
-  mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
-  mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
-"""
-
-
-@click.command(name="replay", help=_HELP)
+@click.command(name="replay")
 @click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
@@ -43,7 +30,18 @@ def command(
     files: FlightFiles,
     is_json: bool,
 ) -> None:
-    """Fly evaluations of a campaign again and compare them with their record."""
+    """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
+
+    The flight uses the campaign's own copies of models and code, so it is the same whatever was
+    edited since. A difference ends with exit code 7 and says what differs; a campaign of other
+    rules of the world ends with exit code 9 and says which mrsfi flies it.
+
+    \b
+    Examples:
+      mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
+      mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
+      mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
+    """
     from mrsfi.campaign_folders import find_evaluation, open_to_fly, require_same
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 

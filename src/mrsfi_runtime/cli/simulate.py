@@ -23,33 +23,8 @@ if TYPE_CHECKING:
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.faults import FaultPool, Specification
 
-_HELP = """Fly MISSION once and print what happened to each goal.
 
-Without --faults it flies without faults. A fault specification is XMI: one that search found
-(runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
-start and finish.
-
-\b
-Examples:
-  mrsfi simulate uuv_sampling
-  mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
-  mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
-  mrsfi simulate uuv_sampling --engine rosbridge
-
-\b
-On a server of yours, simulation and collective intelligence apart:
-  mrsfi bridge --port 9090
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
-
-A violation counts once per goal and tick: believed by the collective intelligence, true in
-the simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from
-the tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
-met.
-"""
-
-
-@click.command(name="simulate", help=_HELP)
+@click.command(name="simulate")
 @mission_argument
 @generated_option
 @click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
@@ -68,7 +43,30 @@ def command(
     files: FlightFiles,
     is_json: bool,
 ) -> None:
-    """Fly a mission once and print what happened to each goal."""
+    """Fly MISSION once and print what happened to each goal.
+
+    Without --faults it flies without faults. A fault specification is XMI: one that search found
+    (runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
+    start and finish.
+
+    \b
+    Examples:
+      mrsfi simulate uuv_sampling
+      mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
+      mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
+      mrsfi simulate uuv_sampling --engine rosbridge
+
+    \b
+    On a server of yours, simulation and collective intelligence apart:
+      mrsfi bridge --port 9090
+      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
+      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
+
+    A violation counts once per goal and tick: believed by the collective intelligence, true in the
+    simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from the
+    tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
+    met.
+    """
     from mrsfi.engines import opened
     from mrsfi.folders import find_mission
     from mrsfi.loading import load_fresh
