@@ -129,9 +129,7 @@ def explainer_of_file(
             "expected another folder: name it with --out"
         )
     code = load_fresh(folders)
-    written = read_specification(path, code)
-    for oddity in written.oddities(path, code.mission):
-        tell(oddity)
+    written = read_specification(path, code, tell)
     pool = written.pool
     explainer = Explainer(
         code=replace(code, pool=pool),

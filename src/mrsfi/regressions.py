@@ -258,10 +258,8 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
     try:
         written = read_specification(regression.specification, code)
         if written.late:
-            late = replace(written, unknown=()).oddities(regression.specification, code.mission)
-            raise SpecificationError(
-                f"{'; '.join(late)}; expected the mission that it was kept for"
-            )
+            late = "; ".join(written.late)
+            raise SpecificationError(f"{late}; expected the mission that it was kept for")
         flown = replace(code, pool=written.pool)
         with opened(flown, found.seeds[0], settings, tell) as engine:
             others = {
