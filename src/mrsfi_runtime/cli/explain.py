@@ -144,8 +144,7 @@ def command(  # noqa: PLR0913 - one parameter per option
         return
     with open_to_fly(_run(target), tell) as campaign:
         settings = engine.again(campaign.store.manifest.engine)
-        some = [] if n_top is None else explaining.most_critical(campaign, n_top)
-        some = some or [explaining.evaluation_of(campaign, evaluation)]
+        some = [*explaining.evaluations_of(campaign, evaluation, n_top or 1)]
         explainer = explaining.explainer_of_campaign(campaign, kind, out)
         fitness = campaign.store.settings.fitness
         if ":" in fitness:

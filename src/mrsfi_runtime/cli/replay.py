@@ -42,7 +42,7 @@ def command(
       mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
       mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
     """
-    from mrsfi.campaign_folders import find_evaluation, open_to_fly, require_same
+    from mrsfi.campaign_folders import find_evaluations, open_to_fly, require_same
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 
     if sum((evaluation is not None, best, is_all)) > 1:
@@ -56,7 +56,7 @@ def command(
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return
-            recorded = find_evaluation(campaign, evaluation)
+            (recorded,) = find_evaluations(campaign, evaluation)
             specification, number = recorded.specification, recorded.index
             again = ("mrsfi", "replay", str(folder), "--evaluation", str(number))
             subject = Subject(f"evaluation {number} of {folder}", again)
