@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
@@ -17,7 +17,7 @@ from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from mrsfi.regressions import Checked
 
@@ -87,18 +87,19 @@ def command(
     if junit is not None:
         verdicts.write_junit(junit, found)
         tell(f"written    {junit}")
+    every = [each for checked in found.values() for each in checked]
     if is_json:
-        verdicts.print_as_json(found)
+        told = {name: [*map(verdicts.as_json, checked)] for name, checked in found.items()}
+        print_json(told)
     else:
         verdicts.print_tables(found)
     if github:
-        verdicts.print_annotations(found)
-    _end(found)
+        verdicts.print_annotations(every)
+    _end(every)
 
 
-def _end(found: "Mapping[str, Sequence[Checked]]") -> None:
+def _end(every: "Sequence[Checked]") -> None:
     """Raise what the command ends with: what came back, or else what fails first on the way."""
-    every = [each for checked in found.values() for each in checked]
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]

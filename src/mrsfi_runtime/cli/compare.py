@@ -169,7 +169,6 @@ def _compare_runs(
     *,
     is_json: bool,
 ) -> None:
-    """Say which weaknesses went, came and stayed between two campaigns."""
     from mrsfi.changes import change_table, changes, sentence
     from mrsfi_runtime.analysis.page.document import document
     from mrsfi_runtime.analysis.table import to_markdown, to_page
@@ -229,7 +228,6 @@ class _Progress:
 
 
 def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
-    """Say which algorithms did not use all of their evaluations."""
     for name in comparison.algorithms:
         n_fewer = sum(run.n_evaluations < n_evaluations for run in comparison.of(name))
         if n_fewer:
@@ -255,8 +253,7 @@ def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: 
         found = (*pair, "U", "p", "p (Holm)", "A12", "magnitude")
         title = "Mann-Whitney U: does the first do better?"
         print_table(Table(title, found, [*_test_rows(comparison)], pair))
-    for line in _legend(comparison):
-        click.echo(line)
+    _print_legend(comparison)
     click.echo(f"runs         {folder.runs}")
     click.echo(f"tables       {folder.path}/runs.csv, quartiles.csv, tests.csv")
     click.echo(f"figures      {folder.figures}")
@@ -289,22 +286,20 @@ def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
             )
 
 
-def _legend(comparison: "Comparison") -> list[str]:
-    """Return what the names of measures mean, line by line."""
+def _print_legend(comparison: "Comparison") -> None:
     from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
 
     names = [criterion.name for criterion in comparison.criteria]
-    lines = ["fitness      best of a run"]
+    click.echo("fitness      best of a run")
     if "hypervolume" in names:
-        lines.append(
+        click.echo(
             "hypervolume  share of the possible, beyond the reference point of -1 violations"
         )
     else:
-        lines.append(f"hypervolume  not computed: needs 2 to {MOST_OBJECTIVES} goals")
+        click.echo(f"hypervolume  not computed: needs 2 to {MOST_OBJECTIVES} goals")
     if "at_once_1" in names:
-        lines.append("at_once_k    evaluations until one specification broke k goals")
-        lines.append("together_k   evaluations until all so far broke k goals between them")
-    return lines
+        click.echo("at_once_k    evaluations until one specification broke k goals")
+        click.echo("together_k   evaluations until all so far broke k goals between them")
 
 
 def _number(value: float) -> str:
@@ -315,5 +310,4 @@ def _number(value: float) -> str:
 
 
 def _probability(value: float) -> str:
-    """Return a p-value in three digits."""
     return f"{value:.3f}" if value >= 0.001 else f"{value:.1e}"

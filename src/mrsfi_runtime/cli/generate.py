@@ -53,12 +53,8 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
     from mrsfi_runtime.unfilled import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)
-    for verb, names in (
-        ("written", result.written),
-        ("removed", result.removed),
-        ("unchanged", result.unchanged),
-    ):
-        for name in names:
+    for verb in ("written", "removed", "unchanged"):
+        for name in getattr(result, verb):
             click.echo(f"{verb:<9}  {folders.generated / name}")
     unfilled = unfilled_regions(folders.generated)
     if unfilled:

@@ -120,7 +120,6 @@ def _write(
     fmea: Path | None = None,
     fault_tree: Path | None = None,
 ) -> None:
-    """Write the files that are wanted of weaknesses, and tell of each."""
     from mrsfi import weaknesses as of
 
     number, map_path = drawn or (0, None)
