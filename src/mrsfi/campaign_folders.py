@@ -61,16 +61,13 @@ def free_folder(mission: str, case: str) -> Path:
 def latest_folder() -> Path:
     """Return the campaign in ``runs`` that was written last."""
     runs = project().runs
-    databases = {
-        folder: CampaignFolder(folder).database
-        for folder in runs.glob("*")
-        if CampaignFolder(folder).database.is_file()
-    }
-    if not databases:
+    databases = [CampaignFolder(folder).database for folder in runs.glob("*")]
+    written = {path.parent: path.stat().st_mtime_ns for path in databases if path.is_file()}
+    if not written:
         raise UsageError(
             f"found no campaign in {runs}/; name its folder, or run `mrsfi evolve` first"
         )
-    return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
+    return max(written, key=written.__getitem__)
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Campaigns from the first evaluation to the last."""
 
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -102,7 +102,13 @@ def resumed(
     """Yield a campaign from before to its only writer, with what it goes on with."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
-        _tell_other_versions(store.manifest.versions, tell)
+        for name, version in store.manifest.versions.items():
+            now = installed_version(name)
+            if now != version:
+                tell(
+                    f"warning: begun with {name} {version}, going on with {now}: "
+                    "the result may differ from that of one run"
+                )
         tell(
             f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
             f"evaluations and {store.n_failures} failures are recorded"
@@ -129,16 +135,6 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
     """Refuse a ratio that makes no sense before the search, not after it."""
     if ratio is not None:
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
-
-
-def _tell_other_versions(recorded: Mapping[str, str], tell: Tell) -> None:
-    for name, version in recorded.items():
-        now = installed_version(name)
-        if now != version:
-            tell(
-                f"warning: begun with {name} {version}, going on with {now}: "
-                "the result may differ from that of one run"
-            )
 
 
 def evolve(

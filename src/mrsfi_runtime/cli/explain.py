@@ -176,7 +176,6 @@ def _explain(
     *,
     is_json: bool,
 ) -> None:
-    """Explain specifications one after the other; print each, and write its cause set."""
     from mrsfi.explaining import explained
     from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
 

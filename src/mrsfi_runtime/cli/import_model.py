@@ -59,8 +59,10 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     first. Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
     """
     from mrsfi.models import import_published
+    from mrsfi.project import project
 
-    result = import_published(file, out or _usual_folder(file), is_forced=force)
+    usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
+    result = import_published(file, out or usual, is_forced=force)
     if is_json:
         print_json(_as_json(result))
         return
@@ -72,12 +74,6 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     for line in _lines(result.notes):
         click.echo(line)
     click.echo(f"next          mrsfi validate {result.folder}")
-
-
-def _usual_folder(file: Path) -> Path:
-    from mrsfi.project import project
-
-    return project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
 
 
 def _as_json(result: "Imported") -> dict[str, Any]:

@@ -94,7 +94,6 @@ def command(
 def _update(
     mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions, accepted: str
 ) -> None:
-    """Take over what is counted today, and print what changed."""
     from mrsfi.folders import find_mission
     from mrsfi.regressions import update
 

@@ -95,7 +95,6 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> None:
-    """Print the version of mrsfi and end, if the user asked for it."""
     if is_wanted and not ctx.resilient_parsing:
         click.echo(f"mrsfi, version {installed_version('mrsfi')}")
         ctx.exit()

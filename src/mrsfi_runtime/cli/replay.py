@@ -1,5 +1,6 @@
 """The command ``mrsfi replay``."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,6 +8,7 @@ import click
 
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import EngineOptions, FlightFiles, engine_options, recording_options
+from mrsfi_runtime.engine.settings import REFERENCE
 
 if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
@@ -47,11 +49,11 @@ def command(
 
     if sum((evaluation is not None, best, is_all)) > 1:
         raise click.UsageError("--evaluation, --best and --all exclude each other")
-    if is_all:
-        files.require_none("--all")
+    if is_all and files.wanted:
+        names = ", ".join(f"--{field.name}" for field in fields(files))
+        raise click.UsageError(f"{names} are of one flight; --all flies many")
     with open_to_fly(folder, tell) as campaign:
-        recorded_by = campaign.store.manifest.engine
-        chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
+        chosen = engine.again(campaign.store.manifest.engine, REFERENCE)
         with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)

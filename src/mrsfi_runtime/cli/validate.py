@@ -84,7 +84,6 @@ def command(
 
 
 def _fix(mission: str, generated: Path | None, *, is_agreed: bool) -> None:
-    """Show what fixing would change, and write it if the user agrees."""
     from mrsfi.validation import mending, write_mended
 
     inspection, mended = mending(mission, generated)
