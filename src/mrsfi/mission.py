@@ -369,7 +369,7 @@ class Mission:
         path, asked = _path("out", out) or default_folder(self.name, case), _settings(engine)
         who.require_sense(asked)
         file = campaign_file(self.folders, case)
-        settings = settings_of(file, self.code, algorithms, evaluations)
+        settings = [*settings_of(file, self.code, algorithms, evaluations)]
         runs = [replace(one, seed=1 + seed) for seed in range(n_seeds) for one in settings]
         seed = runs[0].mission_seed
         flown_by = asked.tried(self.code, seed, tell)

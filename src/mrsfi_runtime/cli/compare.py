@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import astuple
+from dataclasses import astuple, dataclass
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -132,7 +132,7 @@ def command(  # noqa: PLR0913 - one for each option
     names = [name.strip() for name in algorithms.split(",")]
     loaded = mrsfi.load(mission, generated)
     folder = ComparisonFolder(out or default_folder(loaded.name, case))
-    told = _Progress(folder, len(names) * seeds)
+    told = _Progress(folder.path, len(names) * seeds)
     try:
         found = loaded.compare(
             names,
@@ -201,26 +201,26 @@ def _compare_runs(
     print_words((said, "bold"))
 
 
+@dataclass
 class _Progress:
     """Tells of each run, and how long the rest may take."""
 
-    def __init__(self, folder: "ComparisonFolder", n_runs: int) -> None:
-        self._folder = folder
-        self._n_runs = n_runs
-        self._n_new = 0
-        self._began = 0.0
+    path: Path
+    n_runs: int
+    n_new: int = 0
+    began: float = 0.0
 
     def begin(self, who: str) -> None:
-        tell(f"comparison {self._folder.path}: {self._n_runs} runs, {who}")
-        self._began = monotonic()
+        tell(f"comparison {self.path}: {self.n_runs} runs, {who}")
+        self.began = monotonic()
 
     def run(self, run: "RunResult", n_done: int, is_new: bool) -> None:
-        place = f"run {n_done}/{self._n_runs}  {run.algorithm} seed {run.seed}"
+        place = f"run {n_done}/{self.n_runs}  {run.algorithm} seed {run.seed}"
         if not is_new:
             tell(f"{place}  was finished already")
             return
-        self._n_new += 1
-        rest = (monotonic() - self._began) / self._n_new * (self._n_runs - n_done)
+        self.n_new += 1
+        rest = (monotonic() - self.began) / self.n_new * (self.n_runs - n_done)
         tell(
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
             f"{run.seconds:.1f} s  {left(rest)}"

@@ -16,7 +16,6 @@ from mrsfi_runtime.cli.console import steady_output
 from mrsfi_runtime.errors import MrsfiError, UsageError
 
 _INTERRUPTED = 130
-_DEFECT = 1
 
 _COMMANDS = MappingProxyType(
     {
@@ -72,8 +71,6 @@ class CommandGroup(click.Group):
                 result = super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
-        except KeyboardInterrupt as error:
-            ctx.exit(_tell(error, is_traced=False))
         except BaseException as error:  # noqa: BLE001 - the last door: every error becomes an exit code
             ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
         return result
@@ -91,7 +88,7 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
         return error.exit_code
     advice = "" if is_traced else "; run `mrsfi --traceback …` to see where, and report it"
     click.echo(f"mrsfi: a defect of mrsfi: {type(error).__name__}: {error}{advice}", err=True)
-    return _DEFECT
+    return MrsfiError.exit_code
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> None:
