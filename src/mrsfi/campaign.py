@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrsfi import reporting
 from mrsfi.campaign_folders import open_campaign, open_to_fly
 from mrsfi.engines import Workers
-from mrsfi.explaining import evaluation_of, explained, explainer_of_campaign
+from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
@@ -166,7 +166,7 @@ class Campaign:
             If it does not fly as it is recorded.
         """
         with open_to_fly(self.folder) as campaign:
-            some = [evaluation_of(campaign, index)]
+            some = [*evaluations_of(campaign, index)]
             about = explainer_of_campaign(campaign)
             ((_, found),) = explained(about, some, EngineSettings(AUTO), Workers(), keep)
             return found

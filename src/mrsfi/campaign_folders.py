@@ -1,10 +1,9 @@
 """Campaigns: where they go, what they run on, how they are opened."""
 
-import platform
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 from m2t.generate import rendered_file
@@ -12,7 +11,6 @@ from m2t.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.project import from_here, project, root
-from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
@@ -22,11 +20,8 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
-from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
-
-_VERSIONED = ("python", "mrsfi", "deap", "numpy", "pyecore")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,31 +61,13 @@ def free_folder(mission: str, case: str) -> Path:
 def latest_folder() -> Path:
     """Return the campaign in ``runs`` that was written last."""
     runs = project().runs
-    databases = {
-        folder: CampaignFolder(folder).database
-        for folder in runs.glob("*")
-        if CampaignFolder(folder).database.is_file()
-    }
-    if not databases:
+    databases = [CampaignFolder(folder).database for folder in runs.glob("*")]
+    written = {path.parent: path.stat().st_mtime_ns for path in databases if path.is_file()}
+    if not written:
         raise UsageError(
             f"found no campaign in {runs}/; name its folder, or run `mrsfi evolve` first"
         )
-    return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
-
-
-def manifest_of(
-    folder: CampaignFolder, folders: MissionFolders, case: str, engine: EngineRecord
-) -> Manifest:
-    """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
-    return Manifest(
-        mission=folders.name,
-        place=folders.place,
-        case=case,
-        engine=engine,
-        versions={name: installed_version(name) for name in _VERSIONED},
-        machine=platform.machine(),
-        sha256=folder.hashes(),
-    )
+    return max(written, key=written.__getitem__)
 
 
 @contextmanager
@@ -160,15 +137,16 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
     return folders
 
 
-def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
-    """Return an evaluation of a campaign, the most critical one if none is named."""
+def find_evaluations(
+    campaign: OpenCampaign, index: int | None, n: int = 1
+) -> tuple[Evaluation, ...]:
+    """Return an evaluation of a campaign, or the most critical that differ if none is named."""
     if index is not None:
-        return campaign.store.evaluation(index)
-    measure = Measure.of(campaign.store.settings, campaign.mission)
-    best = top(campaign.store, measure, 1)
+        return (campaign.store.evaluation(index),)
+    best = top(campaign.store, Measure.of(campaign.store.settings, campaign.mission), n)
     if not best:
         raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
-    return best[0]
+    return best
 
 
 def fly_all(campaign: FlyableCampaign, engine: Engine) -> Iterator[Evaluation]:
@@ -182,10 +160,9 @@ def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
     """Compare a replay with its record."""
     if outcome == recorded.outcome:
         return
+    pairs = zip(fields(Outcome), astuple(outcome), astuple(recorded.outcome), strict=True)
     differences = [
-        f"{name} {getattr(outcome, name)}, recorded {getattr(recorded.outcome, name)}"
-        for name in (field.name for field in fields(Outcome))
-        if getattr(outcome, name) != getattr(recorded.outcome, name)
+        f"{name.name} {now}, recorded {then}" for name, now, then in pairs if now != then
     ]
     raise ReplayMismatch(
         f"{folder}: evaluation {recorded.index} differs from its record: "

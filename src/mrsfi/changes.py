@@ -135,19 +135,18 @@ def _broken(
     flyable = {}
     for way in ways:
         try:
-            flyable[way.number] = gate.admitted(way.shown.witness)
+            form = gate.admitted(way.shown.witness)
         except SpecificationError as error:
             told[way.number] = None, str(error)
             continue
-        if way.goal not in campaign.mission.goal_ids:
+        if way.goal in campaign.mission.goal_ids:
+            flyable[way.number, way.shown.column] = form
+        else:
             told[way.number] = None, f"the mission has no goal {way.goal}"
     fault_free, *flown = evaluator.evaluate_many([(), *flyable.values()], seed)
     yardstick = yardstick_of(campaign.mission, fault_free, seed)
-    by_number = dict(zip(flyable, flown, strict=True))
-    for way in ways:
-        if way.number not in told:
-            broken = yardstick.broken(by_number[way.number])
-            told[way.number] = way.shown.column in broken, ""
+    for (number, column), outcome in zip(flyable, flown, strict=True):
+        told[number] = column in yardstick.broken(outcome), ""
     return told
 
 

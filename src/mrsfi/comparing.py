@@ -1,7 +1,7 @@
 """Search algorithms beside each other: the same mission, the same seeds, as many evaluations."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -42,14 +42,12 @@ def default_folder(mission: str, case: str) -> Path:
 
 def settings_of(
     file: Path, code: MissionCode, algorithms: Sequence[str], evaluations: int
-) -> list[CampaignSettings]:
-    """Return the settings of each algorithm: those of a campaign file, and as many evaluations."""
-    settings = []
+) -> Iterator[CampaignSettings]:
+    """Yield the settings of each algorithm: those of a campaign file, and as many evaluations."""
     for name in algorithms:
         one = CampaignSettings.load(file, algorithm=name, evaluations=evaluations)
         require_searchable(code, one)
-        settings.append(one)
-    return settings
+        yield one
 
 
 def compared(

@@ -1,12 +1,13 @@
 """Campaigns from the first evaluation to the last."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import platform
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
-from mrsfi.campaign_folders import FlyableCampaign, free_folder, manifest_of, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
 from mrsfi.engines import Tell, Workers, own_engine, recorded_engine, silent
 from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
@@ -23,6 +24,7 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
@@ -32,6 +34,8 @@ from mrsfi_runtime.search.space import SearchSpace
 
 Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Is told how far a search is, after each generation."""
+
+_VERSIONED = ("python", "mrsfi", "deap", "numpy", "pyecore")
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
@@ -78,7 +82,15 @@ def made(
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
         folder.fill(folders.models, folders.generated, imported)
-        manifest = manifest_of(folder, folders, case, recorded_engine(engine))
+        manifest = Manifest(
+            mission=folders.name,
+            place=folders.place,
+            case=case,
+            engine=recorded_engine(engine),
+            versions={name: installed_version(name) for name in _VERSIONED},
+            machine=platform.machine(),
+            sha256=folder.hashes(),
+        )
         CampaignStore.create(path, settings, manifest).close()
         yield
 
@@ -90,7 +102,13 @@ def resumed(
     """Yield a campaign from before to its only writer, with what it goes on with."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
-        _tell_other_versions(store.manifest.versions, tell)
+        for name, version in store.manifest.versions.items():
+            now = installed_version(name)
+            if now != version:
+                tell(
+                    f"warning: begun with {name} {version}, going on with {now}: "
+                    "the result may differ from that of one run"
+                )
         tell(
             f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
             f"evaluations and {store.n_failures} failures are recorded"
@@ -117,16 +135,6 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
     """Refuse a ratio that makes no sense before the search, not after it."""
     if ratio is not None:
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
-
-
-def _tell_other_versions(recorded: Mapping[str, str], tell: Tell) -> None:
-    for name, version in recorded.items():
-        now = installed_version(name)
-        if now != version:
-            tell(
-                f"warning: begun with {name} {version}, going on with {now}: "
-                "the result may differ from that of one run"
-            )
 
 
 def evolve(

@@ -4,17 +4,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mrsfi.campaign_folders import FlyableCampaign, find_evaluation, require_same
+from mrsfi.campaign_folders import FlyableCampaign, find_evaluations, require_same
 from mrsfi.engines import Tell, Workers, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
-from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.report import SpecificationWriter, specification_rows
 from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
-from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.files import telling
@@ -62,18 +61,6 @@ class Explainer:
     write: SpecificationWriter
     folder: Path
     source: Path
-
-    def explain(
-        self, evaluator: Evaluator, engine: Engine, subject: NamedSpecification, keep: float
-    ) -> Explanation | None:
-        """Find out all about a specification; ``None`` if it violates nothing that is counted.
-
-        One that does not fly as it is recorded is a ``ReplayMismatch``.
-        """
-        flights = Flights(evaluator.evaluate_many, self.measure, self.mission_seeds)
-        if subject.recorded is not None:
-            require_same(self.source, subject.recorded, flights.outcome(subject.specification))
-        return find_out(flights, engine, subject.specification, keep)
 
     def write_sets(
         self, subject: NamedSpecification, found: Explanation | None
@@ -129,9 +116,7 @@ def explainer_of_file(
             "expected another folder: name it with --out"
         )
     code = load_fresh(folders)
-    written = read_specification(path, code)
-    for oddity in written.oddities(path, code.mission):
-        tell(oddity)
+    written = read_specification(path, code, tell)
     pool = written.pool
     explainer = Explainer(
         code=replace(code, pool=pool),
@@ -165,26 +150,18 @@ def explainer_of_campaign(
     )
 
 
-def most_critical(campaign: FlyableCampaign, n: int) -> list[NamedSpecification]:
-    """Return the most critical evaluations of a campaign that differ, the worst first."""
-    measure = Measure.of(campaign.store.settings, campaign.mission)
-    return [_subject(campaign, evaluation) for evaluation in top(campaign.store, measure, n)]
-
-
-def evaluation_of(campaign: FlyableCampaign, index: int | None) -> NamedSpecification:
-    """Return an evaluation of a campaign, the most critical one if none is named."""
-    return _subject(campaign, find_evaluation(campaign, index))
-
-
-def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> NamedSpecification:
-    names = numbered(timed.fault for timed in evaluation.specification)
-    return NamedSpecification(
-        f"evaluation_{evaluation.index}",
-        f"evaluation {evaluation.index} of {campaign.folder.path}, "
-        f"fitness {evaluation.fitness[0]:.2f}",
-        named_faults(campaign.mission, campaign.pool, evaluation.specification, names),
-        evaluation,
-    )
+def evaluations_of(
+    campaign: FlyableCampaign, index: int | None, n: int = 1
+) -> Iterator[NamedSpecification]:
+    """Yield what ``find_evaluations`` returns, with names for the faults."""
+    for found in find_evaluations(campaign, index, n):
+        names = numbered(timed.fault for timed in found.specification)
+        yield NamedSpecification(
+            f"evaluation_{found.index}",
+            f"evaluation {found.index} of {campaign.folder.path}, fitness {found.fitness[0]:.2f}",
+            named_faults(campaign.mission, campaign.pool, found.specification, names),
+            found,
+        )
 
 
 def explained(
@@ -195,7 +172,10 @@ def explained(
     keep: float,
     tell: Tell = silent,
 ) -> Iterator[tuple[NamedSpecification, Explanation | None]]:
-    """Yield specifications, each with all about why it breaks goals, as ``Explainer.explain``."""
+    """Yield specifications, each with all about why it breaks goals; ``None`` if it breaks none.
+
+    One that does not fly as it is recorded is a ``ReplayMismatch``.
+    """
     workers.require_sense(engine)
     code, seed = explainer.code, explainer.mission_seeds[0]
     if engine.name == AUTO:
@@ -204,7 +184,10 @@ def explained(
         for each in specifications:
             if not engine.has_simulation:
                 require_repeatable(own, each)
-            yield each, explainer.explain(evaluator, own, each, keep)
+            flights = Flights(evaluator.evaluate_many, explainer.measure, explainer.mission_seeds)
+            if each.recorded is not None:
+                require_same(explainer.source, each.recorded, flights.outcome(each.specification))
+            yield each, find_out(flights, own, each.specification, keep)
 
 
 def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:

@@ -83,7 +83,6 @@ def is_mission(mission: str) -> bool:
 
 
 def _places(mission: str) -> Iterator[Path]:
-    """Yield the folders of models that a name or path stands for."""
     for models in (project().models / mission, Path(mission)):
         if (models / MISSION_XMI).is_file():
             yield models

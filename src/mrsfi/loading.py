@@ -1,6 +1,6 @@
 """What flies: the code of missions, and fault specifications in files."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from m2t.generate import rendered_file
 from m2t.load import LoadedModels, load_mission_folder, load_specification
 from m2t.specification import write_specification
+from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
@@ -16,7 +17,6 @@ from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.mission import Mission
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -51,30 +51,22 @@ class Written:
     """A fault specification in a file.
 
     ``models`` is as it was loaded, with its mission; ``unknown`` are the faults that the pool of
-    the mission does not have, by ID, ``late`` those that end beyond the mission.
+    the mission does not have, by ID; ``late`` says of each that ends beyond the mission that it
+    does.
     """
 
     models: LoadedModels
     pool: FaultPool
     specification: Specification
     unknown: tuple[str, ...]
-    late: Specification
-
-    def oddities(self, path: Path, mission: Mission) -> Iterator[str]:
-        """Yield what is odd about it, in words: it may be a specification of another mission."""
-        if self.unknown:
-            yield f"{path}: not in the pool, flown as written: {', '.join(self.unknown)}"
-        for timed in self.late:
-            yield (
-                f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
-                f"which ends beyond the mission; its last tick is {mission.duration - 1}"
-            )
+    late: tuple[str, ...]
 
 
-def read_specification(path: Path, code: MissionCode) -> Written:
+def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Written:
     """Return a written fault specification, which must be one that can be flown.
 
-    A SpecificationError names the lines of the faults.
+    A SpecificationError names the lines of the faults. What is odd is told: it may be a
+    specification of another mission.
     """
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
@@ -88,15 +80,18 @@ def read_specification(path: Path, code: MissionCode) -> Written:
         named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)
         where = f"{path}:{named}" if named else path
         raise SpecificationError(f"{where}: {error}", error.faults) from error
-    return Written(
-        models,
-        pool,
-        specification,
-        unknown=tuple(each.id for each in pool if not _is_known(each.id, code.pool)),
-        late=tuple(timed for timed in specification if timed.finish >= code.mission.duration),
+    known = code.pool.by_id  # a search may have numbered a fault of it: f9.1
+    unknown = tuple(
+        each.id for each in pool if known.keys().isdisjoint({each.id, each.id.rpartition(".")[0]})
     )
-
-
-def _is_known(fault: str, pool: FaultPool) -> bool:
-    """Return whether a pool has a fault, which a search may have numbered: ``f9.1``."""
-    return fault in pool.by_id or fault.rpartition(".")[0] in pool.by_id
+    late = tuple(
+        f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
+        f"which ends beyond the mission; its last tick is {code.mission.duration - 1}"
+        for timed in specification
+        if timed.finish >= code.mission.duration
+    )
+    if unknown:
+        tell(f"{path}: not in the pool, flown as written: {', '.join(unknown)}")
+    for oddity in late:
+        tell(oddity)
+    return Written(models, pool, specification, unknown, late)

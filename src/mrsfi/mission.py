@@ -208,7 +208,11 @@ class Mission:
         from mrsfi.flight import fly  # noqa: PLC0415 - brings numpy
 
         seed = require_seed(seed)
-        pool, specification = self._specification(faults)
+        if isinstance(faults, Path | str):
+            written = read_specification(Path(faults), self.code)
+            pool, specification = written.pool, written.specification
+        else:
+            pool, specification = self.pool, Gate(self.model, self.pool).admitted(faults)
         with opened(self.code, seed, _settings(engine)) as flown_by:
             return fly(flown_by, pool, specification, seed)
 
@@ -364,7 +368,7 @@ class Mission:
         path, asked = _path("out", out) or default_folder(self.name, case), _settings(engine)
         who.require_sense(asked)
         file = campaign_file(self.folders, case)
-        settings = settings_of(file, self.code, algorithms, evaluations)
+        settings = [*settings_of(file, self.code, algorithms, evaluations)]
         runs = [replace(one, seed=1 + seed) for seed in range(n_seeds) for one in settings]
         seed = runs[0].mission_seed
         flown_by = asked.tried(self.code, seed, tell)
@@ -399,14 +403,6 @@ class Mission:
 
         n_seeds = None if n_seeds is None else require_whole("n_seeds", n_seeds)
         return tuple(check_all(self.folders, _settings(engine), n_seeds=n_seeds))
-
-    def _specification(
-        self, faults: Path | str | Iterable[TimedFault]
-    ) -> tuple[FaultPool, Specification]:
-        if not isinstance(faults, Path | str):
-            return self.pool, Gate(self.model, self.pool).admitted(faults)
-        written = read_specification(Path(faults), self.code)
-        return written.pool, written.specification
 
 
 def _settings(engine: str | EngineSettings) -> EngineSettings:

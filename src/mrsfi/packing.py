@@ -62,7 +62,6 @@ def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str
 
 @contextmanager
 def _unpacked(archive: Path) -> Iterator[Path]:
-    """Yield the folder of a campaign in an archive, unpacked for as long as the body runs."""
     with TemporaryDirectory() as place:
         try:
             with zipfile.ZipFile(archive) as content:

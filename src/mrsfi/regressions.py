@@ -252,15 +252,12 @@ def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
 
 
 def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:
-    """Return what becomes of what was not flown yet."""
     began, regression = monotonic(), found.regression
     try:
         written = read_specification(regression.specification, code)
         if written.late:
-            late = replace(written, unknown=()).oddities(regression.specification, code.mission)
-            raise SpecificationError(
-                f"{'; '.join(late)}; expected the mission that it was kept for"
-            )
+            late = "; ".join(written.late)
+            raise SpecificationError(f"{late}; expected the mission that it was kept for")
         flown = replace(code, pool=written.pool)
         with opened(flown, found.seeds[0], settings, tell) as engine:
             others = {
@@ -292,7 +289,6 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
 
 
 def _most(counts: Iterable[Mapping[str, int]]) -> dict[str, int]:
-    """Return the most that each goal has in any of some counts."""
     most: dict[str, int] = {}
     for each in counts:
         most |= {goal: max(ticks, most.get(goal, 0)) for goal, ticks in each.items()}

@@ -117,7 +117,6 @@ def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, s
 
 
 def _named(models: Path, names: Mapping[str, str]) -> Iterator[tuple[Path, int, str]]:
-    """Yield where scripts beside the models have a string that is an old ID."""
     for path in sorted(models.glob("*.py")):
         with suppress(OSError, SyntaxError), tokenize.open(path) as file:
             for node in ast.walk(ast.parse(file.read())):

@@ -73,7 +73,14 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
         return Validated(folders.name, models, regions)
     loaded = inspection.require_models()
     flown = () if n_errors(regions) else _flown(folders, loaded, tell)
-    return Validated(folders.name, models, (*flown, *regions), _counts(loaded))
+    counts = {
+        "robots": len(loaded.mission.robots),
+        "obstacles": len(loaded.mission.obstacles),
+        "goals": len(loaded.mission.goals),
+        "messages": sum(len(goal.messages) for goal in loaded.mission.goals),
+        "faults": len(loaded.pool),
+    }
+    return Validated(folders.name, models, (*flown, *regions), counts)
 
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
@@ -96,18 +103,7 @@ def write_mended(mended: Mending) -> None:
 
 def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
     """Return how many of some findings are errors."""
-    return sum(1 for diagnostic in diagnostics if diagnostic.severity == "error")
-
-
-def _counts(loaded: LoadedModels) -> Mapping[str, int]:
-    mission = loaded.mission
-    return {
-        "robots": len(mission.robots),
-        "obstacles": len(mission.obstacles),
-        "goals": len(mission.goals),
-        "messages": sum(len(goal.messages) for goal in mission.goals),
-        "faults": len(loaded.pool),
-    }
+    return sum(diagnostic.severity == "error" for diagnostic in diagnostics)
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:

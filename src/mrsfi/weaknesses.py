@@ -46,12 +46,11 @@ _EVERY = 2.0
 """Seconds between two lines about a harvest."""
 
 
-def require_format(path: Path, known: Collection[str]) -> str:
-    """Return by its ending what a file is to be written as; another one is a ``UsageError``."""
+def require_format(path: Path, known: Collection[str]) -> None:
+    """Refuse a file whose name does not end in one of what is known."""
     if path.suffix not in known:
         wanted = f"a name that ends in {' or '.join(known)}"
         raise UsageError(f"{path}: found the ending '{path.suffix}'; expected {wanted}")
-    return path.suffix
 
 
 def harvested(campaign: OpenCampaign) -> Harvest:
@@ -86,13 +85,10 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
     store, columns = campaign.store, ("specification",)
     for texts in store.stored(columns, store.n_evaluations, lambda read: [*read[0]]):
         flown.update(frozenset(fault_texts(text)[0]) for text in texts)
-    together = {pair for some in flown for pair in combinations(sorted(some), 2)}
+    known = {some for each in flown for n in (1, 2) for some in combinations(sorted(each), n)}
     faults = [fault.id for fault in campaign.pool]
-    alone = {fault for some in flown for fault in some}
-    return (
-        *((fault,) for fault in faults if fault not in alone),
-        *(pair for pair in combinations(faults, 2) if tuple(sorted(pair)) not in together),
-    )
+    every = (some for n in (1, 2) for some in combinations(faults, n))
+    return tuple(some for some in every if tuple(sorted(some)) not in known)
 
 
 @contextmanager
@@ -172,38 +168,32 @@ def write_map(
     way: Way,
     path: Path,
 ) -> None:
-    """Fly milder forms of a way to break a goal, and write which do; errors as in ``write_fmea``.
+    """Fly milder forms of a way to break a goal, and write which do, as one of ``MAPS``.
 
     All are flown in the campaign's mission seed, and judged by the gravest measure.
     """
-    kind = require_format(path, MAPS)
     space = SearchSpace.of(campaign.mission, campaign.pool)
     deviation, seed = shrinking.Deviation(space, record(())), campaign.store.settings.mission_seed
     tried = shrinking.tried_map(deviation, way.shown, evaluator.evaluate_many, seed)
-    if kind == ".csv":
+    if path.suffix == ".csv":
         content = as_csv([shrinking.Tried._fields, *tried])
     else:
         goal = goal_in_words(campaign.mission, way.goal)
         title = f"{goal}, broken by {' and '.join(way.faults)}"
-        content = drawn(Drawing("tried_map", (title, tried)))[kind]
+        content = drawn(Drawing("tried_map", (title, tried)))[path.suffix]
     with whole_file(path) as file:
         file.write(content)
 
 
 def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, path: Path) -> None:
-    """Write failure modes and effects, flown in the campaign's mission seed.
-
-    What cannot be written, or ends otherwise than those of ``FMEA``, is a ``UsageError``.
-    """
-    write = FMEA[require_format(path, FMEA)]
+    """Write failure modes and effects, flown in the campaign's mission seed, as one of ``FMEA``."""
     mission = campaign.store.manifest.mission or campaign.mission.name
     modes = failure_modes(campaign.mission, campaign.pool, found, record)
     with whole_file(path) as file:
-        file.write(write(mission, modes))
+        file.write(FMEA[path.suffix](mission, modes))
 
 
 def write_fault_trees(campaign: OpenCampaign, found: Sequence[Way], path: Path) -> None:
-    """Write the fault tree of each goal; errors as in ``write_fmea``, by ``FAULT_TREES``."""
-    write = FAULT_TREES[require_format(path, FAULT_TREES)]
+    """Write the fault tree of each goal, as one of ``FAULT_TREES``."""
     with whole_file(path) as file:
-        file.write(write(campaign.mission, campaign.pool, found))
+        file.write(FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
@@ -17,30 +17,12 @@ from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from mrsfi.regressions import Checked
 
-_HELP = """Fly every kept weakness of MISSION against today's models and code.
 
-Without MISSION it goes through all of models/. Where a goal has more violations than is kept, the
-weakness came back: it says why, and ends with exit code 10. What cannot be judged any more, because
-a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
-are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
-
-An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record; the
-code that flies is the archive's. Options of kept weaknesses are refused.
-
-\b
-Examples:
-  mrsfi check
-  mrsfi check uuv_sampling --junit regressions.xml
-  mrsfi check uuv_sampling --engine reference --seeds 5
-  mrsfi check uuv_sampling --json | jq '.uuv_sampling[].state'
-"""
-
-
-@click.command(name="check", help=_HELP)
+@click.command(name="check")
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @generated_option
 @seeds_option(
@@ -60,7 +42,24 @@ def command(
     github: bool,
     is_json: bool,
 ) -> None:
-    """Fly everything that is kept, and say what came back."""
+    """Fly every kept weakness of MISSION against today's models and code.
+
+    Without MISSION it goes through all of models/. Where a goal has more violations than is kept,
+    the weakness came back: it says why, and ends with exit code 10. What cannot be judged any more,
+    because a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error:
+    the others are flown all the same, and the exit code is the lowest of such. Nothing kept is no
+    pass either.
+
+    An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record;
+    the code that flies is the archive's. Options of kept weaknesses are refused.
+
+    \b
+    Examples:
+      mrsfi check
+      mrsfi check uuv_sampling --junit regressions.xml
+      mrsfi check uuv_sampling --engine reference --seeds 5
+      mrsfi check uuv_sampling --json | jq '.uuv_sampling[].state'
+    """
     from mrsfi.folders import find_mission
     from mrsfi.packing import repeat
     from mrsfi.regressions import check_all, missions_with_kept
@@ -88,18 +87,19 @@ def command(
     if junit is not None:
         verdicts.write_junit(junit, found)
         tell(f"written    {junit}")
+    every = [each for checked in found.values() for each in checked]
     if is_json:
-        verdicts.print_as_json(found)
+        told = {name: [*map(verdicts.as_json, checked)] for name, checked in found.items()}
+        print_json(told)
     else:
         verdicts.print_tables(found)
     if github:
-        verdicts.print_annotations(found)
-    _end(found)
+        verdicts.print_annotations(every)
+    _end(every)
 
 
-def _end(found: "Mapping[str, Sequence[Checked]]") -> None:
+def _end(every: "Sequence[Checked]") -> None:
     """Raise what the command ends with: what came back, or else what fails first on the way."""
-    every = [each for checked in found.values() for each in checked]
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]

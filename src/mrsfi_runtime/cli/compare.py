@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import astuple
+from dataclasses import astuple, dataclass
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -30,37 +30,11 @@ if TYPE_CHECKING:
     from mrsfi_runtime.study.comparison import Comparison, RunResult
     from mrsfi_runtime.study.folder import ComparisonFolder
 
-_HELP = """Compare two campaigns of a mission, or search algorithms on MISSION.
-
-Two campaign folders, before and after a fix or an edit of the model: which weaknesses went, which
-came, which stayed. Each is flown once more, in the mission of the other campaign. --markdown writes
-that for a pull request, --html as a page; search options make no sense then.
-
-Of algorithms: several seeds, as many evaluations for each.
-
-Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
-Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
-p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
-run of the first does better than one of the second.
-
-\b
-Examples:
-  mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
-  mrsfi compare uuv_sampling
-  mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
-  mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
-  mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
-
-A comparison that was ended goes on with the same command; a run that is finished is not made
-again, also when algorithms or seeds are added. Any run can be had by itself, with the same
-digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
-"""
-
 
 _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
 
 
-@click.command(name="compare", help=_HELP)
+@click.command(name="compare")
 @click.pass_context
 @click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
 @generated_option
@@ -117,7 +91,31 @@ def command(  # noqa: PLR0913 - one for each option
     out: Path | None,
     is_json: bool,
 ) -> None:
-    """Compare two campaigns of a mission, or search algorithms on one."""
+    """Compare two campaigns of a mission, or search algorithms on MISSION.
+
+    Two campaign folders, before and after a fix or an edit of the model: which weaknesses went,
+    which came, which stayed. Each is flown once more, in the mission of the other campaign.
+    --markdown writes that for a pull request, --html as a page; search options make no sense then.
+
+    Of algorithms: several seeds, as many evaluations for each.
+
+    Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
+    Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
+    p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
+    run of the first does better than one of the second.
+
+    \b
+    Examples:
+      mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
+      mrsfi compare uuv_sampling
+      mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
+      mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
+      mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
+
+    A comparison that was ended goes on with the same command; a run that is finished is not made
+    again, also when algorithms or seeds are added. Any run can be had by itself, with the same
+    digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+    """
     if len(targets) > 1:
         _compare_runs(ctx, targets, engine, workers, markdown, html, is_json=is_json)
         return
@@ -133,7 +131,7 @@ def command(  # noqa: PLR0913 - one for each option
     names = [name.strip() for name in algorithms.split(",")]
     loaded = mrsfi.load(mission, generated)
     folder = ComparisonFolder(out or default_folder(loaded.name, case))
-    told = _Progress(folder, len(names) * seeds)
+    told = _Progress(folder.path, len(names) * seeds)
     try:
         found = loaded.compare(
             names,
@@ -170,7 +168,6 @@ def _compare_runs(
     *,
     is_json: bool,
 ) -> None:
-    """Say which weaknesses went, came and stayed between two campaigns."""
     from mrsfi.changes import change_table, changes, sentence
     from mrsfi_runtime.analysis.page.document import document
     from mrsfi_runtime.analysis.table import to_markdown, to_page
@@ -203,26 +200,26 @@ def _compare_runs(
     print_words((said, "bold"))
 
 
+@dataclass
 class _Progress:
     """Tells of each run, and how long the rest may take."""
 
-    def __init__(self, folder: "ComparisonFolder", n_runs: int) -> None:
-        self._folder = folder
-        self._n_runs = n_runs
-        self._n_new = 0
-        self._began = 0.0
+    path: Path
+    n_runs: int
+    n_new: int = 0
+    began: float = 0.0
 
     def begin(self, who: str) -> None:
-        tell(f"comparison {self._folder.path}: {self._n_runs} runs, {who}")
-        self._began = monotonic()
+        tell(f"comparison {self.path}: {self.n_runs} runs, {who}")
+        self.began = monotonic()
 
     def run(self, run: "RunResult", n_done: int, is_new: bool) -> None:
-        place = f"run {n_done}/{self._n_runs}  {run.algorithm} seed {run.seed}"
+        place = f"run {n_done}/{self.n_runs}  {run.algorithm} seed {run.seed}"
         if not is_new:
             tell(f"{place}  was finished already")
             return
-        self._n_new += 1
-        rest = (monotonic() - self._began) / self._n_new * (self._n_runs - n_done)
+        self.n_new += 1
+        rest = (monotonic() - self.began) / self.n_new * (self.n_runs - n_done)
         tell(
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
             f"{run.seconds:.1f} s  {left(rest)}"
@@ -230,7 +227,6 @@ class _Progress:
 
 
 def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
-    """Say which algorithms did not use all of their evaluations."""
     for name in comparison.algorithms:
         n_fewer = sum(run.n_evaluations < n_evaluations for run in comparison.of(name))
         if n_fewer:
@@ -256,8 +252,7 @@ def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: 
         found = (*pair, "U", "p", "p (Holm)", "A12", "magnitude")
         title = "Mann-Whitney U: does the first do better?"
         print_table(Table(title, found, [*_test_rows(comparison)], pair))
-    for line in _legend(comparison):
-        click.echo(line)
+    _print_legend(comparison)
     click.echo(f"runs         {folder.runs}")
     click.echo(f"tables       {folder.path}/runs.csv, quartiles.csv, tests.csv")
     click.echo(f"figures      {folder.figures}")
@@ -290,22 +285,20 @@ def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
             )
 
 
-def _legend(comparison: "Comparison") -> list[str]:
-    """Return what the names of measures mean, line by line."""
+def _print_legend(comparison: "Comparison") -> None:
     from mrsfi_runtime.study.comparison import MOST_OBJECTIVES
 
     names = [criterion.name for criterion in comparison.criteria]
-    lines = ["fitness      best of a run"]
+    click.echo("fitness      best of a run")
     if "hypervolume" in names:
-        lines.append(
+        click.echo(
             "hypervolume  share of the possible, beyond the reference point of -1 violations"
         )
     else:
-        lines.append(f"hypervolume  not computed: needs 2 to {MOST_OBJECTIVES} goals")
+        click.echo(f"hypervolume  not computed: needs 2 to {MOST_OBJECTIVES} goals")
     if "at_once_1" in names:
-        lines.append("at_once_k    evaluations until one specification broke k goals")
-        lines.append("together_k   evaluations until all so far broke k goals between them")
-    return lines
+        click.echo("at_once_k    evaluations until one specification broke k goals")
+        click.echo("together_k   evaluations until all so far broke k goals between them")
 
 
 def _number(value: float) -> str:
@@ -316,5 +309,4 @@ def _number(value: float) -> str:
 
 
 def _probability(value: float) -> str:
-    """Return a p-value in three digits."""
     return f"{value:.3f}" if value >= 0.001 else f"{value:.1e}"

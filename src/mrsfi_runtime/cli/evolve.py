@@ -28,34 +28,6 @@ if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
     from mrsfi_runtime.engine.settings import EngineSettings
 
-_HELP = """Evolve fault specifications against MISSION and print what breaks it.
-
-The campaign file says how: algorithm, population, generations, fitness. --case a and
---case b are the files case_a.toml and case_b.toml beside the models; options replace single
-values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
-code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
-
-Then it finds out which faults break which goal, and what is the least that does, with at most as
-many flights as the search took, and never more than a thousand; what it prints first is that.
-mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it does.
-Somebody else's simulation is only searched on.
-
-\b
-Examples:
-  mrsfi evolve uuv_sampling
-  mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
-  mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
-  mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
-  mrsfi evolve uuv_sampling --algorithm cover --until 0.02
-  mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
-  mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
-  mrsfi evolve --resume runs/uuv_sampling-a-1
-
-Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
-by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
---resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
-"""
-
 
 _FREE = frozenset(
     {"resume", "ratio", "no_explain", "is_json"}
@@ -68,7 +40,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     return None if text is None else [goal.strip() for goal in text.split(",")]
 
 
-@click.command(name="evolve", help=_HELP)
+@click.command(name="evolve")
 @click.pass_context
 @click.argument("mission", metavar="[MISSION]", required=False)
 @generated_option
@@ -120,7 +92,33 @@ def command(
     is_json: bool,
     **given: Any,
 ) -> None:
-    """Evolve fault specifications against a mission and print the most critical."""
+    """Evolve fault specifications against MISSION and print what breaks it.
+
+    The campaign file says how: algorithm, population, generations, fitness. --case a and
+    --case b are the files case_a.toml and case_b.toml beside the models; options replace single
+    values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
+    code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
+
+    Then it finds out which faults break which goal, and what is the least that does, with at most
+    as many flights as the search took, and never more than a thousand; what it prints first is
+    that. mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it
+    does. Somebody else's simulation is only searched on.
+
+    \b
+    Examples:
+      mrsfi evolve uuv_sampling
+      mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
+      mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
+      mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
+      mrsfi evolve uuv_sampling --algorithm cover --until 0.02
+      mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
+      mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
+      mrsfi evolve --resume runs/uuv_sampling-a-1
+
+    Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
+    by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
+    --resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
+    """
     from mrsfi.evolving import evolve
     from mrsfi_runtime.analysis.drawing import DrawingProcess
     from mrsfi_runtime.analysis.illustrations import map_drawing

@@ -27,40 +27,8 @@ if TYPE_CHECKING:
     from mrsfi.explaining import Explainer, NamedSpecification
     from mrsfi_runtime.engine.settings import EngineSettings
 
-_HELP = """Find out which faults of a specification break which goal.
 
-RUN is the folder of a campaign, whose most critical specification is explained, or those that an
-option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one that
-search found, or one written by hand.
-
-\b
-Examples:
-  mrsfi explain runs/uuv_sampling-a-1
-  mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
-  mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
-  mrsfi explain runs/uuv_sampling-a-1 --all
-  mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
-
-The cause set are the faults without which the violations would not be: flown alone, they keep a
-share of every goal's violations, believed (or what the campaign measures) and true ones alike, and
-without any single one of them they do not. It is written as XMI, and beside it its simplest form,
-with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say what each
-fault is to each goal:
-
-\b
-  sole       in the goal's cause set, and enough alone
-  joint      in the goal's cause set with others
-  redundant  could take the place of one in it
-  masking    without it there would be more violations
-  lesser     none of these, but alone it breaks the goal: others break it more, or hide it
-  bystander  none of these
-
-With --all it is about none of them, but about all the ways in which goals break: what is not known
-yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsfi weaknesses.
-"""
-
-
-@click.command(name="explain", help=_HELP)
+@click.command(name="explain")
 @click.argument("target", metavar="RUN|MISSION")
 @generated_option
 @file_option("--faults", "Explain this fault specification of MISSION.")
@@ -113,7 +81,38 @@ def command(  # noqa: PLR0913 - one parameter per option
     out: Path | None,
     is_json: bool,
 ) -> None:
-    """Find out which faults of a specification break which goal."""
+    """Find out which faults of a specification break which goal.
+
+    RUN is the folder of a campaign, whose most critical specification is explained, or those that
+    an option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one
+    that search found, or one written by hand.
+
+    \b
+    Examples:
+      mrsfi explain runs/uuv_sampling-a-1
+      mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
+      mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
+      mrsfi explain runs/uuv_sampling-a-1 --all
+      mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
+
+    The cause set are the faults without which the violations would not be: flown alone, they keep a
+    share of every goal's violations, believed (or what the campaign measures) and true ones alike,
+    and without any single one of them they do not. It is written as XMI, and beside it its simplest
+    form, with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say
+    what each fault is to each goal:
+
+    \b
+      sole       in the goal's cause set, and enough alone
+      joint      in the goal's cause set with others
+      redundant  could take the place of one in it
+      masking    without it there would be more violations
+      lesser     none of these, but alone it breaks the goal: others break it more, or hide it
+      bystander  none of these
+
+    With --all it is about none of them, but about all the ways in which goals break: what is not
+    known yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsfi
+    weaknesses.
+    """
     from mrsfi import explaining
     from mrsfi.campaign_folders import open_to_fly
     from mrsfi.folders import find_mission
@@ -145,8 +144,7 @@ def command(  # noqa: PLR0913 - one parameter per option
         return
     with open_to_fly(_run(target), tell) as campaign:
         settings = engine.again(campaign.store.manifest.engine)
-        some = [] if n_top is None else explaining.most_critical(campaign, n_top)
-        some = some or [explaining.evaluation_of(campaign, evaluation)]
+        some = [*explaining.evaluations_of(campaign, evaluation, n_top or 1)]
         explainer = explaining.explainer_of_campaign(campaign, kind, out)
         fitness = campaign.store.settings.fitness
         if ":" in fitness:
@@ -178,7 +176,6 @@ def _explain(
     *,
     is_json: bool,
 ) -> None:
-    """Explain specifications one after the other; print each, and write its cause set."""
     from mrsfi.explaining import explained
     from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
 

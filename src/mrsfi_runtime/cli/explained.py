@@ -92,7 +92,6 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
 
 
 def _counts_table(shown: Shown, found: Explanation) -> Table:
-    """Return what each goal's violations are under all faults, the cause set, and none."""
     rows = [
         (column.goal, column.kind, *map(shown.ticks, counts))
         for column, *counts in zip(
@@ -111,7 +110,6 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
 
 
 def _share_table(shown: Shown, found: Explanation) -> Table:
-    """Return what part each fault of the cause set has in the counts."""
     places = [
         k
         for k, _ in enumerate(found.cause.columns)
@@ -134,7 +132,6 @@ def _share_table(shown: Shown, found: Explanation) -> Table:
 
 
 def _chain_table(shown: Shown, found: Explanation) -> Table:
-    """Return when and by how much belief, commands, truth and verdicts differ first."""
     rows = [
         (
             shown.faults[place].name,
@@ -171,7 +168,6 @@ def _robustness_table(found: Explanation) -> Table:
 
 
 def _print_goals(shown: Shown, found: Explanation) -> None:
-    """Print what every fault is to each goal, and the counts under it alone and without it."""
     goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
     columns = ("fault", *(each.goal for each in goals))
     named = {
@@ -201,18 +197,16 @@ def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
 
 def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
     """Return an explanation for scripts; counts are sums over the mission seeds."""
-    return {
+    about = {
         "specification": shown.title,
         "n_faults": len(shown.faults),
         "keep": shown.keep,
         "measure": shown.measure.kind,
         "mission_seeds": shown.measure.n_seeds,
         "is_violated": found is not None,
-        **({} if found is None else _found_as_json(shown, found)),
     }
-
-
-def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
+    if found is None:
+        return about
     cause = found.cause
     rows = {place: row for row, place in enumerate(cause.places)}
     shares = found.attribution.shares
@@ -223,7 +217,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
     def file(what: str) -> str | None:
         return str(shown.paths[what]) if what in shown.paths else None
 
-    return {
+    return about | {
         "columns": [column._asdict() for column in cause.columns],
         "counts": list(cause.counts),
         "fault_free": list(cause.fault_free),

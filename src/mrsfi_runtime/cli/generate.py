@@ -11,29 +11,27 @@ from mrsfi_runtime.errors import GenerationError
 if TYPE_CHECKING:
     from mrsfi.folders import MissionFolders
 
-_HELP = """Generate the middleware of MISSION into generated/NAME/.
 
-What you write between `# protected region … begin` and `… end` is kept, also when robots
-are renamed or goals are added. Where generation would lose hand-written code it stops
-with exit code 4 and changes nothing. A second run changes nothing. A goal task of your own has
-empty regions: they are written, and named with exit code 4 until you fill them.
-
-\b
-Examples:
-  mrsfi generate uuv_sampling
-  mrsfi generate uuv_sampling --diff      what would a changed model change?
-  mrsfi generate uuv_sampling --check     for continuous integration
-"""
-
-
-@click.command(name="generate", help=_HELP)
+@click.command(name="generate")
 @mission_argument
 @generated_option
 @click.option("--check", is_flag=True, help="Write nothing; exit code 4 if a file is stale.")
 @click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
 @click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
 def command(mission: str, generated: Path | None, check: bool, diff: bool, force: bool) -> None:
-    """Generate the middleware of MISSION into generated/NAME/."""
+    """Generate the middleware of MISSION into generated/NAME/.
+
+    What you write between `# protected region … begin` and `… end` is kept, also when robots
+    are renamed or goals are added. Where generation would lose hand-written code it stops
+    with exit code 4 and changes nothing. A second run changes nothing. A goal task of your own has
+    empty regions: they are written, and named with exit code 4 until you fill them.
+
+    \b
+    Examples:
+      mrsfi generate uuv_sampling
+      mrsfi generate uuv_sampling --diff      what would a changed model change?
+      mrsfi generate uuv_sampling --check     for continuous integration
+    """
     from mrsfi.folders import diff as difference
     from mrsfi.folders import find_mission
 
@@ -55,12 +53,8 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
     from mrsfi_runtime.readiness import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)
-    for verb, names in (
-        ("written", result.written),
-        ("removed", result.removed),
-        ("unchanged", result.unchanged),
-    ):
-        for name in names:
+    for verb in ("written", "removed", "unchanged"):
+        for name in getattr(result, verb):
             click.echo(f"{verb:<9}  {folders.generated / name}")
     unfilled = unfilled_regions(folders.generated)
     if unfilled:

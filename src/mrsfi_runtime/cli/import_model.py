@@ -18,37 +18,8 @@ if TYPE_CHECKING:
 _SHOWN_LINES = 8
 _NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
 
-_HELP = """Turn FILE, a model published for the paper's prototype, into a mission folder.
 
-FILE has a root Setup of namespace acs_project_setup, which holds a mission and its fault
-specifications. Every figure and reference is kept; xmi:id gives way to readable IDs: the
-element's own where it can be used, else one from its place, such as g1_area. The result is
-validated before anything is written; a model with an error ends with exit code 3, the line of
-FILE, and no folder.
-
-\b
-Examples:
-  mrsfi import ~/downloads/mission.model
-  mrsfi import published.xmi --out models/harbour
-  mrsfi import published.xmi --out models/harbour --force     replace its models
-  mrsfi import published.xmi --json | jq '.notes[] | select(.kind == "inconsistent")'
-
-\b
-What it lists, with the line of FILE:
-  renamed       an ID that was missing, unusable or taken
-  dropped       what the models here do not have: parentID, goal_ID, values of Zero types
-  default       what the old format lacks or leaves out: the period of Patrol (a tenth of the
-                mission), the deadline of Visit (the last tick) and its tolerance (1.0), the
-                tolerance of Track (10.0) and of FixedDistanceBetweenRobots (1.0); an absent
-                number is 0, an absent sensor type GPS_POSITION
-  inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
-
-A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults first.
-Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
-"""
-
-
-@click.command(name="import", help=_HELP)
+@click.command(name="import")
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path, exists=True))
 @click.option(
     "--out",
@@ -59,10 +30,39 @@ Also written: case_a.toml, and case_b.toml if there are goals for it, unless the
 @click.option("--force", is_flag=True, help="Replace the models of an existing mission folder.")
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
-    """Turn a model published for the paper's prototype into a mission folder."""
-    from mrsfi.models import import_published
+    """Turn FILE, a model published for the paper's prototype, into a mission folder.
 
-    result = import_published(file, out or _usual_folder(file), is_forced=force)
+    FILE has a root Setup of namespace acs_project_setup, which holds a mission and its fault
+    specifications. Every figure and reference is kept; xmi:id gives way to readable IDs: the
+    element's own where it can be used, else one from its place, such as g1_area. The result is
+    validated before anything is written; a model with an error ends with exit code 3, the line of
+    FILE, and no folder.
+
+    \b
+    Examples:
+      mrsfi import ~/downloads/mission.model
+      mrsfi import published.xmi --out models/harbour
+      mrsfi import published.xmi --out models/harbour --force     replace its models
+      mrsfi import published.xmi --json | jq '.notes[] | select(.kind == "inconsistent")'
+
+    \b
+    What it lists, with the line of FILE:
+      renamed       an ID that was missing, unusable or taken
+      dropped       what the models here do not have: parentID, goal_ID, values of Zero types
+      default       what the old format lacks or leaves out: the period of Patrol (a tenth of the
+                    mission), the deadline of Visit (the last tick) and its tolerance (1.0), the
+                    tolerance of Track (10.0) and of FixedDistanceBetweenRobots (1.0); an absent
+                    number is 0, an absent sensor type GPS_POSITION
+      inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
+
+    A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults
+    first. Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
+    """
+    from mrsfi.models import import_published
+    from mrsfi.project import project
+
+    usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
+    result = import_published(file, out or usual, is_forced=force)
     if is_json:
         print_json(_as_json(result))
         return
@@ -74,12 +74,6 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     for line in _lines(result.notes):
         click.echo(line)
     click.echo(f"next          mrsfi validate {result.folder}")
-
-
-def _usual_folder(file: Path) -> Path:
-    from mrsfi.project import project
-
-    return project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
 
 
 def _as_json(result: "Imported") -> dict[str, Any]:

@@ -13,25 +13,6 @@ from mrsfi_runtime.engine.settings import AUTO
 if TYPE_CHECKING:
     from mrsfi_runtime.record.regressions import Regression
 
-_HELP = """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
-
-N is its number in mrsfi weaknesses. The faults go into models/NAME/regressions/ as XMI, and beside
-them the limit: how many ticks of violations the goal may have at most, as many as it has today
-unless --max says otherwise; with 0 the check fails until the weakness is gone. Both are files to be
-reviewed and committed.
-
-After a change that is wanted, --update takes over what is counted today, and prints the
-difference.
-
-\b
-Examples:
-  mrsfi keep runs/uuv_sampling-a-1 --weakness 1
-  mrsfi keep runs/uuv_sampling-a-1 --weakness 2 --name surfacing --max g2=0,g4=10
-  mrsfi keep runs/uuv_sampling-a-1 --weakness 3 --seeds 5
-  mrsfi keep uuv_sampling --update
-  mrsfi keep uuv_sampling --update --name surfacing --because "the mast is lowered from v2 on"
-"""
-
 
 def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str, int] | None:
     if text is None:
@@ -46,7 +27,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     return limits
 
 
-@click.command(name="keep", help=_HELP)
+@click.command(name="keep")
 @click.argument("target", metavar="CAMPAIGN|MISSION")
 @click.option("--weakness", type=click.IntRange(1), metavar="N", help="Weakness N of the campaign.")
 @click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-weakness-N].")
@@ -73,7 +54,24 @@ def command(
     update: bool,
     engine: EngineOptions,
 ) -> None:
-    """Keep a weakness of a campaign, or take over what is counted today of all that is kept."""
+    """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
+
+    N is its number in mrsfi weaknesses. The faults go into models/NAME/regressions/ as XMI, and
+    beside them the limit: how many ticks of violations the goal may have at most, as many as it has
+    today unless --max says otherwise; with 0 the check fails until the weakness is gone. Both are
+    files to be reviewed and committed.
+
+    After a change that is wanted, --update takes over what is counted today, and prints the
+    difference.
+
+    \b
+    Examples:
+      mrsfi keep runs/uuv_sampling-a-1 --weakness 1
+      mrsfi keep runs/uuv_sampling-a-1 --weakness 2 --name surfacing --max g2=0,g4=10
+      mrsfi keep runs/uuv_sampling-a-1 --weakness 3 --seeds 5
+      mrsfi keep uuv_sampling --update
+      mrsfi keep uuv_sampling --update --name surfacing --because "the mast is lowered from v2 on"
+    """
     from mrsfi.campaign_folders import open_campaign
     from mrsfi.regressions import keep
 
@@ -96,7 +94,6 @@ def command(
 def _update(
     mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions, accepted: str
 ) -> None:
-    """Take over what is counted today, and print what changed."""
     from mrsfi.folders import find_mission
     from mrsfi.regressions import update
 

@@ -16,7 +16,6 @@ from mrsfi_runtime.cli.console import steady_output
 from mrsfi_runtime.errors import MrsfiError, UsageError
 
 _INTERRUPTED = 130
-_DEFECT = 1
 
 _COMMANDS = MappingProxyType(
     {
@@ -46,49 +45,6 @@ _MODULES = MappingProxyType({"import": "import_model"})
 """Modules of the subcommands whose names Python does not allow."""
 
 
-_HELP = """Find the faults that break a multi-robot mission.
-
-A mission and the faults that could strike it are two models in models/NAME/. From them
-mrsfi generates the mission's middleware, flies it, and evolves fault specifications:
-which faults, when, how strong.
-
-\b
-In this order:
-  mrsfi validate uuv_sampling            are the models sound?
-  mrsfi generate uuv_sampling            write generated/uuv_sampling/*.py
-  mrsfi simulate uuv_sampling            does it fly without faults?
-  mrsfi evolve uuv_sampling --case a     search; ends with what breaks it and why
-  mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
-  mrsfi show runs/uuv_sampling-a-1 6     how does weakness 6 break its goal?
-  mrsfi explain runs/uuv_sampling-a-1    which faults did it?
-  mrsfi report runs/uuv_sampling-a-1
-
-\b
-Beside it:
-  mrsfi weaknesses runs/cover            all that a search with --algorithm cover found
-  mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep what was found, beside the models
-  mrsfi check                            did anything that is kept come back?
-  mrsfi compare uuv_sampling             does a search find more than chance does?
-  mrsfi pack runs/uuv_sampling-a-1       one file that repeats itself elsewhere
-  mrsfi bridge                           a rosbridge server that needs no ROS
-  mrsfi import published.xmi             a model of the paper's prototype as a mission
-  mrsfi rename uuv_sampling r1=scout_1   another ID, everywhere at once
-  mrsfi diff old.xmi uuv_sampling        what changed in a model?
-
-Results go to standard output, progress to standard error.
-
-\b
-Exit codes, whoever reads the output:
-  0  done                                6  the mission's own code failed
-  1  a defect of mrsfi                   7  a replay differs from its record
-  2  wrong usage                         8  messages were lost
-  3  a model that cannot be used         9  a campaign folder that cannot be used
-  4  generation impossible, or stale    10  a kept weakness came back
-  5  a fault specification that         130  interrupted
-     cannot be flown
-"""
-
-
 class CommandGroup(click.Group):
     """Subcommands, each imported when it is called, with one way out for every error."""
 
@@ -115,8 +71,6 @@ class CommandGroup(click.Group):
                 result = super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
-        except KeyboardInterrupt as error:
-            ctx.exit(_tell(error, is_traced=False))
         except BaseException as error:  # noqa: BLE001 - the last door: every error becomes an exit code
             ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
         return result
@@ -134,11 +88,10 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
         return error.exit_code
     advice = "" if is_traced else "; run `mrsfi --traceback …` to see where, and report it"
     click.echo(f"mrsfi: a defect of mrsfi: {type(error).__name__}: {error}{advice}", err=True)
-    return _DEFECT
+    return MrsfiError.exit_code
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> None:
-    """Print the version of mrsfi and end, if the user asked for it."""
     if is_wanted and not ctx.resilient_parsing:
         click.echo(f"mrsfi, version {installed_version('mrsfi')}")
         ctx.exit()
@@ -147,7 +100,6 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
 @click.group(
     cls=CommandGroup,
     commands=dict.fromkeys(_COMMANDS),  # for what may have been meant by another name
-    help=_HELP,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.option("--traceback", is_flag=True, help="On an error, say where in the code it arose.")
@@ -160,7 +112,47 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
     help="Show the version and end.",
 )
 def cli(traceback: bool) -> None:
-    """Find the faults that break a multi-robot mission."""
+    """Find the faults that break a multi-robot mission.
+
+    A mission and the faults that could strike it are two models in models/NAME/. From them
+    mrsfi generates the mission's middleware, flies it, and evolves fault specifications:
+    which faults, when, how strong.
+
+    \b
+    In this order:
+      mrsfi validate uuv_sampling            are the models sound?
+      mrsfi generate uuv_sampling            write generated/uuv_sampling/*.py
+      mrsfi simulate uuv_sampling            does it fly without faults?
+      mrsfi evolve uuv_sampling --case a     search; ends with what breaks it and why
+      mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
+      mrsfi show runs/uuv_sampling-a-1 6     how does weakness 6 break its goal?
+      mrsfi explain runs/uuv_sampling-a-1    which faults did it?
+      mrsfi report runs/uuv_sampling-a-1
+
+    \b
+    Beside it:
+      mrsfi weaknesses runs/cover            all that a search with --algorithm cover found
+      mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep what was found, beside the models
+      mrsfi check                            did anything that is kept come back?
+      mrsfi compare uuv_sampling             does a search find more than chance does?
+      mrsfi pack runs/uuv_sampling-a-1       one file that repeats itself elsewhere
+      mrsfi bridge                           a rosbridge server that needs no ROS
+      mrsfi import published.xmi             a model of the paper's prototype as a mission
+      mrsfi rename uuv_sampling r1=scout_1   another ID, everywhere at once
+      mrsfi diff old.xmi uuv_sampling        what changed in a model?
+
+    Results go to standard output, progress to standard error.
+
+    \b
+    Exit codes, whoever reads the output:
+      0  done                                6  the mission's own code failed
+      1  a defect of mrsfi                   7  a replay differs from its record
+      2  wrong usage                         8  messages were lost
+      3  a model that cannot be used         9  a campaign folder that cannot be used
+      4  generation impossible, or stale    10  a kept weakness came back
+      5  a fault specification that         130  interrupted
+         cannot be flown
+    """
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

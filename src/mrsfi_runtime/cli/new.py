@@ -4,22 +4,8 @@ from pathlib import Path
 
 import click
 
-_HELP = """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
 
-It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
-and as a script that builds them; a campaign file; generated code; a Makefile; and what two common
-build servers need to fly the kept weaknesses on each change. mrsfi.toml says where all of it is:
-commands work from any folder inside.
-
-\b
-Examples:
-  mrsfi new demo && cd demo && make evolve
-  mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
-  mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
-"""
-
-
-@click.command(name="new", help=_HELP)
+@click.command(name="new")
 @click.argument("name", metavar="NAME")
 @click.option("--from", "source", metavar="MISSION", help="Begin with the models of a mission.")
 @click.option(
@@ -30,7 +16,19 @@ Examples:
     help="Begin with a model published for the paper's prototype.",
 )
 def command(name: str, source: str | None, published: Path | None) -> None:
-    """Make the folder of a new project, and say how to go on."""
+    """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
+
+    It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
+    and as a script that builds them; a campaign file; generated code; a Makefile; and what two
+    common build servers need to fly the kept weaknesses on each change. mrsfi.toml says where all
+    of it is: commands work from any folder inside.
+
+    \b
+    Examples:
+      mrsfi new demo && cd demo && make evolve
+      mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
+      mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
+    """
     from mrsfi.starting import start
 
     if source is not None and published is not None:

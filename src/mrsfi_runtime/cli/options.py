@@ -115,7 +115,11 @@ class EngineOptions:
         """
         recorded = recorded or EngineRecord()
         name = self.engine or recorded.name or default
-        self._require_sense(name)
+        given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
+        if name != ROSBRIDGE and given:
+            raise UsageError(
+                f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
+            )
         bus = recorded if name == ROSBRIDGE else EngineRecord()
         side = self.side or bus.side
         url = self.url or bus.url
@@ -136,19 +140,9 @@ class EngineOptions:
             patience=Patience() if self.timeout is None else Patience(tick=self.timeout),
         )
 
-    def again(self, recorded: EngineRecord) -> EngineSettings:
-        """Return the settings by which a campaign is flown again: its own if it is somebody else's.
-
-        What is free is ``auto``.
-        """
-        return self.settings(recorded if recorded.is_foreign else None, AUTO)
-
-    def _require_sense(self, name: str) -> None:
-        given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
-        if name != ROSBRIDGE and given:
-            raise UsageError(
-                f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
-            )
+    def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
+        """Return what flies a campaign again: what is recorded, if that is somebody else's."""
+        return self.settings(recorded if recorded.is_foreign else None, default)
 
 
 def engine_options(
@@ -233,12 +227,6 @@ class FlightFiles:
     def wanted(self) -> tuple[Path, ...]:
         """Those that it names."""
         return tuple(path for path in astuple(self) if path is not None)
-
-    def require_none(self, option: str) -> None:
-        """Refuse them beside an option that flies many times."""
-        if self.wanted:
-            names = ", ".join(f"--{field.name}" for field in fields(self))
-            raise click.UsageError(f"{names} are of one flight; {option} flies many")
 
 
 recording_options = options_as(

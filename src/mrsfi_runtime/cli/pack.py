@@ -7,24 +7,22 @@ import click
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import file_option
 
-_HELP = """Pack CAMPAIGN into one file that repeats itself elsewhere.
 
-It holds models, generated code, settings, every evaluation, and what it was made with; mrsfi check
-FILE flies all of it again, and ends with exit code 7 where anything differs.
-
-\b
-Examples:
-  mrsfi pack runs/uuv_sampling-a-1
-  mrsfi pack runs/uuv_sampling-a-1 --out for-the-paper.zip
-  mrsfi check for-the-paper.zip
-"""
-
-
-@click.command(name="pack", help=_HELP)
+@click.command(name="pack")
 @click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
 def command(run: Path, out: Path | None) -> None:
-    """Pack a campaign into one file."""
+    """Pack CAMPAIGN into one file that repeats itself elsewhere.
+
+    It holds models, generated code, settings, every evaluation, and what it was made with; mrsfi
+    check FILE flies all of it again, and ends with exit code 7 where anything differs.
+
+    \b
+    Examples:
+      mrsfi pack runs/uuv_sampling-a-1
+      mrsfi pack runs/uuv_sampling-a-1 --out for-the-paper.zip
+      mrsfi check for-the-paper.zip
+    """
     from mrsfi.packing import pack
 
     path = out or Path(f"{run.resolve().name}.zip")

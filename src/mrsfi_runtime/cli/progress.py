@@ -110,7 +110,6 @@ def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:
 
 
 def _share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float:
-    """Return the share of a search that so many generations or specifications are."""
     if settings.evaluations is not None:
         return min(1.0, n_asked / settings.evaluations)
     return min(1.0, n_generations / (settings.generations + 1))

@@ -1,9 +1,10 @@
 """A flight with what the user wants written of it: log, trace, bag and page; and printed."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import IO, Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.campaign_tables import (
@@ -28,6 +29,9 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.recording import Recording
+
 
 @dataclass(frozen=True, slots=True)
 class Subject:
@@ -46,13 +50,33 @@ def fly_recorded(
     subject: Subject,
 ) -> Outcome:
     """Fly once under faults of a pool, and write the wanted files."""
-    specification = Gate(engine.code.mission, pool).admitted(specification)
-    faults = named_faults(engine.code.mission, pool, specification)
+    mission = engine.code.mission
+    specification = Gate(mission, pool).admitted(specification)
+    faults = named_faults(mission, pool, specification)
     tallies = [FaultTally() for _ in specification]
-    with _recorder(engine, files, faults, tallies, subject) as (observer, finish):
+    with ExitStack() as opened:
+        observers = [*_observers(opened, engine, files, faults, tallies)]
+        drawn = [
+            (opened.enter_context(whole_file(path)), draw)
+            for path, draw in ((files.html, _page), (files.gif, _animation))
+            if path is not None
+        ]
+        if drawn:
+            from mrsfi_runtime.engine.recording import Recorder  # brings numpy
+
+            recorder = Recorder(initial_state(mission, engine.seed))
+            observers.append(recorder)
+
+        def observe(*tick: Any) -> None:
+            for observer in observers:
+                observer(*tick)
+
+        observer = observe if observers else None
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
-        for write in finish:
-            write(outcome)
+        if drawn:
+            recording = recorder.recording()
+            for stream, draw in drawn:
+                stream.write(draw(engine, faults, subject, outcome, recording))
     for path in files.wanted:
         tell(f"written    {path}")
     return outcome
@@ -77,96 +101,68 @@ def print_flight(
         print_table(fault_table("Faults", faults, outcome))
 
 
-_Finish: TypeAlias = Callable[[Outcome], None]
-"""Writes what is written when the flight is over."""
-
-
-@contextmanager
-def _recorder(
+def _observers(
+    opened: ExitStack,
     engine: Engine,
     files: FlightFiles,
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
-    subject: Subject,
-) -> Iterator[tuple[Observer | None, Sequence[_Finish]]]:
-    """Yield an observer for the wanted files, or ``None`` if none is wanted, and what ends them."""
-    mission = engine.code.mission
-    with ExitStack() as opened:
-        observers: list[Observer] = []
-        finish: list[_Finish] = []
-        if isinstance(engine, PlainEngine):  # others take no time
-            observers.append(flight_progress(mission.duration))
-        observers += _texts(opened, files, mission, Events(mission, faults, tallies))
-        if files.mcap is not None:
-            from mrsfi_runtime.record.bag import Bag
-
-            whole = opened.enter_context(whole_file(files.mcap))
-            bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
-            observers.append(bag)
-            finish.append(lambda _: bag.finish())
-        for path, shown in ((files.html, _page), (files.gif, _animation)):
-            if path is not None:
-                whole = opened.enter_context(whole_file(path))
-                observer, write = shown(engine, whole, faults, subject)
-                observers.append(observer)
-                finish.append(write)
-
-        def observe(*tick: Any) -> None:
-            for observer in observers:
-                observer(*tick)
-
-        yield observe if observers else None, finish
-
-
-def _texts(
-    opened: ExitStack, files: FlightFiles, mission: Mission, events: Events
 ) -> Iterator[Observer]:
-    """Yield what writes the log and the trace, as far as they are wanted."""
+    """Yield what tells how far the flight is, and what writes log, trace and bag, if wanted."""
+    mission = engine.code.mission
+    if isinstance(engine, PlainEngine):  # others take no time
+        yield flight_progress(mission.duration)
     if files.log is not None:
-        yield SimulationLog(mission, opened.enter_context(written_file(files.log)), events)
+        log = opened.enter_context(written_file(files.log))
+        yield SimulationLog(mission, log, Events(mission, faults, tallies))
     if files.trace is not None:
         yield TraceTable(mission, opened.enter_context(written_file(files.trace)))
+    if files.mcap is not None:
+        yield opened.enter_context(_bag(files.mcap, mission, faults, tallies))
+
+
+@contextmanager
+def _bag(
+    path: Path, mission: Mission, faults: Sequence[NamedFault], tallies: Sequence[FaultTally]
+) -> Iterator[Observer]:
+    from mrsfi_runtime.record.bag import Bag
+
+    with whole_file(path) as file:
+        bag = Bag(mission, file, faults, Events(mission, faults, tallies))
+        yield bag
+        bag.finish()
 
 
 def _page(
-    engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
-) -> tuple[Observer, _Finish]:
-    """Return what records a flight for a page, and what writes the page; numpy comes with that."""
+    engine: Engine,
+    faults: Sequence[NamedFault],
+    subject: Subject,
+    outcome: Outcome,
+    recording: "Recording",
+) -> bytes:
     from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
     from mrsfi_runtime.analysis.page.document import document
-    from mrsfi_runtime.engine.recording import Recorder
 
     mission = engine.code.mission
-    recorder = Recorder(initial_state(mission, engine.seed))
-
-    def write(outcome: Outcome) -> None:
-        told = PageEntry(subject.title, "", faults, (), outcome, subject.command, subject.xmi)
-        facts = {
-            "mission": mission.name,
-            "ticks": mission.duration,
-            "mission seed": engine.seed,
-            "mrsfi": installed_version("mrsfi"),
-            "digest": outcome.digest,
-        }
-        page = flight_page(mission, told, recorder.recording(), facts.items())
-        stream.write(document(page).encode())
-
-    return recorder, write
+    told = PageEntry(subject.title, "", faults, (), outcome, subject.command, subject.xmi)
+    facts = {
+        "mission": mission.name,
+        "ticks": mission.duration,
+        "mission seed": engine.seed,
+        "mrsfi": installed_version("mrsfi"),
+        "digest": outcome.digest,
+    }
+    return document(flight_page(mission, told, recording, facts.items())).encode()
 
 
 def _animation(
-    engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
-) -> tuple[Observer, _Finish]:
-    """Return what records a flight for a picture, and what draws it; matplotlib comes with that."""
+    engine: Engine,
+    faults: Sequence[NamedFault],
+    subject: Subject,
+    _: Outcome,
+    recording: "Recording",
+) -> bytes:
     from mrsfi_runtime.analysis.mission_plots import flight_gif
     from mrsfi_runtime.analysis.story import story_of
-    from mrsfi_runtime.engine.recording import Recorder
 
-    mission = engine.code.mission
-    recorder = Recorder(initial_state(mission, engine.seed))
-
-    def write(_: Outcome) -> None:
-        story = story_of(subject.title, mission, faults, recorder.recording())
-        stream.write(flight_gif(story))
-
-    return recorder, write
+    return flight_gif(story_of(subject.title, engine.code.mission, faults, recording))

@@ -1,5 +1,6 @@
 """The command ``mrsfi replay``."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,26 +8,14 @@ import click
 
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import EngineOptions, FlightFiles, engine_options, recording_options
+from mrsfi_runtime.engine.settings import REFERENCE
 
 if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
     from mrsfi_runtime.engine.flights import Engine
 
-_HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
-The flight uses the campaign's own copies of models and code, so it is the same whatever was
-edited since. A difference ends with exit code 7 and says what differs; a campaign of other rules
-of the world ends with exit code 9 and says which mrsfi flies it.
-
-\b
-Examples:
-  mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
-  mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
-  mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
-"""
-
-
-@click.command(name="replay", help=_HELP)
+@click.command(name="replay")
 @click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
@@ -43,22 +32,33 @@ def command(
     files: FlightFiles,
     is_json: bool,
 ) -> None:
-    """Fly evaluations of a campaign again and compare them with their record."""
-    from mrsfi.campaign_folders import find_evaluation, open_to_fly, require_same
+    """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
+
+    The flight uses the campaign's own copies of models and code, so it is the same whatever was
+    edited since. A difference ends with exit code 7 and says what differs; a campaign of other
+    rules of the world ends with exit code 9 and says which mrsfi flies it.
+
+    \b
+    Examples:
+      mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
+      mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
+      mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
+    """
+    from mrsfi.campaign_folders import find_evaluations, open_to_fly, require_same
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 
     if sum((evaluation is not None, best, is_all)) > 1:
         raise click.UsageError("--evaluation, --best and --all exclude each other")
-    if is_all:
-        files.require_none("--all")
+    if is_all and files.wanted:
+        names = ", ".join(f"--{field.name}" for field in fields(files))
+        raise click.UsageError(f"{names} are of one flight; --all flies many")
     with open_to_fly(folder, tell) as campaign:
-        recorded_by = campaign.store.manifest.engine
-        chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
+        chosen = engine.again(campaign.store.manifest.engine, REFERENCE)
         with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return
-            recorded = find_evaluation(campaign, evaluation)
+            (recorded,) = find_evaluations(campaign, evaluation)
             specification, number = recorded.specification, recorded.index
             again = ("mrsfi", "replay", str(folder), "--evaluation", str(number))
             subject = Subject(f"evaluation {number} of {folder}", again)

@@ -23,33 +23,8 @@ if TYPE_CHECKING:
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.faults import FaultPool, Specification
 
-_HELP = """Fly MISSION once and print what happened to each goal.
 
-Without --faults it flies without faults. A fault specification is XMI: one that search found
-(runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
-start and finish.
-
-\b
-Examples:
-  mrsfi simulate uuv_sampling
-  mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
-  mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
-  mrsfi simulate uuv_sampling --engine rosbridge
-
-\b
-On a server of yours, simulation and collective intelligence apart:
-  mrsfi bridge --port 9090
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
-
-A violation counts once per goal and tick: believed by the collective intelligence, true in
-the simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from
-the tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
-met.
-"""
-
-
-@click.command(name="simulate", help=_HELP)
+@click.command(name="simulate")
 @mission_argument
 @generated_option
 @click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
@@ -68,10 +43,33 @@ def command(
     files: FlightFiles,
     is_json: bool,
 ) -> None:
-    """Fly a mission once and print what happened to each goal."""
+    """Fly MISSION once and print what happened to each goal.
+
+    Without --faults it flies without faults. A fault specification is XMI: one that search found
+    (runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
+    start and finish.
+
+    \b
+    Examples:
+      mrsfi simulate uuv_sampling
+      mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
+      mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
+      mrsfi simulate uuv_sampling --engine rosbridge
+
+    \b
+    On a server of yours, simulation and collective intelligence apart:
+      mrsfi bridge --port 9090
+      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
+      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
+
+    A violation counts once per goal and tick: believed by the collective intelligence, true in the
+    simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from the
+    tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
+    met.
+    """
     from mrsfi.engines import opened
     from mrsfi.folders import find_mission
-    from mrsfi.loading import load_fresh
+    from mrsfi.loading import load_fresh, read_specification
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 
     if no_faults and faults is not None:
@@ -87,32 +85,24 @@ def command(
             )
         _serve(folders.name, code, settings)
         return
-    pool, specification = (code.pool, ()) if faults is None else _written(faults, code)
-    flown = "without faults" if faults is None else f"under {faults}"
+    again, flown, text = ["mrsfi", "simulate", mission], "without faults", ""
+    pool: FaultPool = code.pool
+    specification: Specification = ()
+    if faults is not None:
+        written = read_specification(faults, code, tell)
+        pool, specification, flown = written.pool, written.specification, f"under {faults}"
+        again += ["--faults", str(faults)]
+        text = faults.read_text(encoding="utf-8", errors="replace")
     title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
-    chosen = [] if faults is None else ["--faults", str(faults)]
-    again = ["mrsfi", "simulate", mission, *chosen, "--seed", str(seed)]
-    text = "" if faults is None else faults.read_text(encoding="utf-8", errors="replace")
     with opened(code, seed, settings, tell) as flown_by:
-        subject = Subject(title, again, text)
+        subject = Subject(title, [*again, "--seed", str(seed)], text)
         outcome = fly_recorded(flown_by, specification, pool, files, subject)
     head = {"mission": code.mission.name, "duration": code.mission.duration, "seed": seed}
     head["digest"] = outcome.digest
     print_flight(code.mission, pool, specification, outcome, title, head if is_json else None)
 
 
-def _written(path: Path, code: "MissionCode") -> "tuple[FaultPool, Specification]":
-    """Return a written specification with its pool, and tell what is odd about it."""
-    from mrsfi.loading import read_specification
-
-    written = read_specification(path, code)
-    for oddity in written.oddities(path, code.mission):
-        tell(oddity)
-    return written.pool, written.specification
-
-
 def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
-    """Serve the simulation until it is interrupted or the connection is gone."""
     from mrsfi_runtime.engine.simulation_process import serve_simulation
     from mrsfi_runtime.transport.server_address import without_token
 

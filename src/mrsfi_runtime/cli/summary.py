@@ -42,7 +42,6 @@ def report(
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
-    """Print what the search found, what breaks which goal in sentences, and what to do next."""
     folder, known = campaign.folder.path, summary.harvest
     mission, pool = campaign.mission, campaign.pool
     if known is not None and summary.ways:

@@ -12,7 +12,6 @@ import click
 
 from mrsfi.regressions import Checked
 from mrsfi_runtime.analysis.table import Table
-from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.measure import NONE
@@ -22,32 +21,25 @@ _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What stands in no file of XML: control characters, halves of characters."""
 
 
-def print_as_json(found: Mapping[str, Sequence[Checked]]) -> None:
-    """Print verdicts for a script."""
-    print_json({name: [*map(_as_json, checked)] for name, checked in found.items()})
-
-
 def print_tables(found: Mapping[str, Sequence[Checked]]) -> None:
     """Print verdicts by mission, and why what came back did."""
     for name, checked in found.items():
         _print(name, checked)
 
 
-def print_annotations(found: Mapping[str, Sequence[Checked]]) -> None:
+def print_annotations(checked: Iterable[Checked]) -> None:
     """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
-    for checked in found.values():
-        for each in checked:
-            told = f"{each.regression.name}: "
-            if each.exceeded:
-                told += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
-            elif each.failure is not None:
-                told += str(each.failure)
-            else:
-                continue
-            for path, line in each.places or ((each.regression.specification, 1),):
-                click.echo(
-                    f"::error file={_escaped(normpath(path), ':,')},line={line}::{_escaped(told)}"
-                )
+    for each in checked:
+        told = f"{each.regression.name}: "
+        if each.exceeded:
+            told += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
+        elif each.failure is not None:
+            told += str(each.failure)
+        else:
+            continue
+        for path, line in each.places or ((each.regression.specification, 1),):
+            file = _escaped(normpath(path), ":,")
+            click.echo(f"::error file={file},line={line}::{_escaped(told)}")
 
 
 def _escaped(text: str, more: str = "") -> str:
@@ -110,7 +102,8 @@ def _state(each: Checked) -> str:
     return _HOLDS if each.failure is None else _UNKNOWN
 
 
-def _as_json(each: Checked) -> dict[str, Any]:
+def as_json(each: Checked) -> dict[str, Any]:
+    """Return a verdict for a script."""
     regression = each.regression
     return {
         "name": regression.name,

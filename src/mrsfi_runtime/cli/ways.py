@@ -67,18 +67,12 @@ def _never_flown(campaign: OpenCampaign) -> str:
 
 def print_bounds(known: Known, goals: Sequence[str]) -> None:
     """Print how seldom some goals may break in a way that is not known, for a script."""
-    print_json(
-        [
-            {
-                "goal": column.goal,
-                "measure": column.kind,
-                "draws": n_kept,
-                "bound": known.bound(column),
-            }
-            for column, n_kept in known.n_kept.items()
-            if column.goal in goals
-        ]
-    )
+    told = [
+        {"goal": column.goal, "measure": column.kind, "draws": n, "bound": known.bound(column)}
+        for column, n in known.n_kept.items()
+        if column.goal in goals
+    ]
+    print_json(told)
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool) -> None:

@@ -24,36 +24,8 @@ if TYPE_CHECKING:
     from mrsfi.campaign_folders import OpenCampaign
     from mrsfi_runtime.causes.ways import Way
 
-_HELP = """Print all the ways in which goals break, as a campaign found them.
 
-A weakness is a goal and a least set of faults that breaks it: in what the collective intelligence
-believes, in truth, or so that the goal is missed in the end. Shares say of how many forms that were
-tried, of other values and windows, as many did; one of them is shown. A goal that is broken already
-without faults is broken by those that make it worse by 5 % of the mission's ticks. A set holds in a
-mission seed if the form shown breaks the goal there, and no part of it does; five were looked at,
-or with --seeds as many as it says. Since is the tick at which the form shown first breaks it.
-
-With --mildest, of each set the form is sought, in some 30 flights, that is nearest to what is true
-and at work for the fewest ticks, and still breaks the goal in three mission seeds. --fmea tells
-that form where it is known, of all sets with --mildest, or else the one shown.
-
-Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that was
-not let to, or of an earlier mrsfi, does so with: mrsfi explain RUN --all
-
-\b
-Examples:
-  mrsfi weaknesses runs/cover
-  mrsfi weaknesses runs/cover --goal g2
-  mrsfi weaknesses runs/cover --seeds 5
-  mrsfi weaknesses runs/cover --goal g2 --mildest
-  mrsfi weaknesses runs/cover --map 3 runs/map.png
-  mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
-  mrsfi weaknesses runs/cover --bounds --json
-  mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
-"""
-
-
-@click.command(name="weaknesses", help=_HELP)
+@click.command(name="weaknesses")
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.option("--goal", metavar="G", help="Of this goal alone.")
 @seeds_option("Fly in N mission seeds.")
@@ -82,7 +54,34 @@ def command(
     is_json: bool,
     **files: Any,
 ) -> None:
-    """Print all the ways in which goals break."""
+    """Print all the ways in which goals break, as a campaign found them.
+
+    A weakness is a goal and a least set of faults that breaks it: in what the collective
+    intelligence believes, in truth, or so that the goal is missed in the end. Shares say of how
+    many forms that were tried, of other values and windows, as many did; one of them is shown. A
+    goal that is broken already without faults is broken by those that make it worse by 5 % of the
+    mission's ticks. A set holds in a mission seed if the form shown breaks the goal there, and no
+    part of it does; five were looked at, or with --seeds as many as it says. Since is the tick at
+    which the form shown first breaks it.
+
+    With --mildest, of each set the form is sought, in some 30 flights, that is nearest to what is
+    true and at work for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
+    tells that form where it is known, of all sets with --mildest, or else the one shown.
+
+    Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that
+    was not let to, or of an earlier mrsfi, does so with: mrsfi explain RUN --all
+
+    \b
+    Examples:
+      mrsfi weaknesses runs/cover
+      mrsfi weaknesses runs/cover --goal g2
+      mrsfi weaknesses runs/cover --seeds 5
+      mrsfi weaknesses runs/cover --goal g2 --mildest
+      mrsfi weaknesses runs/cover --map 3 runs/map.png
+      mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
+      mrsfi weaknesses runs/cover --bounds --json
+      mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
+    """
     from mrsfi.campaign_folders import open_campaign
     from mrsfi.weaknesses import flying_again, harvested, refined
     from mrsfi_runtime.cli import ways
@@ -121,7 +120,6 @@ def _write(
     fmea: Path | None = None,
     fault_tree: Path | None = None,
 ) -> None:
-    """Write the files that are wanted of weaknesses, and tell of each."""
     from mrsfi import weaknesses as of
 
     number, map_path = drawn or (0, None)
