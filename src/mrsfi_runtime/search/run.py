@@ -10,10 +10,11 @@ Source paper, sections III-D and III-E.
 
 import math
 from array import array
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from time import monotonic
+from typing import TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expected
 from mrsfi_runtime.imported_copies import importing
@@ -32,16 +33,22 @@ from mrsfi_runtime.search.fitness import (
 )
 from mrsfi_runtime.search.individuals import SELECTIONS
 from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
-from mrsfi_runtime.search.resumable_record import (
-    WORST_FITNESS,
-    EvaluateMany,
-    Result,
-    ResumableRecord,
-)
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.steps import MUTATIONS
 from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
+
+WORST_FITNESS = 0.0
+"""Fitness of a specification whose evaluation failed; that of one without a violation."""
+
+_PATIENCE = 20  # a write comes no sooner than so many times as long as the last one took
+_MOST_WAITING = 1000  # results that wait for it: of more, a write takes no smaller share of time
+
+Result: TypeAlias = Evaluation | FailedEvaluation
+"""What became of one specification that the search asked for."""
+
+EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated]]
+"""Evaluates fault specifications; one result each, in the same order, best as soon as known."""
 
 _CHUNK = 100  # specifications that are handed out together, and after which failures are counted
 _FAILED = -1  # in the place of an index
@@ -148,7 +155,7 @@ class _Assessment:
         duration: int,
         judge: Judge,
         evaluators: Sequence[EvaluateMany],
-        record: ResumableRecord,
+        record: "ResumableRecord",
     ) -> None:
         self._settings = settings
         self._duration = duration
@@ -268,3 +275,74 @@ class _Assessment:
             n_evaluations=self._n_evaluations,
             n_failures=self._n_failures,
         )
+
+
+class ResumableRecord:
+    """The record of a campaign in the order in which its search asked."""
+
+    def __init__(self, store: CampaignStore, source: str, clock: Callable[[], float]) -> None:
+        self._store = store
+        self._source = source
+        self._clock = clock
+        self._due = -math.inf  # when the next write may come
+        self._pending: list[Result | Generation] = []
+        self._failures = {failure.number: failure for failure in store.failures()}
+        self._n_recorded = store.n_evaluations + len(self._failures)
+
+    def recorded(
+        self, number: int, index: int, specifications: Sequence[Specification], generation: int
+    ) -> list[Result]:
+        """Return what a record from before has of specifications: all, the first ones or none.
+
+        So many were asked for before these, and so many of those evaluated without failure.
+        """
+        n_known = max(0, min(len(specifications), self._n_recorded - number))
+        evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
+        results: list[Result] = []
+        for place, asked in enumerate(specifications[:n_known], number):
+            result = self._failures.get(place) or next(evaluations, None)
+            if result is None or (result.specification, result.generation) != (asked, generation):
+                raise RecordError(self.astray(f"specification {place} of the search"))
+            results.append(result)
+        return results
+
+    def has(self, generation: Generation) -> bool:
+        """Return whether a generation is recorded; refuse another one in its place."""
+        recorded = self._store.generation(generation.index)
+        if recorded is not None and recorded != generation:
+            raise RecordError(self.astray(f"generation {generation.index}"))
+        return recorded is not None
+
+    def astray(self, place: str) -> str:
+        """Return the message for a record of which a place is not what the search makes."""
+        return (
+            f"{self._source}: the record does not follow from its own settings, models and code: "
+            f"{place} is another one; expected what the same mrsfi, Python and DEAP would search; "
+            "resume with the versions it was begun with (manifest in campaign.sqlite), or begin "
+            "a new campaign"
+        )
+
+    def keep(self, result: Result | Generation) -> None:
+        """Write a new result or a finished generation, at once or with later ones.
+
+        At once, unless writing would then take more than a small share of the time; those that
+        wait, a thousand at most, are lost if the process is killed.
+        """
+        self._pending.append(result)
+        begin = self._clock()
+        if begin >= self._due or len(self._pending) >= _MOST_WAITING:
+            self.write()
+            end = self._clock()
+            self._due = end + _PATIENCE * (end - begin)
+
+    def write(self) -> None:
+        """Write what waits, but for what was written when an interrupt kept it waiting."""
+        if self._pending:
+            kept = self._pending
+            evaluation, failure, generation = self._store.next_indexes()
+            self._store.append(
+                [e for e in kept if isinstance(e, Evaluation) and e.index >= evaluation],
+                [e for e in kept if isinstance(e, FailedEvaluation) and e.number >= failure],
+                [e for e in kept if isinstance(e, Generation) and e.index >= generation],
+            )
+            kept.clear()

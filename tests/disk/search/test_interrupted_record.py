@@ -15,13 +15,13 @@ from mrsfi_runtime.record import database
 from mrsfi_runtime.record import store as record_store
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.search import resumable_record
+from mrsfi_runtime.search import run as search_run
 from mrsfi_runtime.search.run import run_campaign
 from tests.support.campaigns import store_of
 from tests.support.search import paper_mission, pool_of, stand_in_outcome
 from tests.tiers import slow
 
-FILES = {str(each.__file__) for each in (resumable_record, record_store, database, contextlib)}
+FILES = {str(each.__file__) for each in (search_run, record_store, database, contextlib)}
 SETTINGS = CampaignSettings(algorithm="random", population=2, generations=1, faults=2)
 CLOCK = (0, 1, 2, 3, 50, 51, *range(52, 99))
 """Lets the first result be written, then three together, and leaves the others for the end."""
