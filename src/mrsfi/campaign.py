@@ -63,7 +63,6 @@ class Campaign:
         return f"<Campaign {self.folder}, {len(self)} evaluations>"
 
     def _repr_html_(self) -> str:
-        """Return for a notebook what breaks which goal, or how much was flown."""
         with open_campaign(self.folder) as campaign:
             try:
                 known = harvested(campaign)

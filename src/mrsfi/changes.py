@@ -87,12 +87,7 @@ def _is_true(way: Way) -> bool:
 def changes(
     before: Path, after: Path, engine: Choice, workers: Workers, tell: Tell = silent
 ) -> tuple[Change, ...]:
-    """Return what became of the weaknesses of a mission between two campaigns.
-
-    Each is flown in its form in the mission of the campaign that did not find it, and those that
-    both found in that of the later one. Campaigns of different missions, or that did not look for
-    weaknesses, are refused.
-    """
+    """Return what became of the weaknesses of a mission between two campaigns, each flown anew."""
     found, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
@@ -129,7 +124,6 @@ def _key(way: Way) -> tuple[str, tuple[str, ...]]:
 def _broken(
     campaign: FlyableCampaign, evaluator: Evaluator, ways: Sequence[Way]
 ) -> Mapping[int, tuple[bool | None, str]]:
-    """Return by number whether the form of each way breaks its goal in a campaign's mission."""
     seed, gate = campaign.store.settings.mission_seed, Gate(campaign.mission, campaign.pool)
     told: dict[int, tuple[bool | None, str]] = {}
     flyable = {}

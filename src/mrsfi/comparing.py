@@ -62,7 +62,6 @@ def compared(
     """Make the runs that a comparison lacks, and write and return what all of them say.
 
     All runs are begun before the first one flies, so that an edit in the meantime changes none.
-    ``progress`` is told each run, how many there are with it, and whether it was made just now.
     """
     folder = ComparisonFolder.reserve(path)
     places = [folder.run(one.algorithm, one.seed) for one in runs]
@@ -95,11 +94,7 @@ def compared(
 def _require_same(
     runs: Mapping[CampaignFolder, CampaignSettings], folders: MissionFolders, source: str
 ) -> None:
-    """Refuse what is recorded of runs unless it was made with the same as it would be today.
-
-    Beside the settings that are models and code, a user's own modules, and the source of what
-    searches and flies, so that no result of an earlier version stands beside one of a later.
-    """
+    """Refuse what is recorded of runs unless it was made with the same as it would be today."""
     for place, settings in runs.items():
         if not place.database.is_file():
             continue

@@ -60,7 +60,6 @@ class Flight:
         return f"<Flight of {self.mission.name}, seed {self.seed}, truly violated: {counts}>"
 
     def _repr_html_(self) -> str:
-        """Return for a notebook what happened to each goal."""
         title = (
             f"{self.mission.name}, mission seed {self.seed}, under {len(self.specification)} faults"
         )

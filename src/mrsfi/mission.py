@@ -74,7 +74,6 @@ class Mission:
         return f"<Mission {self.name} in {self.folders.models}>"
 
     def _repr_html_(self) -> str:
-        """Return for a notebook what it is made of."""
         from mrsfi_runtime.analysis.campaign_tables import mission_table  # noqa: PLC0415 - as above
         from mrsfi_runtime.analysis.table import to_html  # noqa: PLC0415
 

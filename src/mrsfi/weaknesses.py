@@ -141,8 +141,7 @@ def refined(
 ) -> list[Way]:
     """Return ways, each with its mildest form if asked for, in as many mission seeds as asked.
 
-    To seek the mildest form, by the gravest measure, takes some 30 flights for each; ``record``
-    flies without faults, to see what is true, and each form.
+    To seek the mildest form, by the gravest measure, takes some 30 flights for each.
     """
     evaluate_many, seed = evaluator.evaluate_many, campaign.store.settings.mission_seed
     told = [one for way in found for one in way.by]

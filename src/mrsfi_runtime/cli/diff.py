@@ -56,10 +56,7 @@ def command(old: str, new: str, is_json: bool) -> None:
 
 
 def _model(name: str, kept: Path) -> Path:
-    """Return the path of a model: a file, or a mission folder by path or by name.
-
-    What comes from a pipe, which can be read once and is no file, is kept in a folder.
-    """
+    """Return the path of a model, by path or by name; keep what comes from a pipe in a folder."""
     from mrsfi.models import piped
     from mrsfi.project import project
 

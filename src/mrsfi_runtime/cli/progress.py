@@ -62,10 +62,7 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
 def plain_lines(
     settings: CampaignSettings, clock: Callable[[], float], begun: float = 0.0
 ) -> "Callable[[CampaignProgress], None]":
-    """Return what writes a line after a generation, at most some hundred in a search.
-
-    ``begun`` is the share of it that was done before, ``clock`` counts seconds.
-    """
+    """Return what writes a line after a generation, at most some hundred in a search."""
     recent = deque([(clock(), begun)], maxlen=_PACE)
     told = -1.0
 

@@ -34,24 +34,10 @@ _ATTEMPTS = 10  # to breed what was not asked for yet
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return the search by long windows, landmarks and small steps.
+    """Return the search by long windows, landmarks and small steps, as docs/search.md has it.
 
-    A child comes from one parent by a few small steps, whose chances follow their success, or
-    first takes faults over from the best of a goal that its parent violates less. Parents are
-    the winners of tournaments, or the best of every goal and of every pattern of violated
-    goals. The best of parents and children survive, newer ones first, at most two of one goal
-    vector.
-
-    If the campaign names up to three goals, whoever is on their front is a parent too, and it is
-    they that faults are taken over from. The beginning is then the paper's: where long windows
-    keep one goal from being violated, there is no way to a front.
-
-    If the campaign minimises faults or their ticks, the front is over that too; where goals are
-    many, over fitness and how many are violated in their place. NSGA-II's selection then says who
-    survives, one survivor is as good a parent as another, and a step onto the front succeeds.
-
-    An individual has at most ``settings.faults`` timed faults, and may have fewer. Chances and
-    operators of the campaign file are the paper's and play no part.
+    If the campaign minimises, NSGA-II's selection says who survives, one survivor is as good a
+    parent as another, and a step onto the front succeeds.
     """
     rng = Random(settings.seed)
     guide = _Guide(space, settings, rng)

@@ -1,7 +1,6 @@
 """Evaluates many fault specifications on a cluster, in chunks.
 
-Evaluation has no state of its own, so any number of workers, any size of chunks and any order
-give the same results; a chunk whose worker was lost is evaluated again on another.
+Their size decides no result; a chunk whose worker was lost is evaluated again on another.
 """
 
 from collections import deque

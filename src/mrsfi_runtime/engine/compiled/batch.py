@@ -109,7 +109,6 @@ class Batch:
 
     @cached_property
     def _counts(self) -> tuple[list[Any], list[Any]]:
-        """What is counted of each specification, and of each fault of all of them."""
         goals = [*(self.results[name] for name in COUNTED), self.results["world"]["goals"]["count"]]
         faults = [self._tallies["applied"], self._tallies["changed"]]
         return [column.tolist() for column in goals], [column.tolist() for column in faults]

@@ -4,7 +4,7 @@ import ctypes
 import logging
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, in_thread, words
 from mrsfi_runtime.generated_code import MissionCode
 
-if TYPE_CHECKING:
-    from mrsfi_runtime.engine.compiled.layout import Words
-
 
 class CompiledFlight:
     """Flies a mission compiled; all of it was found in the cache unless it ``is_new``."""
@@ -47,7 +44,7 @@ class CompiledFlight:
         compiled, self.is_new = kernel()
         flight, *by_task = compiled.addresses()
         self._fly: Any = FLIGHT(flight)
-        self.calls: Words = np.zeros(self._n_calls, np.int64)
+        self.calls = np.zeros(self._n_calls, np.int64)
         self.calls[-len(by_task) :] = by_task
         for (region, reached), key in zip(self._regions, self._keys, strict=True):
             found, is_new = kept_code(key, partial(self._compiled, region, reached))

@@ -88,7 +88,6 @@ def _missing(names: Sequence[str]) -> list[str]:
 
 
 def _llvm() -> Any:
-    """Return LLVM, which comes with numba."""
     import llvmlite.binding  # noqa: PLC0415 - optional
 
     return llvmlite.binding
