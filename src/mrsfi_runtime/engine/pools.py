@@ -71,7 +71,7 @@ class WorkerPool(Evaluator):
         evaluate = partial(_evaluate, self._open_engine, seed)
         size = max(1, -(-len(specifications) // (4 * self._n_workers)))
         try:
-            with apart():
+            with starting_workers():
                 results = self._executor.map(evaluate, specifications, chunksize=size)
             yield from results
         except BrokenProcessPool as error:
@@ -81,7 +81,7 @@ class WorkerPool(Evaluator):
 
 
 @contextmanager
-def apart() -> Iterator[None]:
+def starting_workers() -> Iterator[None]:
     """Start workers apart from the terminal and the script of this process.
 
     Ctrl-C is held back: they inherit that, and it never hits them half-made. And they do not run

@@ -168,7 +168,6 @@ class _Assessment:
         self._best = WORST_FITNESS
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
-        """Return the scores of specifications after recording them."""
         scores: list[Score] = []
         for first in range(0, len(specifications), _CHUNK):
             chunk = specifications[first : first + _CHUNK]

@@ -93,7 +93,6 @@ class _Library(JITCodeLibrary):
     """A function's code, to be linked into what calls it."""
 
     def finalize(self) -> None:
-        """Leave the code as it is."""
         self._final_module.verify()
         self._finalized = True
 
