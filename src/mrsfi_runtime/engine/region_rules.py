@@ -114,14 +114,6 @@ def _is_mask(node: ast.AST) -> bool:
     return isinstance(mask, int) and 0 <= mask <= _LARGEST
 
 
-def _is_singleton(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
-
-
-def _is_difference(node: ast.AST) -> bool:
-    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub)
-
-
 def _is_bounded(node: ast.AST) -> bool:
     is_bounding = isinstance(node, ast.Call) and ast.unparse(node.func) in ("min", "max")
     return is_bounding or isinstance(node, ast.Name) or literal(node) is not None
@@ -156,6 +148,10 @@ def _is_wide(node: ast.BinOp, at: _Function) -> bool:
         return right is None or right >= 32
     is_product = isinstance(node.op, ast.Mult)
     return is_product and any(isinstance(x, int) and abs(x) >= _WIDE for x in (left, right))
+
+
+def _is_singleton(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
 
 
 def _compares_objects(node: ast.Compare, _at: _Function) -> bool:
@@ -273,7 +269,7 @@ _RULES: Sequence[Rule] = (
     ),
     Rule(
         "math.sqrt math.log",
-        lambda node, _: any(map(_is_difference, node.args[:1])),
+        lambda node, _: [type(getattr(each, "op", None)) for each in node.args[:1]] == [ast.Sub],
         "is an error in Python and NaN when compiled if the difference is below 0; write max(…, "
         "0.0) around it",
     ),

@@ -63,7 +63,8 @@ def weighted(findings: FitnessInput) -> float:
     ----------
     Source paper, equation (1), to the letter: the second term is at most ``0.7 n_goals``.
     """
-    return _TOTAL * sum(findings.violations) + _DISTINCT * _n_distinct(findings)
+    n_distinct = sum(map(bool, findings.violations))
+    return _TOTAL * sum(findings.violations) + _DISTINCT * n_distinct
 
 
 def weighted_normalised(findings: FitnessInput) -> float:
@@ -75,7 +76,7 @@ def weighted_normalised(findings: FitnessInput) -> float:
     """
     n_goals = len(findings.violations)
     total = sum(findings.violations) / (n_goals * findings.duration)
-    return _TOTAL * total + _DISTINCT * _n_distinct(findings) / n_goals
+    return _TOTAL * total + _DISTINCT * sum(map(bool, findings.violations)) / n_goals
 
 
 def focused(findings: FitnessInput) -> float:
@@ -96,10 +97,6 @@ def goal_vector(violations: Sequence[int], goals: Sequence[int]) -> tuple[int, .
     Source paper, equation (3).
     """
     return tuple(violations[goal] for goal in goals)
-
-
-def _n_distinct(findings: FitnessInput) -> int:
-    return sum(1 for violations in findings.violations if violations)
 
 
 FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(

@@ -98,19 +98,18 @@ class GenerationalLoop:
         self._survive = survive
         self._population: list[Individual] = []
         self._offspring: list[Individual] = []
-        self._pending: list[Individual] | None = None
+        self._pending: list[Individual] = []
         self._n_asked = 0
         self._n_closed = 0
-        self._is_idle = False
 
     @property
     def is_finished(self) -> bool:
         """Whether the generations or evaluations are used up."""
         limit = self._settings.evaluations
         if limit is not None and self._n_asked >= limit:
-            return self._pending is None
+            return True
         are_generations_over = self._n_closed > self._settings.generations
-        return are_generations_over and (limit is None or self._is_idle)
+        return are_generations_over and (limit is None or not self._pending)
 
     def ask(self) -> list[Specification]:
         """Breed the next generation and return its specifications that need evaluation.
@@ -129,12 +128,9 @@ class GenerationalLoop:
                     continue
                 individual.number = self._n_asked
                 self._n_asked += 1
-                pending.append(individual)
-            offspring.append(individual)
-        self._offspring = offspring
-        self._pending = pending
-        self._is_idle = not pending
-        return [individual.specification for individual in pending]
+                self._pending.append(individual)
+            self._offspring.append(individual)
+        return [individual.specification for individual in self._pending]
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         """Take the scores of the specifications asked for, in the same order.
@@ -148,14 +144,13 @@ class GenerationalLoop:
             )
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
-        n_evaluations, self._pending = len(self._pending), None
         self._population = self._survive(self._population, self._offspring)
         fitness = [individual.score.fitness for individual in self._population]
         numbers = (individual.number for individual in self._population)
         self._n_closed += 1
         return GenerationSummary.of(
             self._n_closed - 1,
-            n_evaluations,
+            len(self._pending),
             fitness,
             (number for number in numbers if number is not None),
         )

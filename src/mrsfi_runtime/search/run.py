@@ -114,8 +114,6 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     the process loses evaluations: the few that ``ResumableRecord.keep`` had not written yet.
     At most 100 specifications are evaluated at once, by each replica on a mission seed of its own.
     """
-    if len(replicas) != settings.replications - 1:
-        raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
     with importing(CampaignFolder(store.path.parent).generated):
         require_settings(settings, mission, algorithms)
         algorithm = begin_search(SearchSpace.of(mission, pool), settings, algorithms)

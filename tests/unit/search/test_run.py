@@ -307,11 +307,6 @@ def test_replications_average_over_mission_seeds_and_resume(algorithm):
         assert evaluation.fitness[0] == pytest.approx(fitness)
 
 
-def test_too_few_replicas_are_noticed():
-    with pytest.raises(ValueError, match="found 0 replicas; expected 1"):
-        Run(CampaignSettings(replications=2)).start()
-
-
 def test_a_record_that_another_fitness_function_wrote_is_refused():
     run = Run(CampaignSettings(generations=1))
     run.start()
