@@ -137,7 +137,6 @@ def _hash_of_ours() -> str:
 
 
 def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResult:
-    """Run a search to its end, or go on with one that was ended, and measure what it found."""
     with only_writer(place), open_to_fly(place.path) as campaign:
         store = campaign.store
         if not any(store.next_indexes()):

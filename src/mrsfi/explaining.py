@@ -134,10 +134,7 @@ def explainer_of_file(
 def explainer_of_campaign(
     campaign: FlyableCampaign, kind: str | None = None, out: Path | None = None
 ) -> Explainer:
-    """Return what evaluations of a campaign are explained with.
-
-    What is counted is what the campaign counted, if no other kind is named.
-    """
+    """Return what evaluations of a campaign are explained with; by default it counts the same."""
     settings = campaign.store.settings
     measure = Measure.of(settings, campaign.mission)
     return Explainer(

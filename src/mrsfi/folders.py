@@ -39,10 +39,7 @@ class MissionFolders:
         return str(from_here(self.models.resolve())) if self.place else self.name
 
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
-        """Refuse generated code that does not follow from the models, and name the stale files.
-
-        The models are loaded, unless they are given.
-        """
+        """Refuse generated code that does not follow from the models, and name the stale files."""
         names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / _MISSION_CODE).is_file():
             raise GenerationError(
@@ -67,10 +64,7 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
 
 
 def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of the mission whose models are, or were, in a folder.
-
-    What a command that was killed left there is settled first.
-    """
+    """Return the folders of the mission whose models are, or were, in a folder, settled first."""
     folder = models.resolve()
     folders = MissionFolders(folder.name, models, generated or _generated(folder))
     settle(models, folders.generated)
@@ -89,10 +83,7 @@ def _places(mission: str) -> Iterator[Path]:
 
 
 def campaign_file(folders: MissionFolders, case: str) -> Path:
-    """Return the campaign file that --case names: ``case_NAME.toml`` of a mission, or any file.
-
-    One that is missing is a ``UsageError``.
-    """
+    """Return the campaign file that --case names: ``case_NAME.toml`` of a mission, or any file."""
     named = folders.models / f"case_{case}.toml"
     if named.is_file():
         return named

@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 
 
 def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> MissionCode:
-    """Load the generated code of a mission, which must be fresh, and whose regions must be sound.
-
-    ``loaded`` are its models, where they are loaded already.
-    """
+    """Load the generated code of a mission, which must be fresh, with sound regions."""
     from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
         require_sound_regions,
     )

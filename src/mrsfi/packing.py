@@ -49,10 +49,7 @@ def _told(out: Path, versions: Mapping[str, str], digest: str) -> str:
 
 
 def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str]:
-    """Fly every evaluation of an archive again; return how many, and their digest.
-
-    A difference is a ``ReplayMismatch``; what is no archive of a campaign is a ``RecordError``.
-    """
+    """Fly every evaluation of an archive again; return how many, and their digest."""
     with _unpacked(archive) as run, open_to_fly(run, tell) as campaign:
         store = campaign.store
         seed, settings = store.settings.mission_seed, engine(store.manifest.engine)

@@ -98,8 +98,7 @@ def keep(
     Its files have a name after the campaign's unless one is given. What is limited is the goal, by
     the gravest measure by which it breaks: to the most over so many mission seeds, from the
     campaign's on, unless limits are given, by the IDs of goals; the engine flies the campaign's own
-    code in those seeds in which the campaign did not. ``accepted`` says why that is accepted. What
-    there is not, or is kept already, is a ``UsageError``.
+    code in those seeds in which the campaign did not. ``accepted`` says why that is accepted.
     """
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
@@ -140,7 +139,6 @@ def keep(
 
 
 def _require_new(regression: Regression, folders: MissionFolders) -> None:
-    """Refuse to keep what is kept already, or what has a name that no file can have."""
     with telling(regression.path, "choose another name with --name"):
         if regression.path.exists() or regression.specification.exists():
             raise UsageError(
@@ -244,7 +242,6 @@ def check_all(
 
 
 def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
-    """Return so many mission seeds: its own first, then those that follow its first one."""
     own = regression.mission_seeds
     if n_seeds is None or not own:
         return own

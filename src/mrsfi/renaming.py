@@ -72,11 +72,7 @@ def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
 
 
 def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Return what other IDs would change, by old ones, all at once; write nothing.
-
-    An old ID that nothing has, and a new one that cannot be or is taken, are a ``UsageError``, as
-    are files that cannot be edited.
-    """
+    """Return what other IDs would change, by old ones, all at once; write nothing."""
     if folders.generated.is_dir():
         folders.require_fresh()
     found = with_new_ids(folders.models, folders.generated, names)

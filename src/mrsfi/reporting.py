@@ -29,8 +29,7 @@ def report(
     """Write the report of a campaign into its folder.
 
     ``show`` is told what was found, before figures are drawn, by ``draw`` or a process begun for
-    it. With ``latex``, it is written for a paper, too. A ``ratio`` of violations to pick by, such
-    as ``g3:g1=2:1``, that makes no sense is a ``UsageError``.
+    it. With ``latex``, it is written for a paper, too.
     """
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
@@ -50,8 +49,7 @@ def report(
 def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
     """Draw a way to break a goal by its number, or the least that breaks each, and yield them.
 
-    What is drawn already is not drawn again. A number that there is not is a ``UsageError``; a
-    campaign that did not look for ways, or cannot be flown again, is a ``RecordError``.
+    What is drawn already is not drawn again.
     """
     path, found = campaign.folder.path, harvested(campaign).ways
     wanted = least(found) if number is None else (way_of(path, found, number).at_least,)

@@ -31,7 +31,7 @@ def start(name: str, source: str | None = None, published: Path | None = None) -
     """Make the folder of a new project with a mission of its name, whole or not at all; return it.
 
     It begins with a mission that has a name or folder, or with a published model of the paper's
-    prototype, in place of a small one. A name that cannot be one, or is taken, is a ``UsageError``.
+    prototype, in place of a small one.
     """
     if not _NAME.fullmatch(name):
         raise UsageError(

@@ -54,10 +54,7 @@ def require_format(path: Path, known: Collection[str]) -> None:
 
 
 def harvested(campaign: OpenCampaign) -> Harvest:
-    """Return all the ways in which goals break, as far as a campaign has found them.
-
-    One that was not harvested is a ``RecordError``, unless its algorithm is ``cover``.
-    """
+    """Return all the ways in which goals break, as far as a campaign has found them."""
     found = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
     if found is None:
         path = campaign.folder.path
@@ -106,10 +103,7 @@ def flying_again(
 
 
 def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
-    """Find all the ways in which goals break, as far as the campaign does not know them yet.
-
-    What is flown is recorded.
-    """
+    """Find and record all the ways in which goals break, unless the campaign knows them."""
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
     n_before, told = len(store.flights()), -math.inf
 

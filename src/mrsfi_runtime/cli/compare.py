@@ -260,7 +260,6 @@ def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: 
 
 
 def _quartile_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
-    """Yield the quartiles of every measure, one line for each measure and algorithm."""
     for measure, by_algorithm in comparison.quartiles.items():
         for number, (name, found) in enumerate(by_algorithm.items()):
             yield ("" if number else measure, name, *map(_number, astuple(found)))

@@ -154,7 +154,6 @@ def _begun(
     out: Path | None,
     **overrides: object,
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
-    """Refuse what cannot be searched; return what begins the campaign, and the engine."""
     from mrsfi.evolving import begun
     from mrsfi.folders import campaign_file, find_mission
     from mrsfi.loading import load_fresh
@@ -173,7 +172,6 @@ def _begun(
 def _resumed(
     path: Path, ctx: click.Context, engine: EngineOptions, workers: Workers, ratio: str | None
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
-    """Refuse options that contradict the campaign; return what goes on with it."""
     from mrsfi.evolving import resumed
     from mrsfi_runtime.record.store import CampaignStore
 

@@ -192,7 +192,6 @@ def _explain(
 
 
 def _harvest(run: Path, engine: EngineOptions, workers: Workers, *, is_json: bool) -> None:
-    """Find what a campaign does not know yet of the ways in which goals break; print them all."""
     from mrsfi.weaknesses import flying_again, harvest, harvested
     from mrsfi_runtime.cli.ways import print_all
     from mrsfi_runtime.record.folder import CampaignFolder, only_writer

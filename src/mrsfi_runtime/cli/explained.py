@@ -79,7 +79,6 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
 
 
 def _answer(shown: Shown, found: Explanation, n: str) -> str:
-    """Return in one sentence what came out for so many faults."""
     words = shown.measure.words
     if shown.measure.kind != "true":
         words = f"{words.removesuffix(' violations')} and true violations"

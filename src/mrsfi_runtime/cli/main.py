@@ -77,7 +77,6 @@ class CommandGroup(click.Group):
 
 
 def _tell(error: BaseException, *, is_traced: bool) -> int:
-    """Write an error to standard error and return its exit code."""
     if KeyboardInterrupt in (type(error), type(error.__cause__)):  # Python wraps some in imports
         click.echo("mrsfi: interrupted", err=True)
         return _INTERRUPTED

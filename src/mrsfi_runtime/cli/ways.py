@@ -56,7 +56,6 @@ def print_all(
 
 
 def _never_flown(campaign: OpenCampaign) -> str:
-    """Return in a sentence which faults and pairs of faults no specification had."""
     n_faults, never = len(campaign.pool), untried(campaign)
     return (
         f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "

@@ -164,7 +164,6 @@ class Recording:
         return words
 
     def _decode(self, chunk: int) -> Records:
-        """Return the ticks of a compressed chunk."""
         moments = np.zeros(self.chunk, self.dtype)
         words = _as_words(moments)
         for path, column in self._columns.items():

@@ -48,10 +48,7 @@ _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
 def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
-    """Return what is wrong with the regions of a mission, and the team's files they import.
-
-    Where no code was generated yet nothing is wrong.
-    """
+    """Return what is wrong with the regions of a mission, and the team's files they import."""
     return _found(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
 
 
@@ -121,7 +118,6 @@ def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
 
 
 def _compiled(source: Source) -> Iterator[tuple[int, str]]:
-    """Yield what would compile to something else, in regions and the team's own files."""
     for function in source.kernels.values():
         for line, message in remarks(function, source):
             if source.regions is None or line in source.regions:

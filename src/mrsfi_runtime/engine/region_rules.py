@@ -87,8 +87,6 @@ def _shown(node: ast.AST) -> str:
 
 
 class _Function(Kinds):
-    """A function that will be compiled, as rules see it."""
-
     def __init__(self, function: ast.FunctionDef, source: Source) -> None:
         super().__init__(function, source)
         self.nodes = [*ast.walk(function)]
@@ -120,7 +118,6 @@ def _is_bounded(node: ast.AST) -> bool:
 
 
 def _power(node: ast.BinOp | ast.Call, at: _Function) -> str | None:
-    """Return what is wrong with a power, if anything is."""
     base, exponent = node.args[:2] if isinstance(node, ast.Call) else (node.left, node.right)
     power = literal(exponent)
     if literal(node) is not None or power in (0, 1):

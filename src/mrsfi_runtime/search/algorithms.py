@@ -159,10 +159,7 @@ def ea_mu_plus_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorit
 
 
 def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return DEAP's ``eaMuCommaLambda``: only the offspring compete.
-
-    Fewer offspring than individuals in a population are a ``UsageError``.
-    """
+    """Return DEAP's ``eaMuCommaLambda``: only the offspring compete."""
     n_offspring = settings.offspring or 2 * settings.population
     if n_offspring < settings.population:
         raise UsageError(

@@ -99,7 +99,6 @@ class _Guide:
     def _twins_apart(
         self, ranked: Sequence[Individual]
     ) -> tuple[list[Individual], list[Individual]]:
-        """Return the first few of every goal vector and cost, and the rest."""
         n_seen: Counter[tuple[float, ...]] = Counter()
         first: list[Individual] = []
         rest: list[Individual] = []
@@ -115,14 +114,12 @@ class _Guide:
         return individual.score.fitness > parent_fitness
 
     def _aims(self, individual: Individual) -> Criticality:
-        """Return what the front is over."""
         goals = individual.score.goals
         if not self._has_few_goals:
             goals = (_fitness(individual), sum(violations > 0 for violations in goals))
         return Criticality(goals, self._costs(individual.specification))
 
     def _enter_niches(self, individual: Individual) -> None:
-        """Keep the best of every pattern of violated goals, and of every goal."""
         goals, fitness = individual.score.goals, individual.score.fitness
         ranks: dict[tuple[object, ...], tuple[float, ...]] = {
             ("pattern", *(violations > 0 for violations in goals)): (fitness,),

@@ -115,8 +115,7 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
     """Select by spins of a roulette whose slots are as wide as the fitness.
 
     It selects as DEAP's does, which adds up all slots anew at every spin. If all fitness is zero,
-    selection is uniform: DEAP's roulette would return nobody. A negative fitness is an
-    ``EvaluationError``.
+    selection is uniform: DEAP's roulette would return nobody.
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:

@@ -112,10 +112,7 @@ class GenerationalLoop:
         return are_generations_over and (limit is None or not self._pending)
 
     def ask(self) -> list[Specification]:
-        """Breed the next generation and return its specifications that need evaluation.
-
-        It is a ``ValueError`` if the run is finished, or those asked for before were not told.
-        """
+        """Breed the next generation and return its specifications that need evaluation."""
         if self._pending is not None or self.is_finished:
             raise ValueError(
                 "expected the fitness of what was asked for, or a new run; found another ask"
@@ -133,10 +130,7 @@ class GenerationalLoop:
         return [individual.specification for individual in self._pending]
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
-        """Take the scores of the specifications asked for, in the same order.
-
-        It is a ``ValueError`` if nothing was asked for, or the number differs.
-        """
+        """Take the scores of the specifications asked for, in the same order."""
         if self._pending is None or len(scores) != len(self._pending):
             n_expected = 0 if self._pending is None else len(self._pending)
             raise ValueError(

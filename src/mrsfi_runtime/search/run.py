@@ -228,7 +228,6 @@ class _Assessment:
             raise RecordError(self._record.astray(f"the fitness of specification {place}"))
 
     def _counted(self, result: Result) -> Score:
-        """Count a result, compare it with the best so far, and return its score."""
         if isinstance(result, FailedEvaluation):
             self._indexes.append(_FAILED)
             self._last_failure = result.traceback

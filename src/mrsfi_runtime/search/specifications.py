@@ -48,10 +48,7 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
 
 
 def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Random) -> TimedFault:
-    """Draw a form of a fault: of values that differ in kind, in a window as wide as any or random.
-
-    The values are the pool's, a landmark's, or any within the bounds, equally often.
-    """
+    """Draw a form of a fault: values of one of three kinds, in the widest or a random window."""
     candidate = space.candidates[fault]
     values = rng.choice(_VALUES)(candidate, rng)
     is_wide = rng.random() < 0.5

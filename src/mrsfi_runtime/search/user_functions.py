@@ -41,10 +41,7 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
 
 
 def user_function(name: str, where: str) -> Callable[..., Any]:
-    """Return the function that ``module:function`` names; ``where`` is the file and key that do.
-
-    It raises a ``UsageError`` in place of any foreign exception.
-    """
+    """Return the function that ``module:function`` names; ``where`` is the file and key that do."""
     module_name, _, attribute = name.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
         raise UsageError(

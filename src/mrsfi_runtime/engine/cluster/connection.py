@@ -32,10 +32,7 @@ _SILENT = logging.CRITICAL + 1
 
 
 class Cluster(AbstractContextManager["Cluster"]):
-    """A scheduler with workers that come and go, or ``LOCAL`` with so many processes.
-
-    For so many seconds of patience there may be no worker.
-    """
+    """A scheduler with workers that come and go, or ``LOCAL`` with so many processes."""
 
     def __init__(self, address: str, n_workers: int = 1, patience: float = WORKER_SECONDS) -> None:
         self.address = address
@@ -112,7 +109,6 @@ class Cluster(AbstractContextManager["Cluster"]):
 
     @contextmanager
     def _told(self) -> Iterator[None]:
-        """Let errors of dask become ours."""
         try:
             yield
         except KilledWorker as error:

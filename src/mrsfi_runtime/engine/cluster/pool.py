@@ -70,10 +70,7 @@ def _n_open(futures: deque[Any]) -> int:
 
 
 class Pace:
-    """Follows how long one evaluation takes on a worker.
-
-    Nothing but the speed depends on it.
-    """
+    """Follows how long one evaluation takes on a worker; only the speed depends on it."""
 
     def __init__(self) -> None:
         self._seconds: float | None = None

@@ -141,7 +141,6 @@ class Chunk:
 
 
 def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
-    """Evaluate a chunk on the worker that calls this."""
     return cast("MissionPlugin", get_worker().plugins[plugin]).evaluate(*chunk)
 
 

@@ -119,7 +119,6 @@ class Batch:
 
 
 def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) -> Records:
-    """Return the rows of some lists as records that begin like them."""
     rows = [*chain.from_iterable(lists)]
     records: Records = np.zeros(len(rows), layout)
     for name, column in zip(layout.names or (), zip(*rows, strict=True), strict=False):

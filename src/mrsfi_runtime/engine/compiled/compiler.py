@@ -131,7 +131,6 @@ _STAND_INS: dict[Any, Any] = {
 
 
 def _reached_by(first: Any) -> list[FunctionType]:
-    """Return a function of the kernel and all those that it reaches."""
     found: list[FunctionType] = [first]
     for function in found:
         names = set(names_of(function.__code__))

@@ -185,7 +185,6 @@ class CompiledEngine(Engine):
         return everyone if frame.has_written_to_tables else failed
 
     def _tell(self, observer: Observer, seed: int, recording: Recording) -> None:
-        """Let an observer see recorded ticks."""
         world = initial_state(self.code.mission, seed)
         belief = initial_state(self.code.mission, seed)
         for tick, moment in enumerate(chain.from_iterable(recording.moments())):

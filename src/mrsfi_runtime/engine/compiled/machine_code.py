@@ -94,7 +94,6 @@ def _llvm() -> Any:
 
 
 def _processor() -> tuple[str, str, str]:
-    """Return the target of this machine, its processor, and what that has."""
     llvm = _llvm()
     features = llvm.get_host_cpu_features().flatten()
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
@@ -121,10 +120,7 @@ def sources_key() -> str:
 
 @cache
 def kernel_key() -> str:
-    """Return a key of all that decides how the kernel compiles: its text, compiler, machine.
-
-    Without a compiler it is a ``UsageError``.
-    """
+    """Return a key of all that decides how the kernel compiles: its text, compiler, machine."""
     if find_spec("numba") is None:
         raise UsageError("to compile takes numba; install it with: pip install 'mrsfi[fast]'")
     parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]

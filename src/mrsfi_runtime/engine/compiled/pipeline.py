@@ -131,7 +131,6 @@ class _Library(JITCodeLibrary):
 
 
 def _closure(first: _Library) -> list[Any]:
-    """Return a library and all that it reaches, each once."""
     found: list[Any] = [first]
     for library in found:
         for each in library.reached() if isinstance(library, _Library) else ():

@@ -22,10 +22,7 @@ class Region(NamedTuple):
 
 
 def own_regions(code: MissionCode) -> list[Region]:
-    """Return the regions that a team wrote, in the order of their calls.
-
-    Functions that do not call their goals' as generated code does are a ``CompilationError``.
-    """
+    """Return the regions that a team wrote, in the order of their calls."""
     tasks = [number(goal.task) for goal in code.mission.goals]
     found = []
     goals: dict[str, int] = {}
@@ -52,7 +49,6 @@ def _default(role: str, task: int) -> Any:
 
 
 def _called(code: MissionCode, role: str) -> list[tuple[str, Callable[..., Any]]]:
-    """Return the functions of goals that a function of a mission calls, in their order."""
     function: Any = getattr(code.functions, role)
     if not isinstance(function, FunctionType):
         raise _odd(code, role)
@@ -81,10 +77,7 @@ def _odd(code: MissionCode, role: str) -> CompilationError:
 
 
 def _is_default(function: Any, role: str, goal: int, task: int) -> bool:
-    """Return whether a region does nothing but call what its goal's task says.
-
-    What it calls is looked at as it stands, and not its name.
-    """
+    """Return whether a region only calls what its goal's task says, by whatever name."""
     default = _default(role, task)
     names = function.__code__.co_names if is_kernel(function) else ()
     if default is None or len(names) < 2 or not function.__code__.co_varnames:

@@ -98,7 +98,6 @@ def _seen(
 
 
 def _moments(recording: Recording) -> Iterator[list[Any]]:
-    """Yield every tick as ``_seen`` has it."""
     for moments in recording.moments():
         columns = [moments[name].tolist() for name in VERDICTS]
         sides = [[bytes(row) for row in packed(moments[side])] for side in SIDES]
