@@ -28,8 +28,7 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.search.resumable_record import EvaluateMany
-from mrsfi_runtime.search.run import CampaignProgress, require_settings, run_campaign
+from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 
 Progress: TypeAlias = Callable[[CampaignProgress], None]

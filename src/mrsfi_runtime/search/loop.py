@@ -113,12 +113,7 @@ class GenerationalLoop:
 
     def ask(self) -> list[Specification]:
         """Breed the next generation and return its specifications that need evaluation."""
-        if self._pending is not None or self.is_finished:
-            raise ValueError(
-                "expected the fitness of what was asked for, or a new run; found another ask"
-            )
-        offspring = []
-        pending: list[Individual] = []
+        self._offspring, self._pending = [], []
         for individual in self._breed(self._population):
             if not individual.is_evaluated:
                 if self._n_asked == self._settings.evaluations:
@@ -131,11 +126,6 @@ class GenerationalLoop:
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         """Take the scores of the specifications asked for, in the same order."""
-        if self._pending is None or len(scores) != len(self._pending):
-            n_expected = 0 if self._pending is None else len(self._pending)
-            raise ValueError(
-                f"found {len(scores)} fitness values; expected {n_expected} after an ask"
-            )
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
         self._population = self._survive(self._population, self._offspring)

@@ -14,7 +14,7 @@ from uuid import uuid4
 from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
 from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin, Shipment
-from mrsfi_runtime.engine.pools import apart
+from mrsfi_runtime.engine.pools import starting_workers
 from mrsfi_runtime.engine.settings import LOCAL
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
 
@@ -185,7 +185,7 @@ def _local(n_workers: int, stack: ExitStack) -> Any:
     """Run a cluster of processes of one thread each, that only this machine can reach."""
     ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
     try:
-        with apart():
+        with starting_workers():
             cluster = LocalCluster(
                 n_workers=n_workers,
                 threads_per_worker=1,
