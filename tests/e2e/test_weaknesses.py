@@ -175,6 +175,16 @@ def test_a_file_of_another_kind_is_refused_with_those_that_there_are(
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_file_that_two_options_name_is_of_the_kind_of_both(place, tmp_path):
+    path = tmp_path / "x.xml"
+    both = ("--fmea", path, "--fault-tree", path)
+
+    refused = mrsfi("weaknesses", "runs/cover", *both, cwd=place, expected=2)
+
+    assert "expected a name that ends in .csv or .md" in refused.stderr
+    assert not path.exists()
+
+
 def test_every_mildest_form_breaks_its_goal_in_as_many_seeds_as_it_says(place, told, monkeypatch):
     monkeypatch.chdir(place)
     of_goal = ("--mildest", "--goal", "within")

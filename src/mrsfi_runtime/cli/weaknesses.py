@@ -123,10 +123,10 @@ def _write(
     from mrsfi import weaknesses as of
 
     number, map_path = drawn or (0, None)
-    files = {fmea: of.FMEA, fault_tree: of.FAULT_TREES, map_path: of.MAPS}
-    wanted = [path for path in files if path is not None]
-    for path in wanted:
-        of.require_format(path, files[path])
+    files = ((fmea, of.FMEA), (fault_tree, of.FAULT_TREES), (map_path, of.MAPS))
+    wanted = [(path, known) for path, known in files if path is not None]
+    for path, known in wanted:
+        of.require_format(path, known)
     drawn_of = None if drawn is None else of.way_of(campaign.folder.path, found, number)
     if fault_tree is not None:
         of.write_fault_trees(campaign, found, fault_tree)
@@ -137,5 +137,5 @@ def _write(
                 of.write_fmea(flown, found, own.record, fmea)
             if drawn_of is not None and map_path is not None:
                 of.write_map(flown, evaluator, own.record, drawn_of, map_path)
-    for path in wanted:
+    for path, _ in wanted:
         tell(f"written    {path}")
