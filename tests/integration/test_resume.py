@@ -30,6 +30,9 @@ from tests.support.processes import children
 from tests.tiers import slow
 
 SETTINGS = CampaignSettings(population=8, generations=8, seed=3)
+LONG = CampaignSettings(population=8, generations=1000, seed=3)
+"""For what is not to come to its end by itself."""
+
 MANY = CampaignSettings(population=20, generations=15, seed=3)
 """For evaluations that take no time."""
 
@@ -102,7 +105,7 @@ def test_kills_inside_a_write_leave_nothing_to_repair(place):
 
 
 def test_workers_end_with_their_killed_campaign(place):
-    path = begin(place / "orphans", place / "models" / MISSION, SETTINGS)
+    path = begin(place / "orphans", place / "models" / MISSION, LONG)
 
     with running(SEARCH, path, 2) as process:
         workers = started_workers(process)
@@ -137,7 +140,7 @@ def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):
 
 
 def test_a_second_process_is_refused_until_the_first_is_dead(place):
-    path = begin(place / "locked", place / "models" / MISSION, SETTINGS)
+    path = begin(place / "locked", place / "models" / MISSION, LONG)
 
     with running(SEARCH, path, 1) as process:
         process.send_signal(SIGSTOP)  # it holds its lock while it sleeps
