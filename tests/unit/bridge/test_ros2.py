@@ -192,6 +192,9 @@ def test_rosapi_names_types_in_three_parts(hub):
     ]
     assert told[0]["fieldtypes"] == ["std_msgs/msg/Header", "geometry_msgs/msg/Pose"]
     assert peer.call("/rosapi/get_time")["time"].keys() == {"sec", "nanosec"}
+    assert peer.call("/rosapi/get_ros_version") == {"version": 2, "distro": "jazzy"}
+    unset = {"name": "/p", "default_value": "3"}
+    assert peer.call("/rosapi/get_param", **unset) == {"value": "3"}
 
 
 @pytest.mark.parametrize(
