@@ -51,6 +51,7 @@ class Services:
     """
 
     noun = "service"
+    asks = "call_service"
     _id = "service_request"
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -110,7 +111,7 @@ class Services:
             reply(False, f"{self._limits.uses} of your calls are under way, the limit")
             return ""
         try:
-            request = _converted(service.type.request, _named(arguments, service.type))
+            request = converted(service.type.request, _named(arguments, service.type))
         except ProtocolError as error:
             reply(False, f"request of {self.noun} {name}: {error}")
             return ""
@@ -126,8 +127,8 @@ class Services:
 
         ``call`` and ``respond`` take what comes of it, or the error, in its place.
         """
-        if operation["op"] == "call_service":
-            service = self.services.get(absolute(operation["service"].partition("#")[0]))
+        if operation["op"] == self.asks:
+            service = self.services.get(absolute(operation[self.noun].partition("#")[0]))
             arguments = operation.get("args") or {}
             if service is None:
                 return None
@@ -146,7 +147,7 @@ class Services:
         """
         call = self._taken(owner, call_id)
         try:
-            response = _converted(call.type.response, values)
+            response = converted(call.type.response, values)
         except ProtocolError as error:
             reason = f"response of {self.noun} {call.service}: {error}"
             call.reply(False, reason)
@@ -206,7 +207,7 @@ class Services:
         return call
 
 
-def _converted(structure: Structure, value: Any) -> dict[str, Any]:
+def converted(structure: Structure, value: Any) -> dict[str, Any]:
     """Return a request or response in normal form, or raise why it was refused before."""
     if isinstance(value, ProtocolError):
         raise value

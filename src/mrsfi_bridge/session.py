@@ -40,7 +40,7 @@ LEVELS = ("info", "warning", "error", "none")
 LARGE = 1 << 17
 """Letters from which on a text is carried out step by step."""
 
-_LARGE = ("publish", "call_service", "service_response")
+_LARGE = ("publish", "call_service", "service_response", "send_action_goal", "action_result")
 """Operations that may hold much."""
 
 Work: TypeAlias = Callable[[], Any]
@@ -171,9 +171,10 @@ class Session:
             self._drop(str(error), value.get("id"))
 
     def _serve_large(self, operation: Operation) -> Generator[Work, Any, None]:
-        work = self._hub.services.preparation(operation)
+        provided = self._hub.actions if "action" in operation else self._hub.services
+        work = provided.preparation(operation)
         if work is not None:
-            name = "args" if operation["op"] == "call_service" else "values"
+            name = "args" if operation["op"] == provided.asks else "values"
             try:
                 operation[name] = yield work
             except ProtocolError as error:
@@ -309,15 +310,11 @@ class Session:
         name, type_name = operation["action"], operation["type"]
 
         def ask(goal_id: str, goal: dict[str, Any] | None) -> None:
-            told = {"id": goal_id, "action": name}
-            asked = {"op": "send_action_goal", "action_type": type_name, "feedback": True}
-            self._send(
-                text_frames(
-                    {"op": "cancel_action_goal", **told}
-                    if goal is None
-                    else {**asked, **told, "args": goal}
-                )
-            )
+            told = {"op": "cancel_action_goal", "id": goal_id, "action": name}
+            if goal is not None:
+                told |= {"op": "send_action_goal", "action_type": type_name, "feedback": True}
+                told["args"] = goal
+            self._send(text_frames(told, PLAIN, as_service_json))
 
         if self._hub.actions.advertise(self, absolute(name), type_name, ask):
             self.status("warning", f"action '{name}' had another provider before you")
@@ -335,7 +332,8 @@ class Session:
                 self._goals.pop(own_id or "", None)
             elif not operation.get("feedback", False):
                 return
-            self._send(text_frames({"op": told["op"], **named, **told}, encoding))
+            said = {"op": told["op"], **named, **told}
+            self._send(text_frames(said, encoding, as_service_json))
 
         goal, type_name = operation.get("args") or {}, operation["action_type"]
         goal_id = self._hub.actions.send_goal(self, absolute(name), type_name, goal, answer)
