@@ -72,4 +72,5 @@ def _unpacked(archive: Path) -> Iterator[Path]:
         try:
             yield Path(place) / "campaign"
         except MrsfiError as error:
-            raise type(error)(str(error).replace(place, str(archive))) from error
+            error.args = (str(error).replace(place, str(archive)),)
+            raise
