@@ -97,6 +97,7 @@ class TypeTable:
         A folder without definitions, or with a wrong one, is a ``SettingsError``.
         """
         n_read = 0
+        read = {"msg": self.message, "srv": self.service, "action": self.action}
         for folder in self._folders[:-1]:
             names = tuple(_names(folder))
             if not names:
@@ -105,14 +106,11 @@ class TypeTable:
                 )
             for kind, name in names:
                 try:
-                    self._read_any(name, kind)
+                    read[kind](name)
                 except ProtocolError as error:
                     raise SettingsError(f"{folder}: {name}: {error}") from error
             n_read += len(names)
         return n_read
-
-    def _read_any(self, name: str, kind: str) -> None:
-        {"msg": self.message, "srv": self.service, "action": self.action}[kind](name)
 
     def _exchange(self, name: str, kind: str, parts: Sequence[str]) -> ServiceType:
         name = full_name(name)

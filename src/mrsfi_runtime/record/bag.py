@@ -28,6 +28,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.observers import Events
+from mrsfi_runtime.transport.dialect import time_of, type_name
 from mrsfi_runtime.transport.topics import Topic
 
 Message: TypeAlias = dict[str, Any]
@@ -97,13 +98,13 @@ class Bag:
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def _registered(self, name: str) -> Schema:
-        full = name.replace("/", "/msg/")
+        full = type_name(name, "msg", 2)
         return self._writer.register_msgdef(full, self._types.generate_msgdef(full, 2)[0])
 
     def _said(self, world: State, belief: State, verdicts: Verdicts) -> Iterator[Said]:
         """Yield what is written of a tick; of what seldom changes, only what does."""
         tick = world.mission.tick
-        time = {"sec": tick, "nanosec": 0}
+        time = time_of(tick, 2)
         yield CLOCK, {"clock": time}
         if tick == 0:
             yield MAP, map_markers(self._mission, [frame for frame, _ in self._frames])
@@ -179,7 +180,7 @@ def _of_belief(said: Said) -> Said:
 
 def stamped(tick: int, frame: str = "map") -> Message:
     """Return the header of what is at a place of a frame at a tick."""
-    return {"stamp": {"sec": tick, "nanosec": 0}, "frame_id": frame}
+    return {"stamp": time_of(tick, 2), "frame_id": frame}
 
 
 def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
