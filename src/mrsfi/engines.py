@@ -3,12 +3,12 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from mrsfi_runtime.engine.settings import LOCAL, ROSBRIDGE, EngineSettings, require_address
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.record.manifest import EngineRecord
 from mrsfi_runtime.transport.server_address import without_token
 
 if TYPE_CHECKING:
@@ -65,8 +65,10 @@ def recorded_engine(settings: EngineSettings) -> EngineRecord:
         url=None if settings.url is None else without_token(settings.url),
         ros=settings.ros,
         client=settings.client,
-        side=BOTH if settings.has_simulation else CI,
+        side=settings.side,
         is_bundled=settings.is_bundled,
+        world_prefix=settings.world_prefix,
+        node=None if settings.node is None else asdict(settings.node),
     )
 
 

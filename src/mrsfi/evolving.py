@@ -161,8 +161,8 @@ def evolve(
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            search(campaign, many, progress, None if engine.has_simulation else tell)
-        if explains and engine.has_simulation:
+            search(campaign, many, progress, None if engine.explains else tell)
+        if explains and engine.explains:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
                     harvest(campaign, many, own, tell)

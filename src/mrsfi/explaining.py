@@ -179,7 +179,7 @@ def explained(
         engine = engine.tried(code, seed, tell)
     with flying(code, seed, engine, workers, tell) as (evaluator, own):
         for each in specifications:
-            if not engine.has_simulation:
+            if engine.is_foreign:
                 require_repeatable(own, each)
             flights = Flights(evaluator.evaluate_many, explainer.measure, explainer.mission_seeds)
             if each.recorded is not None:
@@ -188,12 +188,12 @@ def explained(
 
 
 def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
-    """Refuse somebody else's simulation on which the same specification flies differently."""
+    """Refuse what somebody else flies if the same specification flies differently."""
     first, second = (engine.evaluate(subject.specification) for _ in range(2))
     if first != second:
         raise ReplayMismatch(
             f"{subject.title}: flown twice, it had violations {first.believed} and "
             f"{second.believed} believed, {first.true} and {second.true} true, digests "
-            f"{first.digest[:8]}… and {second.digest[:8]}…; expected a simulation that repeats "
-            "itself; without one, no cause can be told from chance"
+            f"{first.digest[:8]}… and {second.digest[:8]}…; expected what repeats itself; without "
+            "that, no cause can be told from chance"
         )

@@ -9,12 +9,13 @@ A file ``mrsfi.toml`` at the root of a project says so; commands find it from an
     runs = "runs"
     ros = 1
 
-What it leaves out has these values. Without such a file the working folder is the root.
+What it leaves out has these values. Without such a file the working folder is the root. A second
+table, ``[node]``, says what a team's own node hears and says (``cosimulation.node.mapping``).
 """
 
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +36,7 @@ class Project:
     """The folders of a project, each as short as a user would write it.
 
     ``metamodels`` are those of the team; ``None`` if the project has none. ``ros`` is the version
-    of ROS that its rosbridge server speaks.
+    of ROS that its rosbridge server speaks, ``node`` what it says of its own node.
     """
 
     models: Path
@@ -43,6 +44,7 @@ class Project:
     runs: Path
     metamodels: Path | None
     ros: int
+    node: Mapping[str, Any] | None
 
 
 def project() -> Project:
@@ -51,7 +53,7 @@ def project() -> Project:
     Settings that cannot be read, or that mean nothing, are a ``UsageError``.
     """
     file = root() / SETTINGS
-    given = _settings(file) if file.is_file() else {}
+    given, node = _settings(file) if file.is_file() else ({}, None)
     found = {name: from_here(file.parent / given.get(name, name)) for name in _FOLDERS}
     metamodels = found["metamodels"]
     has_own = all((metamodels / name).is_file() for name in _METAMODELS)
@@ -66,6 +68,7 @@ def project() -> Project:
         found["runs"],
         metamodels if has_own else None,
         given.get("ros", 1),
+        node,
     )
 
 
@@ -95,19 +98,19 @@ def metamodels_chosen() -> Iterator[None]:
             del os.environ[_CHOSEN]
 
 
-def _settings(file: Path) -> dict[str, Any]:
-    """Return what a settings file says, name by name."""
+def _settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Return what a settings file says, name by name, and its node."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise UsageError(f"{file}: cannot be read: {error}; expected settings in TOML") from error
-    table = document.get("project", {})
-    for name in document:
-        if name != "project" or not isinstance(table, dict):
-            raise UsageError(f"{file}: found '{name}'; expected one table, [project]")
+    table, node = document.get("project", {}), document.get("node")
+    for name, found in document.items():
+        if name not in {"project", "node"} or not isinstance(found, dict):
+            raise UsageError(f"{file}: found '{name}'; expected the tables [project] and [node]")
     for name, value in table.items():
         _require(file, name, value)
-    return dict(table)
+    return dict(table), node
 
 
 def _require(file: Path, name: str, value: Any) -> None:

@@ -68,7 +68,9 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record]:
         def engine() -> Engine:
             if store.manifest.engine.is_foreign:
                 path = campaign.folder.path
-                raise RecordError(f"{path}: somebody else's simulation flew it, and is not asked")
+                raise RecordError(
+                    f"{path}: somebody else's simulation or node flew it, and is not asked"
+                )
             code, seed = load_own(campaign.folder, store), store.settings.mission_seed
             return stack.enter_context(opened(code, seed, EngineSettings(AUTO)))
 

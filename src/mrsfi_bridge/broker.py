@@ -131,6 +131,11 @@ class Broker:
             self.unadvertise(client, name)
             self.unsubscribe(client, name)
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether all that was published was given to those who subscribe."""
+        return True
+
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
         """Give a message to all who subscribe now."""
         for subscriber in tuple(topic.subscribers.values()):

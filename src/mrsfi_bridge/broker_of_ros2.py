@@ -55,6 +55,11 @@ class BrokerOfRos2(Broker):
         if len(self.topics[name].subscribers) == 1:
             self._lane(name).order = next(self._orders)
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no topic waits for its turn."""
+        return not self._ready
+
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
         lane = self._lane(topic.name)
         if len(lane.waiting) == DEPTH and topic.subscribers:

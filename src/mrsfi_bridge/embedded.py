@@ -166,6 +166,20 @@ class EmbeddedBridge:
         except RuntimeError as error:
             raise NotRunningError(f"the embedded server ended: {self.failed.error}") from error
 
+    def call_later(self, seconds: float, function: Callable[[], None]) -> None:
+        """Call a function in the server's thread after a time; to be called there."""
+        if self._loop is not None:
+            self._loop.call_later(seconds, self._call, function)
+
+    def barrier(self, then: Callable[[], None]) -> None:
+        """Call a function when all clients have answered what they were sent until now.
+
+        That holds for clients that work off what they hear in one thread. To be called in the
+        server's thread, as the function is.
+        """
+        if self._server is not None:
+            self._server.barrier(lambda: self._call(then))
+
     def close(self) -> None:
         """End the server and its thread; a second time does nothing."""
         loop, stop = self._loop, self._stop

@@ -20,12 +20,13 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 from websockets.typing import Origin
 
+from mrsfi_bridge.barrier import Barriers
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi, tell_clients
 from mrsfi_bridge.session import LARGE, LOGGER, Hub, Session, Work
 from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.stream import Message, Stream
+from mrsfi_bridge.stream import Message, Pong, Stream
 from mrsfi_bridge.structures import now
 
 _BACKLOG = 512
@@ -74,6 +75,11 @@ class Connection(asyncio.BufferedProtocol):
         """Whether hands were shaken."""
         return self._session is not None
 
+    @property
+    def is_quiet(self) -> bool:
+        """Whether all that the client said was carried out."""
+        return not self._n_waiting
+
     def _now(self) -> float:
         return self._server.hub.scheduler.time()
 
@@ -102,6 +108,8 @@ class Connection(asyncio.BufferedProtocol):
         for event in self._stream.receive(self._server.buffer[:nbytes]):
             if isinstance(event, Message):
                 self._take_message(event)
+            elif isinstance(event, Pong):
+                self._server.barriers.pong(self, event.content)
             elif isinstance(event, Request):
                 self._shake_hands(event)
         self._flush()
@@ -163,6 +171,12 @@ class Connection(asyncio.BufferedProtocol):
         if is_end and transport.can_write_eof():
             transport.write_eof()
         self._count_held()
+
+    def ping(self, content: bytes) -> None:
+        """Ping the client, behind all that it was sent."""
+        if self._protocol.state is State.OPEN:
+            self._protocol.send_ping(content)
+            self._server.dirty(self)
 
     def close(self, code: int, reason: str) -> None:
         """Take leave of the client; it is cut off if it takes too long."""
@@ -311,6 +325,7 @@ class BridgeServer:
         self.buffer = memoryview(bytearray(_READ_BYTES))  # asyncio would make one for each read
         self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
         self._checks: asyncio.TimerHandle | None = None
+        self.barriers = Barriers(self._loop, lambda: self.hub.broker.is_idle)
         self._thread = ThreadPoolExecutor(1, "mrsfi-bridge-large")
 
     async def start(self) -> None:
@@ -390,8 +405,13 @@ class BridgeServer:
     def gone(self, connection: Connection) -> None:
         """Forget a connection."""
         self._connections.pop(connection, None)
+        self.barriers.gone(connection)
         self._dirty.pop(connection, None)
         self.n_held_bytes -= self._held.pop(connection, 0)
+
+    def barrier(self, then: Callable[[], None]) -> None:
+        """Call a function when all clients have answered what they were sent until now."""
+        self.barriers.begin(lambda: [each for each in self._connections if each.is_client], then)
 
     def beside(self, work: Work, on_done: Callable[[Any, BaseException | None], None]) -> None:
         """Have something done in another thread, and a function told what came of it.

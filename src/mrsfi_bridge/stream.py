@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 from websockets.client import ClientProtocol
 from websockets.exceptions import InvalidStatus
-from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, Frame
+from websockets.frames import OP_BINARY, OP_CONT, OP_PONG, OP_TEXT, Frame
 from websockets.http11 import Request, Response
 from websockets.protocol import SERVER, State
 from websockets.server import ServerProtocol
@@ -38,7 +38,13 @@ class Message(NamedTuple):
     is_text: bool
 
 
-Event: TypeAlias = Message | Request | Response
+class Pong(NamedTuple):
+    """What answers a ping, and goes behind all that was said before."""
+
+    content: bytes
+
+
+Event: TypeAlias = Message | Pong | Request | Response
 
 
 class Stream:
@@ -157,6 +163,8 @@ class Stream:
         for event in self.protocol.events_received():
             if not isinstance(event, Frame):
                 yield event
+            elif event.opcode is OP_PONG:
+                yield Pong(bytes(event.data))
             elif event.opcode in {OP_TEXT, OP_BINARY, OP_CONT}:
                 if event.opcode is not OP_CONT:
                     self._is_text = event.opcode is OP_TEXT

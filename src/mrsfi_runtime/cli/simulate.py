@@ -17,7 +17,7 @@ from mrsfi_runtime.cli.options import (
     recording_options,
 )
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 
 if TYPE_CHECKING:
     from mrsfi_runtime.generated_code import MissionCode
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @recording_options
-@engine_options(sides=(BOTH, CI, SIMULATION))
+@engine_options(sides=(BOTH, CI, INJECTOR, SIMULATION))
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(
     mission: str,

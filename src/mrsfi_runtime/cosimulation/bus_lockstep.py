@@ -6,11 +6,12 @@ of a tick has come, in the thread of the transport's callbacks, and the main thr
 
 import secrets
 from contextlib import suppress
+from functools import partial
 from time import monotonic, sleep
 
 from mrsfi_runtime.cosimulation.counted_topics import CountedTopics
 from mrsfi_runtime.cosimulation.heard import Heard
-from mrsfi_runtime.cosimulation.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep import Flight, Mind, OwnMind
 from mrsfi_runtime.cosimulation.lockstep_topics import (
     CLOCK,
     FAILURE,
@@ -47,7 +48,10 @@ _ATTEMPT = 2.0
 
 
 class BusLockstep:
-    """Flies runs over a transport, one after the other; ``truth`` are topics in model order."""
+    """Flies runs over a transport, one after the other; ``truth`` are topics in model order.
+
+    The ``mind`` answers what is heard; without any, the generated reactions do.
+    """
 
     def __init__(
         self,
@@ -56,8 +60,10 @@ class BusLockstep:
         interface: type[SimInterface],
         truth: tuple[Topic, ...],
         patience: Patience,
+        mind: Mind | None = None,
     ) -> None:
         self._transport = transport
+        self._mind = mind or OwnMind()
         self._mission = mission
         self._patience = patience
         self._completion = Completion()
@@ -74,7 +80,7 @@ class BusLockstep:
         self.interface = interface(self._topics)
         transport.subscribe(TICK, self._on_tick)
         transport.subscribe(FAILURE, self._on_failure)
-        transport.watch(self._fail)
+        transport.watch(self.fail)
 
     @property
     def tick(self) -> int:
@@ -88,6 +94,7 @@ class BusLockstep:
         """
         try:
             self._prepare(seed)
+            self._mind.begin(flight, self._run, seed)
             self._completion = Completion()
             for topic in (*self._truth, self._clock):
                 topic.forget()
@@ -97,15 +104,21 @@ class BusLockstep:
             world = initial_state(self._mission, seed)
             flight.begin(world, tells_all=True)  # the simulation may be somebody else's
             world.commands, world.switches = flight.sent.commands, flight.sent.switches
-            self._send_go(0)
+            self._mind.soon(partial(self._send_go, 0))
             self._completion.wait(self._overdue)
             self._topics.close()
+            self._mind.end()
             self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
             raise type(error)(f"run {self._n_runs}, {self._where()}: {error}") from error
         finally:
             self._end()
+
+    def fail(self, error: Exception) -> None:
+        """End the run, for what went wrong on the way."""
+        self._topics.close()  # it stays at the tick at which it failed
+        self._completion.fail(error)
 
     @property
     def _run(self) -> int:
@@ -164,16 +177,13 @@ class BusLockstep:
         with suppress(TransportError):  # told already
             self._transport.call(STOP, {}, lambda _reply: None)
 
-    def _fail(self, error: Exception) -> None:
-        self._topics.close()  # the run stays at the tick at which it failed
-        self._completion.fail(error)
-
     def _where(self) -> str:
         return "before tick 0" if self._flight is None else f"tick {self.tick}"
 
     def _overdue(self, silence: float) -> MrsfiError | None:
-        if self._is_thinking:
-            return None
+        error = self._mind.overdue(silence if self._is_thinking else 0.0)
+        if error is not None or self._is_thinking:
+            return error
         return self._topics.overdue(silence, self._patience.tick)
 
     def _on_failure(self, payload: Payload) -> None:
@@ -207,11 +217,19 @@ class BusLockstep:
         is_last = tick + 1 == self._mission.duration
         self._topics.is_muted = is_last  # no motion follows on which a command could act
         self._is_thinking = True
-        flight.step(tick)
+        flight.hear(tick)
+        self._mind.answer(flight, tick, self._reply)
+
+    def _reply(self) -> None:
+        """Send what the CI answered, and have the simulation go on."""
+        flight, tick = self._flight, self._topics.tick
+        if flight is None:
+            return
+        flight.reply(tick)
         self._is_thinking = False
         if not self._topics.is_open:
             return
-        if is_last:
+        if tick + 1 == self._mission.duration:
             self._completion.end()
             return
         self._topics.turn()

@@ -7,11 +7,12 @@ Source paper, section III-G and Figure 4.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from mrsfi_runtime.cosimulation.sides import SimInterface
+from mrsfi_runtime.errors import MrsfiError
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
-from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer, no_verdicts
+from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, hear, no_verdicts, reply
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import State, SwitchState
@@ -25,6 +26,7 @@ class Flight:
     """One run: the collective intelligence takes its steps, and every tick is judged.
 
     ``world`` is the true state, moved by others; it is also the belief until the run begins.
+    ``plan`` are the faults.
     ``sent`` is what the simulation was last told, ``verdicts`` what was counted until now, once
     per goal and tick. ``observer`` sees every tick; it must not change what it sees, which the
     next tick will.
@@ -43,7 +45,7 @@ class Flight:
         self.sent = _orders(self.belief)
         self.verdicts = no_verdicts(len(mission.goals))
         self._functions = functions
-        self._plan = plan
+        self.plan = plan
         self._interface = interface
         self._inbox = initial_state(mission, seed)
         self._orders = _orders(self.belief)
@@ -56,22 +58,35 @@ class Flight:
         """
         self.world = world
         self._interface.reset()
-        issue(self.belief, self._orders, self._plan, 0)
+        issue(self.belief, self._orders, self.plan, 0)
         self._send(tells_all=tells_all)
 
     def step(self, tick: int) -> None:
         """Judge a tick that the simulation has flown, and let the CI answer it."""
+        self.hear(tick)
+        self.react()
+        self.reply(tick)
+
+    def hear(self, tick: int) -> None:
+        """Judge a tick that the simulation has flown, and turn its messages into belief."""
         self._interface.read(self._inbox)
-        answer(
+        hear(
             self._functions,
             self.world,
             self.belief,
             self._inbox,
-            self._orders,
-            self._plan,
+            self.plan,
             self.verdicts,
             tick,
         )
+
+    def react(self) -> None:
+        """Let the generated goals command their members."""
+        self._functions.react(self.belief)
+
+    def reply(self, tick: int) -> None:
+        """Send the commands of a tick, and count what was violated in it."""
+        reply(self.world, self.belief, self._orders, self.plan, self.verdicts, tick)
         self._send()
         if self._observer is not None:
             self._observer(self.world, self.belief, self.verdicts)
@@ -92,6 +107,48 @@ class Flight:
             if tells_all or switch.active != sent.switches[index].active:
                 sent.switches[index].active = switch.active
                 interface.sensors[index].set_active(switch.active == 1)
+
+
+class Mind(Protocol):
+    """Who answers what a flight heard, with commands in its belief."""
+
+    def begin(self, flight: Flight, run: int, seed: int) -> None:
+        """Get ready for a flight."""
+
+    def soon(self, function: Callable[[], None]) -> None:
+        """Call a function in the thread in which answers come."""
+
+    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:
+        """Answer a tick, and call a function then, now or later."""
+
+    def overdue(self, silence: float) -> MrsfiError | None:
+        """Return what is wrong after so many seconds without progress, if anything is."""
+
+    def end(self) -> None:
+        """Leave a flight."""
+
+
+class OwnMind:
+    """The generated reactions, which answer at once."""
+
+    def begin(self, flight: Flight, run: int, seed: int) -> None:
+        """Do nothing."""
+
+    def soon(self, function: Callable[[], None]) -> None:
+        """Call a function."""
+        function()
+
+    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:  # noqa: ARG002
+        """Let the generated goals command their members."""
+        flight.react()
+        then()
+
+    def overdue(self, silence: float) -> MrsfiError | None:  # noqa: ARG002
+        """Return nothing: a region may think as long as it wants."""
+        return None
+
+    def end(self) -> None:
+        """Do nothing."""
 
 
 def _orders(state: State) -> Orders:

@@ -30,6 +30,7 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 
 _GREATEST_SEED = 2**63 - 1
@@ -129,7 +130,8 @@ class RosbridgeEngine(PlainEngine):
             self._opened = opened.pop_all()
         is_bundled = settings.is_bundled
         self._may_be_deaf = is_bundled and not settings.has_simulation
-        transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
+        world = PrefixedTransport(self._transport, settings.world_prefix)
+        transport = BundlingTransport.of_ci(world) if is_bundled else world
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
         self.interface = self._lockstep.interface
         if self.simulation is not None:

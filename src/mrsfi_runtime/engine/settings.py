@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Self
 from urllib.parse import urlsplit
 
 from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.node_settings import NodeSettings
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
+from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
 if TYPE_CHECKING:
@@ -31,7 +33,9 @@ class EngineSettings:
     ``url`` is that of the server, one is embedded without; ``ros`` the version of ROS that it
     speaks, ``client`` the kind of connection. ``has_simulation`` says whether to start the
     simulation, which is somebody else's otherwise, ``is_bundled`` whether the messages of a tick
-    travel as one, ``patience`` how long the other side may take.
+    travel as one, ``patience`` how long the other side may take. A ``node`` is the collective
+    intelligence in place of the generated one. All topics of the simulation at ``url`` are below
+    ``world_prefix``.
     """
 
     name: str = REFERENCE
@@ -41,6 +45,8 @@ class EngineSettings:
     has_simulation: bool = True
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
+    node: NodeSettings | None = None
+    world_prefix: str = ""
 
     def __post_init__(self) -> None:
         if self.name not in ENGINES:
@@ -49,7 +55,24 @@ class EngineSettings:
     @property
     def words(self) -> str:
         """Which engine flies, in words."""
-        return f"{self.name} engine"
+        return f"{self.name} engine{'' if self.node is None else ', your node'}"
+
+    @property
+    def side(self) -> str:
+        """Which side of the bus this is."""
+        if self.node is not None:
+            return INJECTOR
+        return BOTH if self.has_simulation else CI
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether the simulation or the collective intelligence is somebody else's."""
+        return self.side != BOTH
+
+    @property
+    def explains(self) -> bool:
+        """Whether it flies for explanations, too: not on somebody else's simulation alone."""
+        return self.side != CI
 
     def named(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
         """Return settings that name an engine: auto becomes compiled, if all of it compiles.
@@ -71,7 +94,7 @@ class EngineSettings:
         Somebody else's simulation is not asked to fly.
         """
         settings = self.named(code, seed, tell)
-        if self.has_simulation:
+        if self.explains:
             with settings.open(code, seed) as opened:
                 opened.evaluate(())
         return settings
@@ -88,6 +111,10 @@ class EngineSettings:
             from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - numpy
 
             return CompiledEngine(code, seed, n_threads)
+        if self.node is not None:
+            from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
+
+            return InjectorEngine(code, seed, self)
         from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
 
         return RosbridgeEngine(code, seed, self)

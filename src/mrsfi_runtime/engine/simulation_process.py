@@ -23,6 +23,7 @@ from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
+from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Transport
 
@@ -58,7 +59,7 @@ def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
     url, ros = settings.url, settings.ros
     if url is not None:
         with closing(RosbridgeTransport(url, settings.client, ros)) as joined:
-            yield joined, url
+            yield PrefixedTransport(joined, settings.world_prefix), url
         return
     token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
     try:

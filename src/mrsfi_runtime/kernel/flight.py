@@ -1,8 +1,9 @@
 """The tick of a flight, written once for every engine: all that happens, in its order.
 
 A flight begins with forged commands (``issue``); then every tick moves the robots (``move``), sends
-their messages (``send``), and has the collective intelligence answer them. Over a bus, the
-simulation behind it moves and sends; the answer is the same.
+their messages (``send``), and has the collective intelligence answer them: it hears (``hear``),
+reacts, and replies (``reply``). Over a bus, the simulation behind it moves and sends; and where a
+team's own node is the collective intelligence, it stands between hearing and reply.
 
 References
 ----------
@@ -77,10 +78,32 @@ def answer(
     ``inbox`` has the newest message of every topic; ``orders`` receive the commands for the
     motion of the tick after, ``verdicts`` what is violated, which they count.
     """
+    hear(functions, world, ci, inbox, plan, verdicts, tick)
+    functions.react(ci)
+    reply(world, ci, orders, plan, verdicts, tick)
+
+
+@kernel
+def hear(
+    functions: MissionFunctions,
+    world: State,
+    ci: State,
+    inbox: State,
+    plan: Plan,
+    verdicts: Verdicts,
+    tick: int,
+) -> None:
+    """Judge the truth of a tick, turn its messages into belief, and judge that."""
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
     judge(functions, ci, verdicts.is_believed)
-    functions.react(ci)
+
+
+@kernel
+def reply(
+    world: State, ci: State, orders: Orders | State, plan: Plan, verdicts: Verdicts, tick: int
+) -> None:
+    """Issue the commands of a tick that was reacted to, and count what was violated in it."""
     issue(ci, orders, plan, tick + 1)
     count(verdicts, world)
 

@@ -6,8 +6,9 @@ from typing import Any, Self
 
 from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED
 
-BOTH, CI = "both", "ci"
-"""Sides that a campaign ran: simulation and collective intelligence, or the latter alone."""
+BOTH, CI, INJECTOR = "both", "ci", "injector"
+"""Sides that a campaign ran: simulation and collective intelligence, the latter alone, or what is
+between a simulation and a team's own node."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +21,13 @@ class EngineRecord:
     client: str | None = None  # kind of roslibpy's connection; none without a bus
     side: str = BOTH
     is_bundled: bool = False  # whether all messages of a tick travelled as one
+    world_prefix: str = ""  # of the topics of the simulation
+    node: Mapping[str, Any] | None = None  # a team's own node, as engine.node_settings has it
 
     @property
     def is_foreign(self) -> bool:
-        """Whether the simulation was somebody else's."""
-        return self.side == CI
+        """Whether the simulation or the collective intelligence was somebody else's."""
+        return self.side != BOTH
 
     def as_json(self) -> dict[str, Any]:
         """Return the entries of a manifest."""
@@ -35,6 +38,10 @@ class EngineRecord:
             bus["bundle"] = True
         if self.ros not in {None, 1}:
             bus["ros"] = self.ros
+        if self.world_prefix:
+            bus["world_prefix"] = self.world_prefix
+        if self.node is not None:
+            bus["node"] = dict(self.node)
         return {"engine": self.name, "bus": bus}
 
     @classmethod
@@ -48,6 +55,8 @@ class EngineRecord:
             client=bus.get("client"),
             side=bus.get("side", BOTH),
             is_bundled=bool(bus.get("bundle", False)),
+            world_prefix=bus.get("world_prefix", ""),
+            node=bus.get("node"),
         )
 
 

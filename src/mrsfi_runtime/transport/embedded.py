@@ -68,6 +68,14 @@ class EmbeddedTransport(ListenedTransport):
 
         self._run(lambda: self._client.call(service.name, request, self.told(reply)))
 
+    def call_later(self, seconds: float, function: Callable[[], None]) -> None:
+        """Call a function after a time, as callbacks are."""
+        self._run(lambda: self._bridge.call_later(seconds, self.told(function)))
+
+    def barrier(self, then: Callable[[], None]) -> None:
+        """Call a function when all clients of the server have answered what they were told."""
+        self._run(lambda: self._bridge.barrier(self.told(then)))
+
     def close(self) -> None:
         """Give up all topics and services."""
         if self.lost is None:

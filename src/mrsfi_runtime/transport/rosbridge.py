@@ -111,6 +111,10 @@ class RosbridgeTransport(ListenedTransport):
             self.told(lambda problem: on_reply(Reply({}, str(problem) or "the service failed"))),
         )
 
+    def call_later(self, seconds: float, function: Callable[[], None]) -> None:
+        """Call a function after a time, in the thread of the callbacks."""
+        self._ros.call_later(seconds, self.told(function))
+
     def close(self) -> None:
         """Close the connection; roslibpy's thread stays for the next one."""
         self._is_closing = True

@@ -76,3 +76,10 @@ class Transport(PubSub, Protocol):
 
     def close(self) -> None:
         """Give up all topics and services."""
+
+
+class NodeTransport(Transport, Protocol):
+    """A transport with a clock."""
+
+    def call_later(self, seconds: float, function: Callable[[], None]) -> None:
+        """Call a function after a time, in the thread of the callbacks."""

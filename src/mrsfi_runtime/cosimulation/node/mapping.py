@@ -1,0 +1,296 @@
+"""How a team's node names things: topics, their types, the fields of what it hears and says.
+
+A mapping is a table, ``[node]`` of ``mrsfi.toml``; docs/node.md says what it may hold. A topic with
+``{robot}``, ``{sensor}`` or ``{obstacle}`` stands for one of each. A field is a path such as
+``pose.pose.position.x`` or ``data[0]``; what it holds is ``offset + scale × what is ours``.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.type_table import full_name
+from mrsfi_runtime.cosimulation.node.quantities import COMMANDS, PAIRS, QUANTITIES
+from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.names import plain_name
+from mrsfi_runtime.transport.topics import Service, Topic
+
+Path: TypeAlias = tuple[str | int, ...]
+"""Where a number is in a message: names of fields, and places in arrays."""
+
+Table: TypeAlias = Mapping[str, Any]
+
+GENERATED: Table = {
+    "tells": [
+        {
+            "topic": "/{robot}/position",
+            "type": "geometry_msgs/Point",
+            "fields": {"x": "x", "y": "y", "z": "z"},
+        },
+        {"topic": "/{robot}/speed", "type": "std_msgs/Float64", "fields": {"data": "speed"}},
+        {"topic": "/{robot}/energy", "type": "std_msgs/Float64", "fields": {"data": "energy"}},
+        {"topic": "/{robot}/speed/sent", "type": "std_msgs/Float64", "fields": {"data": "sent"}},
+        {
+            "topic": "/{robot}/{sensor}/samples",
+            "type": "std_msgs/Int64",
+            "fields": {"data": "samples"},
+        },
+        {
+            "topic": "/{robot}/{sensor}/active",
+            "type": "std_msgs/Bool",
+            "fields": {"data": "active"},
+        },
+    ],
+    "obeys": [
+        {
+            "topic": "/{robot}/command/heading",
+            "type": "geometry_msgs/Vector3",
+            "fields": {"x": "heading_x", "y": "heading_y"},
+        },
+        {
+            "topic": "/{robot}/command/speed",
+            "type": "std_msgs/Float64",
+            "fields": {"data": "speed"},
+        },
+        {
+            "topic": "/{robot}/{sensor}/command/active",
+            "type": "std_msgs/Bool",
+            "fields": {"data": "active"},
+        },
+    ],
+}
+"""Of a node that speaks the topics of docs/bus.md, as generated code does."""
+
+_ANSWER = Topic("/mission/answer", "std_msgs/Int64MultiArray")
+_RESET = Service("/mission/reset", "std_srvs/Trigger")
+_NAMES = ("tells", "obeys", "answer", "reset", "names", "types")
+_OF_RULE = ("topic", "type", "fields")
+_OF_ENTRY = ("of", "scale", "offset", "value")
+_KIND = re.compile(r"\{(\w*)\}")
+_STEP = re.compile(r"([A-Za-z]\w*)((?:\[\d+\])*)", re.ASCII)
+
+
+class Entry(NamedTuple):
+    """What a field holds: ``offset + scale × of``, or always the same ``value``."""
+
+    of: str
+    scale: float = 1.0
+    offset: float = 0.0
+    value: Any = None
+
+
+class Rule(NamedTuple):
+    """A topic, or one of each element that it names, and what its fields hold."""
+
+    topic: Topic
+    fields: Mapping[Path, Entry]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of elements that the topic names."""
+        return tuple(_KIND.findall(self.topic.name))
+
+
+class Element(NamedTuple):
+    """An element of the mission: its kind, its place in the model, what it is called on topics."""
+
+    kind: str
+    place: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class NodeMapping:
+    """What a node hears and says; ``table`` is what it was made of.
+
+    ``answer`` is the topic by whose message it says that it has answered a tick; ``reset`` the
+    service that brings it back to before tick 0. ``types`` are folders with definitions.
+    """
+
+    table: Table = field(default_factory=lambda: GENERATED)
+    tells: tuple[Rule, ...] = ()
+    obeys: tuple[Rule, ...] = ()
+    answer: Topic = _ANSWER
+    reset: Service = _RESET
+    names: Mapping[str, str] = field(default_factory=dict)
+    types: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, table: Table | None, source: str = "[node]") -> "NodeMapping":
+        """Return the mapping that a table describes; without any, that of generated topics.
+
+        What makes no sense is a ``UsageError`` that begins with the source.
+        """
+        table = GENERATED if table is None else table
+        for name in table:
+            if name not in _NAMES:
+                raise UsageError(f"{source}: found '{name}'; {expected(name, _NAMES)}")
+        tells = tuple(_rules(table, "tells", QUANTITIES, source))
+        obeys = tuple(_rules(table, "obeys", COMMANDS, source))
+        return cls(
+            table=table,
+            tells=tells,
+            obeys=obeys,
+            answer=_answer(table.get("answer"), source),
+            reset=_RESET._replace(name=_text(table, "reset", source, _RESET.name)),
+            names=_names(table.get("names", {}), source),
+            types=tuple(map(str, table.get("types", ()))),
+        )
+
+    def elements(self, mission: Mission) -> tuple[Element, ...]:
+        """Return the robots, sensors and obstacles of a mission, by the names of the node."""
+        listed = {
+            "robot": [each.id for each in mission.robots],
+            "sensor": [each.id for each in mission.sensors],
+            "obstacle": [each.id for each in mission.obstacles],
+        }
+        found = [
+            Element(kind, place, plain_name(name))
+            for kind, names in listed.items()
+            for place, name in enumerate(names)
+        ]
+        known = [each.name for each in found]
+        for name in self.names:
+            if name not in known:
+                raise UsageError(f"[node] names: found '{name}'; {expected(name, known)}")
+        return tuple(each._replace(name=self.names.get(each.name, each.name)) for each in found)
+
+
+def spread(
+    rule: Rule, elements: Sequence[Element], mission: Mission
+) -> Iterator[tuple[str, Element | None]]:
+    """Yield each topic that a rule stands for, and what it is of; of nothing without braces."""
+    kinds = rule.kinds
+    if not kinds:
+        yield rule.topic.name, None
+        return
+    of = kinds[-1]
+    robots = {each.place: each.name for each in elements if each.kind == "robot"}
+    for each in elements:
+        if each.kind == of:
+            named = {of: each.name}
+            if of == "sensor":
+                named["robot"] = robots[mission.sensor_robot[each.place]]
+            yield _KIND.sub(lambda match: named[match[1]], rule.topic.name), each  # noqa: B023
+
+
+def path_of(text: str) -> Path | None:
+    """Return the path that ``a.b[2].c`` stands for, or ``None`` if it stands for none."""
+    path: list[str | int] = []
+    for step in text.split("."):
+        match = _STEP.fullmatch(step)
+        if match is None:
+            return None
+        path += (match[1], *map(int, re.findall(r"\d+", match[2])))
+    return tuple(path)
+
+
+def path_text(path: Path) -> str:
+    """Return a path as ``path_of`` takes it."""
+    text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
+    return text.removeprefix(".")
+
+
+def _rules(
+    table: Table, name: str, known: Mapping[str, Mapping[str, Any]], source: str
+) -> Iterator[Rule]:
+    rules = table.get(name, [])
+    if not isinstance(rules, list) or not rules:
+        raise UsageError(f"{source}: found no [[node.{name}]]; expected at least one topic")
+    for number, rule in enumerate(rules, 1):
+        place = f"{source}: [[node.{name}]] {number}"
+        if not isinstance(rule, Mapping):
+            raise UsageError(f"{place}: found {rule!r}; expected a table")
+        for key in rule:
+            if key not in _OF_RULE:
+                raise UsageError(f"{place}: found '{key}'; {expected(key, _OF_RULE)}")
+        topic = Topic(_text(rule, "topic", place), _type(rule, place))
+        yield _checked(Rule(topic, dict(_fields(rule, place))), known, place)
+
+
+def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:
+    fields = rule.get("fields")
+    if not isinstance(fields, Mapping) or not fields:
+        raise UsageError(f"{place}: found fields = {fields!r}; expected {{ field = 'what' }}")
+    for text, given in fields.items():
+        path = path_of(text)
+        if path is None:
+            raise UsageError(f"{place}: found field '{text}'; expected a path such as data[0].x")
+        entry = {"of": given} if isinstance(given, str) else given
+        if not isinstance(entry, Mapping) or not {"of", "value"} & entry.keys():
+            raise UsageError(f"{place}: {text}: found {given!r}; expected a name or {{ of = … }}")
+        for key, value in entry.items():
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            if key not in _OF_ENTRY or (key in {"scale", "offset"} and not is_number):
+                raise UsageError(
+                    f"{place}: {text}: found {key} = {value!r}; expected of, scale and offset "
+                    "(numbers), or value"
+                )
+        if entry.get("scale") == 0:
+            raise UsageError(f"{place}: {text}: found scale = 0; expected another number")
+        yield path, Entry(**{"of": "", **entry})
+
+
+def _checked(rule: Rule, known: Mapping[str, Mapping[str, Any]], place: str) -> Rule:
+    """Return a rule whose fields hold what there is of the elements that its topic names."""
+    kinds = rule.kinds
+    for kind in kinds:
+        if kind not in known:
+            raise UsageError(f"{place}: found {{{kind}}} in its topic; {expected(kind, known)}")
+    named = [entry.of for entry in rule.fields.values() if entry.value is None]
+    for of in named:
+        element, _, name = of.rpartition(".")
+        if bool(element) == bool(kinds):
+            raise UsageError(
+                f"{place}: found '{of}'; expected "
+                + ("a name without an element" if kinds else "ELEMENT.NAME, such as r1.x")
+            )
+        names = known[kinds[-1]] if kinds else {n: None for each in known.values() for n in each}
+        if name not in names:
+            raise UsageError(f"{place}: found '{of}'; {expected(name, names)}")
+    if known is COMMANDS:
+        _require_pairs(named, place)
+    return rule
+
+
+def _require_pairs(named: Sequence[str], place: str) -> None:
+    """Refuse half of what makes sense together only."""
+    for of in named:
+        element, _, name = of.rpartition(".")
+        for pair in PAIRS:
+            both = [f"{element}.{each}".removeprefix(".") for each in pair]
+            if name in pair and not set(both) <= set(named):
+                raise UsageError(f"{place}: found '{of}' alone; expected {' and '.join(both)}")
+
+
+def _type(rule: Table, place: str) -> str:
+    name = _text(rule, "type", place)
+    try:
+        return full_name(name)
+    except ProtocolError as error:
+        raise UsageError(f"{place}: {error}") from error
+
+
+def _answer(given: Any, source: str) -> Topic:
+    if given is None:
+        return _ANSWER
+    place = f"{source}: answer"
+    if not isinstance(given, Mapping) or given.keys() != {"topic", "type"}:
+        raise UsageError(f"{place}: found {given!r}; expected {{ topic = …, type = … }}")
+    return Topic(_text(given, "topic", place), _type(given, place))
+
+
+def _names(given: Any, source: str) -> dict[str, str]:
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given.values()):
+        raise UsageError(f"{source}: names: found {given!r}; expected {{ r1 = 'husky1' }}")
+    return {plain_name(element): name for element, name in given.items()}
+
+
+def _text(table: Table, name: str, place: str, default: str | None = None) -> str:
+    text = table.get(name, default)
+    if not isinstance(text, str) or not text:
+        raise UsageError(f"{place}: found {name} = {text!r}; expected a text")
+    return text

@@ -1,0 +1,319 @@
+"""A team's node in place of the generated reactions: told what is believed, heard for its commands.
+
+It stands between the two halves of the kernel's answer (``kernel.flight.hear`` and ``reply``), and
+is told what a collective intelligence would hear: where a fault withholds a message there is
+silence, and where it falsifies one, the node is told the false value.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from time import monotonic, sleep
+from typing import Any, Final, Protocol
+
+from mrsfi_runtime.cosimulation.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK, SETUP, TICK, Setup
+from mrsfi_runtime.cosimulation.node.pace import ANSWER, Pace
+from mrsfi_runtime.cosimulation.node.speech import Hearing, Speech
+from mrsfi_runtime.cosimulation.waiting import Completion, Patience
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    ProtocolError,
+    TransportClosed,
+    TransportTimeout,
+    counted,
+)
+from mrsfi_runtime.kernel.motion import reports_position
+from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.targets import Target
+from mrsfi_runtime.transport.dialect import time_of
+from mrsfi_runtime.transport.topics import NodeTransport, Payload, Reply, Service
+
+_LOOK = 0.1
+_STEADY = 0.3
+"""Seconds after which a node that subscribed to no more is taken to be ready."""
+
+_ATTEMPT = 2.0
+_FLOOD: Final = 1000
+"""Commands of a tick, for each topic, from which on a node floods."""
+
+_SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
+_TOPICS = Service("/rosapi/topics", "rosapi/Topics")
+
+
+class Process(Protocol):
+    """The process of a node; ``pid`` is 0 while it does not run."""
+
+    pid: int
+
+    def restart(self, seed: int) -> None:
+        """Start it anew, for a mission seed."""
+
+    def ended(self) -> str:
+        """Return how it ended, or nothing while it runs."""
+
+
+class Node:
+    """A node behind a transport, for the flights of one mission, one after the other.
+
+    Its callbacks run in the thread of the transport's; ``begin`` and ``end`` in another. A
+    ``process`` is started for each flight if that ``restarts`` it, or else before the first. When
+    a flight has failed, ``is_to_blame`` says whether the node did wrong after it was ready.
+    """
+
+    def __init__(
+        self,
+        transport: NodeTransport,
+        speech: Speech,
+        pace: Pace,
+        patience: Patience,
+        process: Process | None = None,
+        *,
+        restarts: bool = False,
+    ) -> None:
+        self._transport = transport
+        self.speech = speech
+        self._mapping = speech.mapping
+        self._pace = pace
+        self._patience = patience
+        self._process = process
+        self._restarts = restarts
+        self.is_to_blame = False
+        self._sayings = [(each, transport.advertise(each.topic)) for each in speech.sayings]
+        self._said: list[tuple[Any, ...] | None] = []
+        self._ready: frozenset[str] | None = None
+        self._flight: Flight | None = None
+        self._run = self._tick = 0
+        self._then: Callable[[], None] | None = None
+        self._n_heard: dict[str, int] = {}
+        self._n_answered: int | None = None
+        self._n_obeyed = 0
+        self._setup = transport.advertise(SETUP)
+        self._told = transport.advertise(TICK)
+        self._clock = transport.advertise(CLOCK)
+        for each in speech.hearings:
+            transport.subscribe(each.topic, partial(self._hear, each))
+        if pace.kind == ANSWER:
+            transport.subscribe(speech.mapping.answer, self._hear_answer)
+
+    def begin(self, flight: Flight, run: int, seed: int) -> None:
+        """Bring the node back to before tick 0, and wait until it is ready.
+
+        One that is not in time is a ``TransportTimeout``.
+        """
+        self._flight, self._run, self._then = flight, run, None
+        self.is_to_blame = False
+        self._said = [None] * len(self._sayings)
+        self._n_obeyed = 0
+        deadline = monotonic() + self._patience.handshake
+        if self._process is not None and (self._restarts or not self._process.pid):
+            self._process.restart(seed)
+        if self._restarts:
+            self._await_subscriptions(deadline)
+            self._set_up(run, seed)
+        else:
+            self._reset(run, seed, deadline)
+            if self._ready is None:
+                self._await_subscriptions(deadline)
+        self._pace.begin()
+
+    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:
+        """Tell the node what was heard; call a function when it has answered."""
+        self._tick, self._then = tick, then
+        self._n_heard = dict.fromkeys(self._n_heard, 0)
+        self._n_answered = None
+        n_told = self._tell(flight, tick)
+        self._clock({"clock": time_of(tick, self._transport.ros)})
+        self._told({"data": [self._run, tick, n_told, self._n_obeyed]})
+        self._pace.wait(self._transport, tick, self._answered)
+
+    def soon(self, function: Callable[[], None]) -> None:
+        """Call a function in the thread of the callbacks."""
+        self._transport.call_later(0.0, function)
+
+    def overdue(self, silence: float) -> MrsfiError | None:
+        """Return what is wrong after so many seconds without progress, if anything is."""
+        if (ended := self._ending()) is not None:
+            self.is_to_blame = True
+            return ended
+        if silence <= self._patience.tick or self._pace.is_free:
+            return None
+        self.is_to_blame = True
+        awaited = self._pace.awaited(self._mapping.answer.name)
+        return TransportTimeout(
+            f"the node was silent for {self._patience.tick:g} s; expected {awaited}; look whether "
+            "it still runs, or allow more with --timeout"
+        )
+
+    def end(self) -> None:
+        """Leave a flight; commands of robots that the mission does not have are an error."""
+        self._flight = self._then = None
+        topics = self._ask(_TOPICS, {}).values.get("topics", ())
+        for topic, kind, name in self.speech.strangers(topics):
+            elements = self._mapping.elements(self.speech.mission)
+            known = ", ".join(each.name for each in elements if each.kind == kind)
+            raise self._wrong(
+                f"the node commands {kind} '{name}' on {topic}; the mission has {known}; "
+                "correct the node, or names in [node]"
+            )
+
+    def _ending(self) -> TransportClosed | None:
+        """Return what to raise if the node's process has ended."""
+        how = "" if self._process is None else self._process.ended()
+        return TransportClosed(f"the node ended: {how}") if how else None
+
+    def _wrong(self, text: str) -> ProtocolError:
+        """Return what to raise about something that the node said."""
+        self.is_to_blame = True
+        return ProtocolError(text)
+
+    def _tell(self, flight: Flight, tick: int) -> int:
+        """Publish what the world spoke of and nothing withholds, and what is believed otherwise."""
+        ci, said = flight.belief, self._said
+        silent = self._silent(flight, tick)
+        n_told = 0
+        for number, (saying, publish) in enumerate(self._sayings):
+            values = saying.values(ci)
+            if values != said[number] or saying.is_spoken(silent):
+                said[number] = values
+                publish(saying.payload(values))
+                n_told += 1
+        return n_told
+
+    def _silent(self, flight: Flight, tick: int) -> set[Target]:
+        """Return of what no message of this tick speaks."""
+        silent: set[Target] = {
+            (Field.POSITION, index)
+            for index in range(len(flight.world.robots))
+            if not reports_position(flight.world, index)
+        }
+        for injection in flight.plan.messages:
+            if injection.start <= tick <= injection.finish:
+                silent.add((Field(injection.affected), injection.target))
+        return silent
+
+    def _hear(self, hearing: Hearing, message: Payload) -> None:
+        """Take a command."""
+        flight = self._flight
+        if flight is None:
+            return
+        name = hearing.topic.name
+        n_heard = self._n_heard[name] = self._n_heard.get(name, 0) + 1
+        if n_heard > _FLOOD and not self._pace.is_free:
+            raise self._wrong(f"{name}: the node sent more than {_FLOOD} commands in a tick")
+        self._n_obeyed += 1
+        try:
+            hearing.obey(flight.belief, message)
+        except ProtocolError as error:
+            raise self._wrong(str(error)) from error
+        if self._n_answered is not None:
+            self._answer_when_complete()
+
+    def _hear_answer(self, message: Payload) -> None:
+        """Take the message by which a tick is answered, ``[tick, commands]`` if it has numbers."""
+        if self._flight is None or self._then is None:
+            return
+        name, numbers = self._mapping.answer.name, message.get("data")
+        if self._mapping.answer.type != "std_msgs/Int64MultiArray":
+            self._answered()
+            return
+        if not (
+            isinstance(numbers, list)
+            and len(numbers) == 2
+            and all(type(number) is int for number in numbers)
+            and numbers[0] == self._tick
+        ):
+            raise self._wrong(
+                f"{name} carried {numbers!r}; expected [tick, commands], here [{self._tick}, "
+                f"{self._n_now}]"
+            )
+        self._n_answered = numbers[1]
+        self._answer_when_complete()
+
+    @property
+    def _n_now(self) -> int:
+        return sum(self._n_heard.values())
+
+    def _answer_when_complete(self) -> None:
+        expected, n_now = self._n_answered, self._n_now
+        if expected is not None and n_now > expected:
+            raise self._wrong(
+                f"{counted(n_now, 'commands')} came in a tick; the node announced {expected}"
+            )
+        if n_now == expected:
+            self._answered()
+
+    def _answered(self) -> None:
+        """Go on: the node has said what it had to say."""
+        then, self._then, self._n_answered = self._then, None, None
+        if then is not None:
+            then()
+
+    def _set_up(self, run: int, seed: int) -> None:
+        """Say which run begins."""
+        self._setup({"data": [*Setup(run, seed, SEMANTICS)]})
+
+    def _reset(self, run: int, seed: int, deadline: float) -> None:
+        """Have the node go back to before tick 0, asking again while nobody provides that."""
+        is_overtaken = False
+        while True:
+            self._set_up(run, seed)
+            reply = self._ask(self._mapping.reset, {})
+            said = reply.problem or str(reply.values.get("message", ""))
+            if reply.values.get("success"):
+                if not said.startswith("run ") or said == f"run {run}":
+                    return
+                if is_overtaken:
+                    sleep(_LOOK)
+                is_overtaken = True  # the reset came before the setup, as on a server of ROS 2
+            self._require_alive()
+            if monotonic() > deadline:
+                raise TransportTimeout(
+                    f"the node did not reset within {self._patience.handshake:g} s: "
+                    f"{self._mapping.reset.name}: {said or 'no success'}"
+                )
+            if not reply.values.get("success"):
+                sleep(_LOOK)
+
+    def _await_subscriptions(self, deadline: float) -> None:
+        """Wait until the node hears what it heard in the flight before, or no more is added."""
+        names = [each.topic.name for each, _ in self._sayings]
+        heard: frozenset[str] = frozenset()
+        steady = monotonic()
+        while True:
+            found = frozenset(name for name in names if self._is_heard(name))
+            if found != heard:
+                heard, steady = found, monotonic()
+            if self._ready is not None and found >= self._ready:
+                return
+            if self._ready is None and found and monotonic() - steady > _STEADY:
+                self._ready = found
+                return
+            self._require_alive()
+            if monotonic() > deadline:
+                missing = ", ".join(sorted((self._ready or frozenset(names)) - found))
+                raise TransportTimeout(
+                    f"the node subscribed to {'no' if not found else 'not every'} topic within "
+                    f"{self._patience.handshake:g} s; nobody hears {missing}"
+                )
+            sleep(_LOOK / 2)
+
+    def _require_alive(self) -> None:
+        ended = self._ending()
+        if ended is not None:
+            raise ended
+
+    def _is_heard(self, topic: str) -> bool:
+        return bool(self._ask(_SUBSCRIBERS, {"topic": topic}).values.get("subscribers"))
+
+    def _ask(self, service: Service, request: Payload) -> Reply:
+        """Call a service and wait for its reply."""
+        completion = Completion()
+        self._transport.call(service, request, completion.end)
+        late = Reply({}, f"no answer within {_ATTEMPT:g} s")
+        try:
+            completion.wait(lambda silence: TransportTimeout() if silence > _ATTEMPT else None)
+        except TransportTimeout:
+            return late
+        reply: Reply = completion.result
+        return reply

@@ -1,0 +1,260 @@
+"""What a node is told, and what it says, topic by topic, of one mission."""
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mrsfi_bridge.definitions import FLOATS, INTEGER_BITS, SCALAR, TEXTS
+from mrsfi_bridge.errors import BridgeError
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.node.mapping import (
+    Element,
+    Entry,
+    NodeMapping,
+    Path,
+    Rule,
+    path_text,
+    spread,
+)
+from mrsfi_runtime.cosimulation.node.quantities import (
+    COMMANDS,
+    QUANTITIES,
+    SPOKEN,
+    command_robot,
+    command_sensor,
+)
+from mrsfi_runtime.errors import ProtocolError, UsageError, expected
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.targets import Target
+from mrsfi_runtime.transport.topics import Payload, Topic
+
+if TYPE_CHECKING:
+    from mrsfi_bridge.structures import Structure
+
+
+class Saying(NamedTuple):
+    """A topic of which a node is told, and what is said there.
+
+    ``targets`` are the properties that it carries; ``spoken`` those of them of which a world speaks
+    in every tick. ``values`` are read of a belief, ``payload`` makes a message of them.
+    """
+
+    topic: Topic
+    targets: frozenset[Target]
+    spoken: frozenset[Target]
+    values: Callable[[State], tuple[Any, ...]]
+    payload: Callable[[tuple[Any, ...]], Payload]
+
+    def is_spoken(self, silent: Set[Target]) -> bool:
+        """Return whether a world spoke of it in a tick in which it was silent of some targets."""
+        return not self.spoken <= silent
+
+
+class Hearing(NamedTuple):
+    """A topic on which a node commands, and what to do with a message."""
+
+    topic: Topic
+    obey: Callable[[State, Payload], None]
+
+
+class Speech:
+    """All that a node is told and says; what its mapping cannot mean is a ``UsageError``."""
+
+    def __init__(self, mapping: NodeMapping, mission: Mission, types: TypeTable) -> None:
+        self._types = types
+        self.mapping = mapping
+        self.mission = mission
+        self._elements = mapping.elements(mission)
+        self._patterns = [(_pattern(rule), rule.kinds[-1]) for rule in mapping.obeys if rule.kinds]
+        self.sayings = tuple(
+            self._saying(rule, name, element)
+            for rule in mapping.tells
+            for name, element in spread(rule, self._elements, mission)
+        )
+        self.hearings = tuple(
+            self._hearing(rule, name, element)
+            for rule in mapping.obeys
+            for name, element in spread(rule, self._elements, mission)
+        )
+
+    @property
+    def told(self) -> frozenset[Target]:
+        """Properties of which the node is told."""
+        return frozenset(target for each in self.sayings for target in each.targets)
+
+    def _saying(self, rule: Rule, name: str, element: Element | None) -> Saying:
+        reads: list[Callable[[State], Any]] = []
+        places: list[tuple[Path, int | None, Any]] = []
+        targets = []
+        for path, entry in rule.fields.items():
+            kind = self._kind(rule, path)
+            if entry.value is not None:
+                places.append((path, None, entry.value))
+                continue
+            of, quantity = self._found(rule, entry, element, QUANTITIES)
+            read, affected = QUANTITIES[of.kind][quantity]
+            if affected is not None:
+                targets.append((affected, of.place))
+            places.append((path, len(reads), None))
+            reads.append(_scaled(read, of.place, entry, kind))
+        if [*rule.fields] == [("data",)] and len(reads) == 1:
+            (only,) = reads
+            values, payload = lambda ci: (only(ci),), lambda said: {"data": said[0]}
+        else:
+            values = lambda ci: tuple([read(ci) for read in reads])  # noqa: E731
+            payload = lambda said: _message(places, said)  # noqa: E731
+        carried = frozenset(targets)
+        spoken = frozenset(target for target in carried if target[0] in SPOKEN)
+        return Saying(Topic(name, rule.topic.type), carried, spoken, values, payload)
+
+    def _hearing(self, rule: Rule, name: str, element: Element | None) -> Hearing:
+        kinds = {path: self._kind(rule, path) for path in rule.fields}
+        by_element: dict[Element, list[tuple[str, Path, Entry]]] = {}
+        for path, entry in rule.fields.items():
+            of, command = self._found(rule, entry, element, COMMANDS)
+            by_element.setdefault(of, []).append((command, path, entry))
+
+        def obey(ci: State, message: Payload) -> None:
+            for of, commands in by_element.items():
+                given = {
+                    command: (_number(name, message, path, kinds[path]) - entry.offset)
+                    / entry.scale
+                    for command, path, entry in commands
+                }
+                if of.kind == "robot":
+                    command_robot(ci, of.place, given)
+                else:
+                    command_sensor(ci, of.place, given)
+
+        return Hearing(Topic(name, rule.topic.type), obey)
+
+    def _found(
+        self,
+        rule: Rule,
+        entry: Entry,
+        element: Element | None,
+        known: Mapping[str, Mapping[str, Any]],
+    ) -> tuple[Element, str]:
+        """Return what an entry is of, and the name of what it holds."""
+        owner, _, name = entry.of.rpartition(".")
+        named = {each.name: each for each in self._elements}
+        of = element or named.get(owner)
+        place = f"[node] {rule.topic.name}: found '{entry.of}'"
+        if of is None:
+            raise UsageError(f"{place}; {expected(owner, named)}")
+        if name not in known.get(of.kind, {}):
+            raise UsageError(f"{place}; {expected(name, known.get(of.kind, {}))}")
+        return of, name
+
+    def strangers(self, topics: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+        """Yield topics that command what the mission does not have, its kind, and its name."""
+        known = {each.topic.name for each in self.hearings}
+        for pattern, kind in self._patterns:
+            for topic in topics:
+                match = pattern.fullmatch(topic)
+                if match is not None and topic not in known:
+                    yield topic, kind, match[kind]
+
+    def _kind(self, rule: Rule, path: Path) -> str:
+        """Return the type of a field, which has to be one number or text of its message."""
+        place, walked = f"[node] {rule.topic.name}: {rule.topic.type}", path
+        try:
+            structure: Structure | None = self._types.message(rule.topic.type)
+        except BridgeError as error:
+            raise UsageError(f"[node] {rule.topic.name}: {error}") from error
+        kind = ""
+        while walked:
+            step, *rest = walked
+            known = (
+                {}
+                if structure is None
+                else {field.name: field for field in structure.definition.fields}
+            )
+            if step not in known:
+                raise UsageError(
+                    f"{place}: found field '{path_text(path)}'; {expected(step, known)}"
+                )
+            field = known[str(step)]
+            is_array = field.length != SCALAR
+            if is_array != (bool(rest) and isinstance(rest[0], int)):
+                wanted = f"{step}[0]" if is_array else str(step)
+                raise UsageError(f"{place}: found '{path_text(path)}'; expected {wanted}")
+            walked = tuple(rest[1:] if is_array else rest)
+            kind = field.type
+            structure = structure.nested.get(kind) if structure is not None else None
+        if structure is not None:
+            inner = [field.name for field in structure.definition.fields]
+            raise UsageError(
+                f"{place}: found '{path_text(path)}', a {kind}; "
+                f"expected one of its fields: {', '.join(inner)}"
+            )
+        return kind
+
+
+def _scaled(
+    read: Callable[[State, int], Any], index: int, entry: Entry, kind: str
+) -> Callable[[State], Any]:
+    """Return what reads a field's value of a belief, in the type of the field."""
+    scale, offset = entry.scale, entry.offset
+    if kind in FLOATS:
+        if (scale, offset) == (1.0, 0.0):
+            return lambda ci: float(read(ci, index))
+        return lambda ci: offset + scale * read(ci, index)
+    if kind in INTEGER_BITS:
+        return lambda ci: round(offset + scale * read(ci, index))
+    if kind == "bool":
+        return lambda ci: bool(read(ci, index))
+    return lambda ci: str(read(ci, index)) if kind in TEXTS else read(ci, index)
+
+
+def _message(places: list[tuple[Path, int | None, Any]], said: tuple[Any, ...]) -> Payload:
+    """Return a message with some values in their places."""
+    message: dict[str, Any] = {}
+    for path, number, value in places:
+        at: Any = message
+        for step, after in zip(path, (*path[1:], None), strict=True):
+            inner: Any = [] if isinstance(after, int) else {}
+            if after is None:
+                inner = value if number is None else said[number]
+            if isinstance(step, int):
+                at.extend(type(inner)() for _ in range(step + 1 - len(at)))
+                if after is None or not at[step]:
+                    at[step] = inner
+                at = at[step]
+            elif after is None:
+                at[step] = inner
+            else:
+                at = at.setdefault(step, inner)
+    return message
+
+
+def _number(topic: str, message: Mapping[str, Any], path: Path, kind: str) -> float:
+    """Return the number at a place of a message that came."""
+    value: Any = message
+    try:
+        for step in path:
+            value = value[step]
+    except (KeyError, IndexError, TypeError):
+        raise ProtocolError(
+            f"{topic} carried {_shown(message)}; expected a field {path_text(path)}"
+        ) from None
+    is_number = isinstance(value, int | float) and math.isfinite(value)
+    if not is_number or isinstance(value, bool) != (kind == "bool"):
+        raise ProtocolError(
+            f"{topic} carried {_shown(value)} in {path_text(path)}; expected "
+            + ("true or false" if kind == "bool" else "a finite number")
+        )
+    return float(value)
+
+
+def _shown(value: Any) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 80 else f"{shown[:80]}…"
+
+
+def _pattern(rule: Rule) -> re.Pattern[str]:
+    """Return what matches the topics of a rule, of any element."""
+    pattern = re.escape(rule.topic.name).replace(r"\{", "{").replace(r"\}", "}")
+    return re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/]+)", pattern))

@@ -1,0 +1,150 @@
+"""Evaluates fault specifications with a team's own node as the collective intelligence.
+
+The node is told on topics of its own what would be believed, and its commands are flown. The world
+is ours, in this process, and the node joins a server that is embedded here; or the world is the
+team's, and world, injector and node are on one server.
+"""
+
+import secrets
+from contextlib import ExitStack
+from pathlib import Path
+
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.errors import BridgeError
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.bundle import BundlingTransport
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
+from mrsfi_runtime.cosimulation.node.node import Node
+from mrsfi_runtime.cosimulation.node.pace import Barrier, Pace
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
+from mrsfi_runtime.engine.flights import PlainEngine
+from mrsfi_runtime.engine.node_process import NodeProcess
+from mrsfi_runtime.engine.node_settings import RESTART
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
+from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.kernel.injections import FaultTally
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.transport.bridge_errors import as_ours
+from mrsfi_runtime.transport.embedded import EmbeddedTransport
+from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.prefixed import PrefixedTransport
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import NodeTransport, Transport
+
+
+class InjectorEngine(PlainEngine):
+    """Flies missions with a node between what is heard and what is commanded.
+
+    What a node does wrong that is started here is an ``EvaluationError`` if it does so twice: it
+    belongs to the specification. All else that goes wrong on the way is a ``TransportError``.
+    """
+
+    def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
+        super().__init__(code, seed)
+        assert settings.node is not None
+        self._settings, patience = settings.node, settings.patience
+        self.patience = 4 * (patience.tick + patience.handshake)
+        mapping = self._settings.table
+        types = TypeTable([Path(folder) for folder in mapping.types], settings.ros)
+        with ExitStack() as opened:
+            try:
+                transport = self._join(settings, types, opened)
+            except BridgeError as error:
+                raise as_ours(error) from error
+            self._process: NodeProcess | None = None
+            if self._settings.command is not None:
+                self._process = NodeProcess(self._settings.command, self._url)
+                opened.callback(self._process.close)
+            self.node = Node(
+                transport,
+                Speech(mapping, code.mission, types),
+                Pace(self._settings.pace, self._barrier),
+                patience,
+                self._process,
+                restarts=self._settings.reset == RESTART,
+            )
+            self._lockstep = BusLockstep(
+                self._world, code.mission, code.interface, code.truth, patience, self.node
+            )
+            transport.watch(self._lockstep.fail)
+            self._opened = opened.pop_all()
+        self.interface = self._lockstep.interface
+
+    def close(self) -> None:
+        """End the node and the connection."""
+        self._opened.close()
+
+    def _join(self, settings: EngineSettings, types: TypeTable, opened: ExitStack) -> NodeTransport:
+        """Return the transport of the node, after that of the world was made."""
+        node, code = self._settings, self.code
+        self._barrier: Barrier | None = None
+        if settings.url is not None:
+            joined = RosbridgeTransport(settings.url, settings.client, settings.ros)
+            opened.callback(joined.close)
+            self._url = settings.url
+            world = PrefixedTransport(joined, settings.world_prefix)
+            self._world: Transport = (
+                BundlingTransport.of_ci(world) if settings.is_bundled else world
+            )
+            return PrefixedTransport(joined, node.prefix)
+        # other users of this machine are no part of the mission
+        token = secrets.token_urlsafe() if "{url}" in (node.command or "") else None
+        bridge = opened.enter_context(EmbeddedBridge(ServerSettings(token=token, types=types)))
+        self._url = bridge.url if token is None else f"{bridge.url}/?token={token}"
+        embedded = EmbeddedTransport(bridge)
+        opened.callback(embedded.close)
+        self._barrier = embedded.barrier
+        self._world = LocalBus()
+        self._host = SimulationHost(self._world, code.simulation, code.mission, settings.patience)
+        return PrefixedTransport(embedded, node.prefix)
+
+    def _evaluate(
+        self,
+        specification: Specification,
+        seed: int,
+        pool: FaultPool,
+        observer: Observer | None,
+        tallies: list[FaultTally],
+    ) -> Outcome:
+        beyond = out_of_reach(self.code.mission, pool, self.node.speech)
+        for timed in specification:
+            if timed.fault in beyond:
+                raise SpecificationError(
+                    f"fault '{timed.fault}' cannot be injected: {beyond[timed.fault]}; map one in "
+                    "[node] of mrsfi.toml, or leave it out (docs/node.md)",
+                    (timed.fault,),
+                )
+        flights = [self._flown_well(specification, seed, pool, observer, tallies)]
+        while len(flights) < self._settings.repeats:
+            flights.append(self._flown_well(specification, seed, pool, None, []))
+        flights.sort(key=lambda each: (sum(each.believed), sum(each.true), each.digest))
+        return flights[len(flights) // 2]
+
+    def _flown_well(
+        self,
+        specification: Specification,
+        seed: int,
+        pool: FaultPool,
+        observer: Observer | None,
+        tallies: list[FaultTally],
+    ) -> Outcome:
+        """Fly; what the node does wrong twice belongs to the specification."""
+        for is_last in (observer is not None, True):
+            try:
+                return super()._evaluate(specification, seed, pool, observer, tallies)
+            except TransportError as error:
+                if self._process is None or not self.node.is_to_blame:
+                    raise
+                self._process.stop()
+                if is_last:
+                    raise EvaluationError(str(error)) from error
+        raise AssertionError
+
+    def _fly(self, flight: Flight, seed: int) -> None:
+        self._lockstep.fly(flight, seed)

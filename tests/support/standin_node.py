@@ -1,0 +1,127 @@
+"""A node that stands for any team's: the generated reactions of a mission, behind a socket.
+
+``python -m tests.support.standin_node CODE URL ROS [PREFIX]`` hears what it is told, answers every
+tick with its commands and one message more, and is reset by a service.
+"""
+
+import sys
+from pathlib import Path
+
+from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.kernel.commands import feasible, release
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.model.names import plain_name
+from mrsfi_runtime.transport.prefixed import PrefixedTransport
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import Payload, Service, Topic
+
+
+class StandIn:
+    """The reactions of a mission, and the belief that they act on."""
+
+    def __init__(self, directory: Path, url: str, ros: int, prefix: str = "") -> None:
+        self.code = load_code(directory)
+        self.transport = PrefixedTransport(RosbridgeTransport(url, ros=ros), prefix)
+        self.ci = initial_state(self.code.mission, 0)
+        self.setup = (0, 0)
+        self.heard = 0
+        self.tick: list[int] | None = None
+        self.sent = 0
+        mission = self.code.mission
+        self.turn, self.drive, self.switch = [], [], []
+        for index, robot in enumerate(mission.robots):
+            base = f"/{plain_name(robot.id)}"
+            self.hear(f"{base}/position", "geometry_msgs/Point", self.position(index))
+            self.hear(f"{base}/speed", "std_msgs/Float64", self.number("robots", index, "speed"))
+            self.hear(f"{base}/energy", "std_msgs/Float64", self.number("robots", index, "energy"))
+            sent = self.number("commands", index, "sent_speed")
+            self.hear(f"{base}/speed/sent", "std_msgs/Float64", sent)
+            self.turn.append(self.say(f"{base}/command/heading", "geometry_msgs/Vector3"))
+            self.drive.append(self.say(f"{base}/command/speed", "std_msgs/Float64"))
+        for index, sensor in enumerate(mission.sensors):
+            robot = mission.robots[mission.sensor_robot[index]]
+            base = f"/{plain_name(robot.id)}/{plain_name(sensor.id)}"
+            self.hear(f"{base}/samples", "std_msgs/Int64", self.number("sensors", index, "count"))
+            self.hear(f"{base}/active", "std_msgs/Bool", self.number("sensors", index, "active"))
+            self.switch.append(self.say(f"{base}/command/active", "std_msgs/Bool"))
+        self.answer = self.say("/mission/answer", "std_msgs/Int64MultiArray")
+        self.transport.subscribe(Topic("/mission/setup", "std_msgs/Int64MultiArray"), self.on_setup)
+        self.transport.subscribe(Topic("/mission/tick", "std_msgs/Int64MultiArray"), self.on_tick)
+        self.transport.provide(Service("/mission/reset", "std_srvs/Trigger"), self.on_reset)
+
+    def say(self, name, kind):
+        return self.transport.advertise(Topic(name, kind))
+
+    def hear(self, name, kind, take):
+        def receive(message: Payload) -> None:
+            take(message)
+            self.heard += 1
+            self.answer_when_complete()
+
+        self.transport.subscribe(Topic(name, kind), receive)
+
+    def position(self, index):
+        def take(message: Payload) -> None:
+            robot = self.ci.robots[index]
+            robot.x, robot.y, robot.z = message["x"], message["y"], message["z"]
+
+        return take
+
+    def number(self, listed, index, name):
+        def take(message: Payload) -> None:
+            record = getattr(self.ci, listed)[index]
+            setattr(record, name, type(getattr(record, name))(message["data"]))
+
+        return take
+
+    def on_setup(self, message: Payload) -> None:
+        self.setup = tuple(message["data"][:2])
+
+    def on_reset(self, _request: Payload) -> Payload:
+        run, seed = self.setup
+        self.ci = initial_state(self.code.mission, seed)
+        self.heard, self.tick = 0, None
+        return {"success": True, "message": f"run {run}"}
+
+    def on_tick(self, message: Payload) -> None:
+        self.tick = message["data"]
+        self.answer_when_complete()
+
+    def answer_when_complete(self) -> None:
+        if self.tick is None or self.heard < self.tick[2]:
+            return
+        _, tick, _, _ = self.tick
+        self.heard, self.tick = 0, None
+        ci, functions = self.ci, self.code.functions
+        ci.mission.tick = tick
+        release(ci)
+        functions.progress(ci)
+        functions.react(ci)
+        n_sent = 0
+        for index, command in enumerate(ci.commands):
+            if command.heading_claimed:
+                self.turn[index]({"x": command.heading_x, "y": command.heading_y, "z": 0.0})
+                n_sent += 1
+            if command.speed_claimed:
+                self.drive[index]({"data": feasible(ci.robots[index], command.speed)})
+                n_sent += 1
+        for index, switch in enumerate(ci.switches):
+            if switch.claimed:
+                self.switch[index]({"data": switch.active == 1})
+                n_sent += 1
+        self.answer({"data": [tick, n_sent]})
+
+
+def main() -> None:
+    """Serve until the connection is lost."""
+    directory, url, ros, *prefix = sys.argv[1:]
+    import threading
+
+    ended = threading.Event()
+    node = StandIn(Path(directory), url, int(ros), *prefix)
+    node.transport.watch(lambda error: (sys.stderr.write(f"{error!r}\n"), ended.set()))
+    ended.wait()
+
+
+if __name__ == "__main__":
+    main()
