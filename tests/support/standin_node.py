@@ -1,6 +1,6 @@
 """A node that stands for any team's: the generated reactions of a mission, behind a socket.
 
-``python -m tests.support.standin_node CODE URL ROS [PREFIX]`` hears what it is told, answers every
+``python -m tests.support.standin_node CODE URL ROS SEED [PREFIX]`` hears what it is told, answers every
 tick with its commands and one message more, and is reset by a service.
 """
 
@@ -19,10 +19,10 @@ from mrsfi_runtime.transport.topics import Payload, Service, Topic
 class StandIn:
     """The reactions of a mission, and the belief that they act on."""
 
-    def __init__(self, directory: Path, url: str, ros: int, prefix: str = "") -> None:
+    def __init__(self, directory: Path, url: str, ros: int, seed: int, prefix: str = "") -> None:
         self.code = load_code(directory)
         self.transport = PrefixedTransport(RosbridgeTransport(url, ros=ros), prefix)
-        self.ci = initial_state(self.code.mission, 0)
+        self.ci = initial_state(self.code.mission, seed)
         self.setup = (0, 0)
         self.heard = 0
         self.tick: list[int] | None = None
@@ -114,11 +114,11 @@ class StandIn:
 
 def main() -> None:
     """Serve until the connection is lost."""
-    directory, url, ros, *prefix = sys.argv[1:]
+    directory, url, ros, seed, *prefix = sys.argv[1:]
     import threading
 
     ended = threading.Event()
-    node = StandIn(Path(directory), url, int(ros), *prefix)
+    node = StandIn(Path(directory), url, int(ros), int(seed), *prefix)
     node.transport.watch(lambda error: (sys.stderr.write(f"{error!r}\n"), ended.set()))
     ended.wait()
 

@@ -37,7 +37,7 @@ class NodeProcess:
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
 
-    def restart(self, seed: int) -> None:
+    def start(self, seed: int) -> None:
         """End the node if it runs, and start it for a mission seed."""
         address = self._url.partition("://")[2].partition("/")[0]
         host, _, port = address.rpartition(":")

@@ -46,8 +46,11 @@ class Process(Protocol):
 
     pid: int
 
-    def restart(self, seed: int) -> None:
-        """Start it anew, for a mission seed."""
+    def start(self, seed: int) -> None:
+        """Start it for a mission seed."""
+
+    def stop(self) -> None:
+        """End it if it runs."""
 
     def ended(self) -> str:
         """Return how it ended, or nothing while it runs."""
@@ -107,7 +110,9 @@ class Node:
         self._n_obeyed = 0
         deadline = monotonic() + self._patience.handshake
         if self._process is not None and (self._restarts or not self._process.pid):
-            self._process.restart(seed)
+            self._process.stop()
+            self._await_silence()
+            self._process.start(seed)
         if self._restarts:
             self._await_subscriptions(deadline)
             self._set_up(run, seed)
@@ -277,11 +282,10 @@ class Node:
 
     def _await_subscriptions(self, deadline: float) -> None:
         """Wait until the node hears what it heard in the flight before, or no more is added."""
-        names = [each.topic.name for each, _ in self._sayings]
         heard: frozenset[str] = frozenset()
         steady = monotonic()
         while True:
-            found = frozenset(name for name in names if self._is_heard(name))
+            found = self._heard()
             if found != heard:
                 heard, steady = found, monotonic()
             if self._ready is not None and found >= self._ready:
@@ -291,7 +295,8 @@ class Node:
                 return
             self._require_alive()
             if monotonic() > deadline:
-                missing = ", ".join(sorted((self._ready or frozenset(names)) - found))
+                names = (each.topic.name for each, _ in self._sayings)
+                missing = ", ".join(sorted((self._ready or {*names}) - found))
                 raise TransportTimeout(
                     f"the node subscribed to {'no' if not found else 'not every'} topic within "
                     f"{self._patience.handshake:g} s; nobody hears {missing}"
@@ -303,8 +308,20 @@ class Node:
         if ended is not None:
             raise ended
 
-    def _is_heard(self, topic: str) -> bool:
-        return bool(self._ask(_SUBSCRIBERS, {"topic": topic}).values.get("subscribers"))
+    def _await_silence(self) -> None:
+        """Wait until the server knows that a node is gone, or somebody else is seen to hear too."""
+        deadline = monotonic() + _ATTEMPT
+        while self._heard() and monotonic() < deadline:
+            sleep(_LOOK / 2)
+
+    def _heard(self) -> frozenset[str]:
+        """Return the topics of the node to which anybody subscribed."""
+        names = (each.topic.name for each, _ in self._sayings)
+        return frozenset(
+            name
+            for name in names
+            if self._ask(_SUBSCRIBERS, {"topic": name}).values.get("subscribers")
+        )
 
     def _ask(self, service: Service, request: Payload) -> Reply:
         """Call a service and wait for its reply."""

@@ -37,7 +37,7 @@ class Pace:
         if self.is_free:
             due = self._start + (tick + 1) / float(self.kind)
             transport.call_later(max(due - monotonic(), 0.0), then)
-        elif self._barrier is not None:
+        elif self._barrier is not None and self.kind == BARRIER:
             self._barrier(then)
 
     def awaited(self, answer: str) -> str:
