@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
 from m2t.generate import rendered_file
@@ -81,6 +81,7 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
         models = load_mission_folder(folder.model)
         mission = mission_from_text(rendered_file("mission_loader.py", models))
         pool = pool_from_text(rendered_file("fault_loader.py", models))
+        pool = pool.without(store.manifest.engine.left_out)
         yield OpenCampaign(folder, store, mission, pool)
 
 
@@ -101,12 +102,13 @@ def load_own(folder: CampaignFolder, store: CampaignStore) -> MissionCode:
     store.require_flyable()
     folder.require_hashes(store.manifest.sha256)
     try:
-        return load_code(folder.generated)
+        code = load_code(folder.generated)
     except GenerationError as error:
         raise RecordError(
             f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}; "
             "expected the folder as `mrsfi evolve` left it"
         ) from error
+    return replace(code, pool=code.pool.without(store.manifest.engine.left_out))
 
 
 def _edited(folder: CampaignFolder) -> Iterator[str]:

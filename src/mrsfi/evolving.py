@@ -3,6 +3,7 @@
 import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TypeAlias
@@ -11,6 +12,7 @@ from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
 from mrsfi.engines import Tell, Workers, own_engine, recorded_engine, silent
 from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
+from mrsfi.injecting import looked_at, within_reach
 from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
@@ -24,7 +26,7 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.manifest import CI, Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
@@ -60,9 +62,12 @@ def begun(
     Whatever speaks against it is said before anything is written; ``ratio`` is one by which its
     report is going to pick.
     """
+    code, engine = within_reach(code, engine, tell)
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
     flown_by = engine.tried(code, settings.mission_seed, tell)
+    engine = looked_at(code, engine, settings, tell)
+    flown_by = replace(flown_by, node=engine.node)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
         yield campaign, flown_by
@@ -161,7 +166,7 @@ def evolve(
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            search(campaign, many, progress, None if engine.explains else tell)
+            search(campaign, many, progress, None if engine.side != CI else tell)
         if explains and engine.explains:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:

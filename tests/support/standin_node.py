@@ -1,7 +1,7 @@
 """A node that stands for any team's: the generated reactions of a mission, behind a socket.
 
-``python -m tests.support.standin_node CODE URL ROS SEED [PREFIX]`` hears what it is told, answers every
-tick with its commands and one message more, and is reset by a service.
+``python -m tests.support.standin_node CODE URL ROS SEED [PREFIX]`` hears what it is told, answers
+every tick with its commands and one message more, and is reset by a service.
 """
 
 import sys

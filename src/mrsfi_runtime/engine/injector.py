@@ -116,8 +116,9 @@ class InjectorEngine(PlainEngine):
         for timed in specification:
             if timed.fault in beyond:
                 raise SpecificationError(
-                    f"fault '{timed.fault}' cannot be injected: {beyond[timed.fault]}; map one in "
-                    "[node] of mrsfi.toml, or leave it out (docs/node.md)",
+                    f"fault '{timed.fault}' cannot be injected: it touches {beyond[timed.fault]}, "
+                    "of which no topic tells the node; map one in [node] of mrsfi.toml, or leave "
+                    "the fault out (docs/node.md)",
                     (timed.fault,),
                 )
         flights = [self._flown_well(specification, seed, pool, observer, tallies)]

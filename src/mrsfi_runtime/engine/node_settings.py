@@ -8,9 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
+from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import NodeMapping
 from mrsfi_runtime.cosimulation.node.pace import ANSWER, BARRIER, PACES
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
 
 RESTART, SERVICE = "restart", "service"
 RESETS = (RESTART, SERVICE)
@@ -26,8 +31,9 @@ class NodeSettings:
     """What makes a node the collective intelligence.
 
     ``command`` starts it; without any it is somebody else's. ``mapping`` is its table as JSON,
-    empty for generated topics, and ``sha256`` the hash of the files that the command is in. If it
-    does not repeat itself, it flies each specification ``repeats`` times.
+    empty for generated topics, and ``sha256`` the hash of the files that the command is in. Of the
+    ``repeats`` flights of a specification the median counts. ``left_out`` are faults that do not
+    reach it.
     """
 
     command: str | None = None
@@ -37,6 +43,7 @@ class NodeSettings:
     mapping: str = ""
     prefix: str = ""
     repeats: int = 1
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -85,7 +92,14 @@ class NodeSettings:
                     f"this campaign was flown with another node: {_WORDS.get(name, name)} {now!r}, "
                     f"recorded {then!r}; expected the same, or a new campaign"
                 )
-        return replace(self, repeats=recorded.get("repeats", 1))
+        left_out = tuple(recorded.get("left_out", ()))
+        return replace(self, repeats=recorded.get("repeats", 1), left_out=left_out)
+
+    def out_of_reach(self, mission: Mission, pool: FaultPool) -> dict[str, str]:
+        """Return the faults that cannot be injected, by ID, and what each touches."""
+        mapping = self.table
+        types = TypeTable([Path(folder) for folder in mapping.types])
+        return out_of_reach(mission, pool, Speech(mapping, mission, types))
 
     @property
     def table(self) -> NodeMapping:

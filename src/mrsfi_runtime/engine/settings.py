@@ -71,8 +71,11 @@ class EngineSettings:
 
     @property
     def explains(self) -> bool:
-        """Whether it flies for explanations, too: not on somebody else's simulation alone."""
-        return self.side != CI
+        """Whether it flies for explanations, too: not on somebody else's simulation alone.
+
+        Nor with a node that does not repeat itself.
+        """
+        return self.side != CI and (self.node is None or self.node.repeats == 1)
 
     def named(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
         """Return settings that name an engine: auto becomes compiled, if all of it compiles.
@@ -94,7 +97,7 @@ class EngineSettings:
         Somebody else's simulation is not asked to fly.
         """
         settings = self.named(code, seed, tell)
-        if self.explains:
+        if self.side != CI:
             with settings.open(code, seed) as opened:
                 opened.evaluate(())
         return settings

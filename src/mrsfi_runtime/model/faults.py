@@ -6,11 +6,11 @@ Source paper, sections III-B b) and III-E a).
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import count
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.fault_types import FaultType
@@ -114,6 +114,11 @@ class FaultPool:
 
     def __len__(self) -> int:
         return len(self.faults)
+
+    def without(self, faults: Collection[str]) -> Self:
+        """Return the pool without some faults, by their IDs; itself if these are none."""
+        left = tuple(fault for fault in self.faults if fault.id not in faults)
+        return self if len(left) == len(self.faults) else replace(self, faults=left)
 
     def written_specification(self) -> Specification:
         """Return the faults of a written specification, each of which has to have a window."""

@@ -29,6 +29,11 @@ class EngineRecord:
         """Whether the simulation or the collective intelligence was somebody else's."""
         return self.side != BOTH
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Faults of the pool that could not be injected into the node."""
+        return tuple((self.node or {}).get("left_out", ()))
+
     def as_json(self) -> dict[str, Any]:
         """Return the entries of a manifest."""
         if self.client is None:

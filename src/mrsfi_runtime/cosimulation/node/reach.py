@@ -11,12 +11,11 @@ _ON_THE_WAY = (Field.MOTION, Field.ACTIVATION)
 
 
 def out_of_reach(mission: Mission, pool: FaultPool, speech: Speech) -> dict[str, str]:
-    """Return the faults of a pool that cannot be injected, by ID, and of each why."""
+    """Return the faults of a pool that cannot be injected, by ID, and what each touches."""
     told = speech.told
     found = {}
     for fault in pool:
         targets = touched(mission, fault)
         if not any(target in told or target[0] in _ON_THE_WAY for target in targets):
-            named = ", ".join(describe(mission, target) for target in targets) or "nothing"
-            found[fault.id] = f"it touches {named}, of which no topic tells the node"
+            found[fault.id] = ", ".join(describe(mission, target) for target in targets)
     return found

@@ -1,0 +1,67 @@
+"""A team's own node before a campaign: which faults reach it, and whether it repeats itself."""
+
+from collections import defaultdict
+from dataclasses import replace
+from random import Random
+
+from mrsfi.engines import Tell
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import UsageError, counted
+from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+
+N_LOOKS = 3
+"""Times that a specification is flown to see whether a node repeats itself, and if it does not."""
+
+
+def within_reach(
+    code: MissionCode, engine: EngineSettings, tell: Tell
+) -> tuple[MissionCode, EngineSettings]:
+    """Return code and settings without the faults that cannot be injected; tell of these.
+
+    Where nothing is left, it is a ``UsageError``.
+    """
+    if engine.node is None:
+        return code, engine
+    beyond = engine.node.out_of_reach(code.mission, code.pool)
+    touching = defaultdict(list)
+    for fault, touched in beyond.items():
+        touching[touched].append(fault)
+    if touching:
+        listed = "; ".join(f"{what} ({', '.join(faults)})" for what, faults in touching.items())
+        tell(f"left out, for no topic tells your node of what they touch: {listed}")
+    pool = code.pool.without(beyond)
+    if not pool:
+        raise UsageError(
+            f"none of {counted(len(code.pool), 'faults')} can be injected: no topic of [node] "
+            "tells of what they touch (docs/node.md)"
+        )
+    node = replace(engine.node, left_out=tuple(beyond))
+    return replace(code, pool=pool), replace(engine, node=node)
+
+
+def looked_at(
+    code: MissionCode, engine: EngineSettings, settings: CampaignSettings, tell: Tell
+) -> EngineSettings:
+    """Fly one specification several times, and return settings by which each flies often enough.
+
+    That is once if the node repeats itself, and otherwise as often; it is told.
+    """
+    if engine.node is None:
+        return engine
+    space = SearchSpace.of(code.mission, code.pool)
+    specification = random_specification(space, settings.faults, Random(settings.seed))
+    with engine.open(code, settings.mission_seed) as opened:
+        found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
+    if all(each == found[0] for each in found):
+        tell(f"your node repeats itself: one specification, flown {N_LOOKS} times, was the same")
+        return engine
+    counts = ", ".join(str(sum(each.believed)) for each in found)
+    tell(
+        f"warning: your node does not repeat itself: one specification, flown {N_LOOKS} times, had "
+        f"{counts} believed violations; each is flown {N_LOOKS} times and judged by the median, "
+        "and causes are not looked for: they may be chance"
+    )
+    return replace(engine, node=replace(engine.node, repeats=N_LOOKS))
