@@ -26,7 +26,7 @@ class StandIn:
         self.setup = (0, 0)
         self.heard = 0
         self.tick: list[int] | None = None
-        self.sent = 0
+        self.told = {}
         mission = self.code.mission
         self.turn, self.drive, self.switch = [], [], []
         for index, robot in enumerate(mission.robots):
@@ -80,7 +80,7 @@ class StandIn:
     def on_reset(self, _request: Payload) -> Payload:
         run, seed = self.setup
         self.ci = initial_state(self.code.mission, seed)
-        self.heard, self.tick = 0, None
+        self.heard, self.tick, self.told = 0, None, {}
         return {"success": True, "message": f"run {run}"}
 
     def on_tick(self, message: Payload) -> None:
@@ -98,18 +98,31 @@ class StandIn:
         functions.progress(ci)
         functions.react(ci)
         n_sent = 0
-        for index, command in enumerate(ci.commands):
-            if command.heading_claimed:
-                self.turn[index]({"x": command.heading_x, "y": command.heading_y, "z": 0.0})
-                n_sent += 1
-            if command.speed_claimed:
-                self.drive[index]({"data": feasible(ci.robots[index], command.speed)})
-                n_sent += 1
-        for index, switch in enumerate(ci.switches):
-            if switch.claimed:
-                self.switch[index]({"data": switch.active == 1})
-                n_sent += 1
+        for publish, told in self.commands(tick + 1 == self.code.mission.duration):
+            publish(told)
+            n_sent += 1
         self.answer({"data": [tick, n_sent]})
+
+
+    def commands(self, tells_all):
+        """Yield what to say: commands that changed, or all of the tick, as its end is recorded."""
+        ci = self.ci
+        for index, command in enumerate(ci.commands):
+            heading = {"x": command.heading_x, "y": command.heading_y, "z": 0.0}
+            speed = {"data": feasible(ci.robots[index], command.speed)}
+            if command.heading_claimed and self.is_due(("heading", index), heading, tells_all):
+                yield self.turn[index], heading
+            if command.speed_claimed and self.is_due(("speed", index), speed, tells_all):
+                yield self.drive[index], speed
+        for index, switch in enumerate(ci.switches):
+            active = {"data": switch.active == 1}
+            if switch.claimed and self.is_due(("switch", index), active, tells_all):
+                yield self.switch[index], active
+
+    def is_due(self, place, told, tells_all):
+        is_new = self.told.get(place) != told
+        self.told[place] = told
+        return is_new or tells_all
 
 
 def main() -> None:

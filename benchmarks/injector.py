@@ -1,0 +1,72 @@
+"""What a tick costs with a team's own node as the collective intelligence, by its pace.
+
+Run ``python -m benchmarks.injector`` from the project's root after ``make install``. The node is that
+of the tests: the generated reactions behind a socket, reset by a service. Each way is a process of its
+own that stays open; they take turns, so that whatever slows this machine slows all alike. Printed are
+ticks a second of the paper's mission, the median of some rounds, and how many times as long as a tick
+of the two generated sides over the default client each takes.
+"""
+
+import argparse
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from statistics import median
+
+from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.generated_code import load_code
+
+MISSION = Path("generated") / "uuv_sampling"
+NODE = f"{sys.executable} -m tests.support.standin_node {MISSION} {{url}} 1 {{seed}}"
+WAYS = ("two sides", "answer", "barrier")
+
+
+def fly(way: str) -> None:
+    """Fly once for each line that is said, and answer with ticks a second."""
+    code = load_code(MISSION)
+    node = None
+    if way != WAYS[0]:
+        node = NodeSettings.of(NODE, None, url=None, pace=way, reset=SERVICE)
+    with EngineSettings("rosbridge", node=node).open(code, 1) as engine:
+        for _ in sys.stdin:
+            begin = time.perf_counter()
+            engine.evaluate(())
+            print(code.mission.duration / (time.perf_counter() - begin), flush=True)
+
+
+def main() -> None:
+    """Print a line for each way."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--one", choices=WAYS, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.one is not None:
+        return fly(arguments.one)
+    with ExitStack() as opened:
+        processes = [
+            opened.enter_context(
+                subprocess.Popen(
+                    [sys.executable, "-m", "benchmarks.injector", "--one", way],
+                    stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1,
+                )
+            )
+            for way in WAYS
+        ]  # fmt: skip
+        found: list[list[float]] = [[] for _ in WAYS]
+        for _ in range(arguments.rounds + 1):
+            for process, rates in zip(processes, found, strict=True):
+                process.stdin.write("\n")
+                rates.append(float(process.stdout.readline()))
+        for process in processes:
+            process.stdin.close()
+    rates = [median(each[1:]) for each in found]  # the first one warms
+    for way, rate in zip(WAYS, rates, strict=True):
+        print(f"{way:9} {rate:7,.0f} ticks/s {rates[0] / rate:6.2f}")
+    return None
+
+
+if __name__ == "__main__":
+    main()
