@@ -9,9 +9,12 @@ from m2t.generate import generate
 from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
 from mrsfi.folders import find_mission
+from mrsfi.found_node import node_table, topics_of
+from mrsfi.project import SETTINGS
 from mrsfi.versions import installed_version
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import whole_folder
+from mrsfi_runtime.generated_code import load_code
 
 _TEMPLATE = Path(__file__).parent / "template"
 _PLACES = {
@@ -27,11 +30,14 @@ _MODELS = ("*.xmi", "*.toml")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
-def start(name: str, source: str | None = None, published: Path | None = None) -> Path:
+def start(
+    name: str, source: str | None = None, published: Path | None = None, node: str | None = None
+) -> Path:
     """Make the folder of a new project with a mission of its name, whole or not at all; return it.
 
     It begins with a mission that has a name or folder, or with a published model of the paper's
-    prototype, in place of a small one.
+    prototype, in place of a small one. If ``node`` is the URL of a rosbridge server, ``mrsfi.toml``
+    says what a node there hears and says, as far as its topics tell.
     """
     if not _NAME.fullmatch(name):
         raise UsageError(
@@ -44,6 +50,10 @@ def start(name: str, source: str | None = None, published: Path | None = None) -
         if folder.exists():
             raise UsageError(f"{folder}: exists; expected a name that is free here")
         _fill(new, name, begun_from, published)
+        if node is not None:
+            mission = load_code(new / "generated" / name).mission
+            with (new / SETTINGS).open("a", encoding="utf-8", newline="\n") as settings:
+                settings.write(f"\n{node_table(topics_of(node), mission)}")
     return folder
 
 

@@ -15,7 +15,12 @@ import click
     metavar="FILE",
     help="Begin with a model published for the paper's prototype.",
 )
-def command(name: str, source: str | None, published: Path | None) -> None:
+@click.option(
+    "--node",
+    metavar="ws://…",
+    help="Also write [node], what your own node hears and says, from the topics of a server.",
+)
+def command(name: str, source: str | None, published: Path | None, node: str | None) -> None:
     """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
 
     It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
@@ -28,12 +33,13 @@ def command(name: str, source: str | None, published: Path | None) -> None:
       mrsfi new demo && cd demo && make evolve
       mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
       mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
+      mrsfi new harbour --node ws://127.0.0.1:9090      begin with the topics of your robots
     """
     from mrsfi.starting import start
 
     if source is not None and published is not None:
         raise click.UsageError("--from and --import exclude each other")
-    folder = start(name, source, published)
+    folder = start(name, source, published, node)
     click.echo(f"made       {folder}/, with the mission models/{name}")
     click.echo(f"next       cd {folder} && make evolve")
     click.echo(f"then       mrsfi keep runs/{name}-a-1 --weakness 1 && make regressions")
