@@ -50,7 +50,8 @@ _ATTEMPT = 2.0
 class BusLockstep:
     """Flies runs over a transport, one after the other; ``truth`` are topics in model order.
 
-    The ``mind`` answers what is heard; without any, the generated reactions do.
+    The ``mind`` answers what is heard; without any, the generated reactions do. ``advertise``
+    returns what publishes a command, and counts it.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class BusLockstep:
         self._n_runs = 0
         self._flight: Flight | None = None
         self._is_thinking = False
+        self.advertise = self._topics.advertise
         self._setup = transport.advertise(SETUP)
         self._go = transport.advertise(GO)
         self.interface = interface(self._topics)

@@ -19,13 +19,14 @@ from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.node.node import Node
 from mrsfi_runtime.cosimulation.node.pace import Barrier, Pace
 from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.relay import held_commands
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.node_process import NodeProcess
 from mrsfi_runtime.engine.node_settings import RESTART
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -73,12 +74,23 @@ class InjectorEngine(PlainEngine):
                 self._world, code.mission, code.interface, code.truth, patience, self.node
             )
             transport.watch(self._lockstep.fail)
+            self._pass_on(settings)
             self._opened = opened.pop_all()
         self.interface = self._lockstep.interface
 
     def close(self) -> None:
         """End the node and the connection."""
         self._opened.close()
+
+    def _pass_on(self, settings: EngineSettings) -> None:
+        """Have what our world does not understand passed on to somebody else's."""
+        for each in self.node.speech.relayed:
+            if settings.url is None:
+                raise UsageError(
+                    f"[node] {each.topic.name}: is passed on to the world, and ours knows no "
+                    f"{each.world.name}; expected --url, or fields"
+                )
+        self.node.pass_on(self._lockstep.advertise)
 
     def _join(self, settings: EngineSettings, types: TypeTable, opened: ExitStack) -> NodeTransport:
         """Return the transport of the node, after that of the world was made."""
@@ -121,6 +133,7 @@ class InjectorEngine(PlainEngine):
                     "the fault out (docs/node.md)",
                     (timed.fault,),
                 )
+        self.node.held = [*held_commands(self.code.mission, pool, specification)]
         flights = [self._flown_well(specification, seed, pool, observer, tallies)]
         while len(flights) < self._settings.repeats:
             flights.append(self._flown_well(specification, seed, pool, None, []))

@@ -6,8 +6,9 @@ A mapping is a table, ``[node]`` of ``mrsfi.toml``; docs/node.md says what it ma
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
@@ -67,7 +68,7 @@ GENERATED: Table = {
 _ANSWER = Topic("/mission/answer", "std_msgs/Int64MultiArray")
 _RESET = Service("/mission/reset", "std_srvs/Trigger")
 _NAMES = ("tells", "obeys", "answer", "reset", "names", "types")
-_OF_RULE = ("topic", "type", "fields")
+_OF_RULE = ("topic", "type", "fields", "world")
 _OF_ENTRY = ("of", "scale", "offset", "value")
 _KIND = re.compile(r"\{(\w*)\}")
 _STEP = re.compile(r"([A-Za-z]\w*)((?:\[\d+\])*)", re.ASCII)
@@ -83,10 +84,14 @@ class Entry(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """A topic, or one of each element that it names, and what its fields hold."""
+    """A topic, or one of each element that it names, and what its fields hold.
+
+    One without fields is passed on to a topic of the ``world``.
+    """
 
     topic: Topic
     fields: Mapping[Path, Entry]
+    world: str = ""
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -161,11 +166,11 @@ class NodeMapping:
 
 def spread(
     rule: Rule, elements: Sequence[Element], mission: Mission
-) -> Iterator[tuple[str, Element | None]]:
-    """Yield each topic that a rule stands for, and what it is of; of nothing without braces."""
+) -> Iterator[tuple[Callable[[str], str], Element | None]]:
+    """Yield each element that a rule stands for, or ``None``, and what fills its name in."""
     kinds = rule.kinds
     if not kinds:
-        yield rule.topic.name, None
+        yield str, None
         return
     of = kinds[-1]
     robots = {each.place: each.name for each in elements if each.kind == "robot"}
@@ -174,7 +179,11 @@ def spread(
             named = {of: each.name}
             if of == "sensor":
                 named["robot"] = robots[mission.sensor_robot[each.place]]
-            yield _KIND.sub(lambda match: named[match[1]], rule.topic.name), each  # noqa: B023
+            yield partial(_filled, named), each
+
+
+def _filled(named: Mapping[str, str], text: str) -> str:
+    return _KIND.sub(lambda match: named[match[1]], text)
 
 
 def path_of(text: str) -> Path | None:
@@ -208,6 +217,14 @@ def _rules(
             if key not in _OF_RULE:
                 raise UsageError(f"{place}: found '{key}'; {expected(key, _OF_RULE)}")
         topic = Topic(_text(rule, "topic", place), _type(rule, place))
+        if "world" in rule and known is COMMANDS:
+            if rule.get("fields") or _KIND.findall(topic.name) != ["robot"]:
+                raise UsageError(
+                    f"{place}: found world = {rule['world']!r}; expected a topic of each {{robot}} "
+                    "that is passed on as it comes, without fields"
+                )
+            yield Rule(topic, {}, _text(rule, "world", place))
+            continue
         yield _checked(Rule(topic, dict(_fields(rule, place))), known, place)
 
 

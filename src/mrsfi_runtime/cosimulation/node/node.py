@@ -5,7 +5,7 @@ is told what a collective intelligence would hear: where a fault withholds a mes
 silence, and where it falsifies one, the node is told the false value.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic, sleep
 from typing import Any, Final, Protocol
@@ -13,6 +13,7 @@ from typing import Any, Final, Protocol
 from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK, SETUP, TICK, Setup
 from mrsfi_runtime.cosimulation.node.pace import ANSWER, Pace
+from mrsfi_runtime.cosimulation.node.relay import Held, Relay
 from mrsfi_runtime.cosimulation.node.speech import Hearing, Speech
 from mrsfi_runtime.cosimulation.waiting import Completion, Patience
 from mrsfi_runtime.errors import (
@@ -27,7 +28,7 @@ from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.model.targets import Target
 from mrsfi_runtime.transport.dialect import time_of
-from mrsfi_runtime.transport.topics import NodeTransport, Payload, Reply, Service
+from mrsfi_runtime.transport.topics import NodeTransport, Payload, Publisher, Reply, Service, Topic
 
 _LOOK = 0.1
 _STEADY = 0.3
@@ -62,6 +63,7 @@ class Node:
     Its callbacks run in the thread of the transport's; ``begin`` and ``end`` in another. A
     ``process`` is started for each flight if that ``restarts`` it, or else before the first. When
     a flight has failed, ``is_to_blame`` says whether the node did wrong after it was ready.
+    ``held`` are the faults of the next flight that hold back what is passed on.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Node:
         self._process = process
         self._restarts = restarts
         self.is_to_blame = False
+        self.held: Sequence[Held] = ()
         self._sayings = [(each, transport.advertise(each.topic)) for each in speech.sayings]
         self._said: list[tuple[Any, ...] | None] = []
         self._ready: frozenset[str] | None = None
@@ -96,8 +99,17 @@ class Node:
         self._clock = transport.advertise(CLOCK)
         for each in speech.hearings:
             transport.subscribe(each.topic, partial(self._hear, each))
+        self._relay = Relay({})
         if pace.kind == ANSWER:
             transport.subscribe(speech.mapping.answer, self._hear_answer)
+
+    def pass_on(self, advertise: Callable[[Topic], Publisher]) -> None:
+        """Have what is no heading and speed passed on to a world, on topics that it advertises."""
+        self._relay = Relay(
+            {each.topic.name: (each.robot, advertise(each.world)) for each in self.speech.relayed}
+        )
+        for each in self.speech.relayed:
+            self._transport.subscribe(each.topic, partial(self._hear_passed_on, each.topic.name))
 
     def begin(self, flight: Flight, run: int, seed: int) -> None:
         """Bring the node back to before tick 0, and wait until it is ready.
@@ -106,6 +118,7 @@ class Node:
         """
         self._flight, self._run, self._then = flight, run, None
         self.is_to_blame = False
+        self._relay.begin(self.held)
         self._said = [None] * len(self._sayings)
         self._n_obeyed = 0
         deadline = monotonic() + self._patience.handshake
@@ -199,16 +212,23 @@ class Node:
 
     def _hear(self, hearing: Hearing, message: Payload) -> None:
         """Take a command."""
-        flight = self._flight
-        if flight is None:
-            return
-        name = hearing.topic.name
+        if self._flight is not None:
+            ci = self._flight.belief
+            self._take(hearing.topic.name, lambda: hearing.obey(ci, message))
+
+    def _hear_passed_on(self, name: str, message: Payload) -> None:
+        """Take a command that is passed on."""
+        if self._flight is not None:
+            self._take(name, lambda: self._relay.take(name, message))
+
+    def _take(self, name: str, obey: Callable[[], None]) -> None:
+        """Count a command, and have it obeyed."""
         n_heard = self._n_heard[name] = self._n_heard.get(name, 0) + 1
         if n_heard > _FLOOD and not self._pace.is_free:
             raise self._wrong(f"{name}: the node sent more than {_FLOOD} commands in a tick")
         self._n_obeyed += 1
         try:
-            hearing.obey(flight.belief, message)
+            obey()
         except ProtocolError as error:
             raise self._wrong(str(error)) from error
         if self._n_answered is not None:
@@ -251,7 +271,8 @@ class Node:
     def _answered(self) -> None:
         """Go on: the node has said what it had to say."""
         then, self._then, self._n_answered = self._then, None, None
-        if then is not None:
+        if then is not None and self._flight is not None:
+            self._relay.pass_on(self._flight.plan, self._tick)
             then()
 
     def _set_up(self, run: int, seed: int) -> None:

@@ -59,6 +59,14 @@ class Hearing(NamedTuple):
     obey: Callable[[State, Payload], None]
 
 
+class Relayed(NamedTuple):
+    """A topic whose messages are passed on to one of the world, for a robot."""
+
+    topic: Topic
+    world: Topic
+    robot: int
+
+
 class Speech:
     """All that a node is told and says; what its mapping cannot mean is a ``UsageError``."""
 
@@ -69,14 +77,26 @@ class Speech:
         self._elements = mapping.elements(mission)
         self._patterns = [(_pattern(rule), rule.kinds[-1]) for rule in mapping.obeys if rule.kinds]
         self.sayings = tuple(
-            self._saying(rule, name, element)
+            self._saying(rule, filled(rule.topic.name), element)
             for rule in mapping.tells
-            for name, element in spread(rule, self._elements, mission)
+            for filled, element in spread(rule, self._elements, mission)
         )
         self.hearings = tuple(
-            self._hearing(rule, name, element)
+            self._hearing(rule, filled(rule.topic.name), element)
             for rule in mapping.obeys
-            for name, element in spread(rule, self._elements, mission)
+            if rule.fields
+            for filled, element in spread(rule, self._elements, mission)
+        )
+        self.relayed = tuple(
+            Relayed(
+                Topic(filled(rule.topic.name), rule.topic.type),
+                Topic(filled(rule.world), rule.topic.type),
+                element.place,
+            )
+            for rule in mapping.obeys
+            if rule.world
+            for filled, element in spread(rule, self._elements, mission)
+            if element is not None
         )
 
     @property
@@ -151,6 +171,7 @@ class Speech:
     def strangers(self, topics: Sequence[str]) -> Iterator[tuple[str, str, str]]:
         """Yield topics that command what the mission does not have, its kind, and its name."""
         known = {each.topic.name for each in self.hearings}
+        known |= {each.topic.name for each in self.relayed}
         for pattern, kind in self._patterns:
             for topic in topics:
                 match = pattern.fullmatch(topic)
