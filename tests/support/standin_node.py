@@ -103,7 +103,6 @@ class StandIn:
             n_sent += 1
         self.answer({"data": [tick, n_sent]})
 
-
     def commands(self, tells_all):
         """Yield what to say: commands that changed, or all of the tick, as its end is recorded."""
         ci = self.ci

@@ -1,0 +1,303 @@
+"""A team's node between what is heard and what is commanded."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.node.mapping import GENERATED, NodeMapping
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.relay import held_commands
+from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import TransportError
+from mrsfi_runtime.model.faults import FaultPool, TimedFault
+from mrsfi_runtime.model.mission import Message
+from mrsfi_runtime.transport.topics import Topic
+from tests.support.node_bus import engine_with
+from tests.support.world import paper_code
+
+T = 30
+CODE = paper_code(T)
+ODOMETRY = {
+    "topic": "/{robot}/odom",
+    "type": "nav_msgs/Odometry",
+    "fields": {"pose.pose.position.x": "x", "twist.twist.linear.x": "speed"},
+}
+POSITION = {
+    "topic": "/{robot}/pose",
+    "type": "geometry_msgs/PoseStamped",
+    "fields": {"pose.position.x": "x", "header.frame_id": {"value": "map"}},
+}
+TWIST = {
+    "topic": "/{robot}/cmd_vel",
+    "type": "geometry_msgs/Twist",
+    "fields": {"linear.x": "speed", "angular.z": "turn"},
+}
+TABLE = {"tells": [ODOMETRY, POSITION], "obeys": [TWIST]}
+
+
+def mapping(**other):
+    """Return the mapping of a table, some of it replaced."""
+    return NodeMapping.of({**TABLE, **other})
+
+
+def silent(hear, _):
+    """Hear, and say nothing."""
+    hear("/r1/pose", "geometry_msgs/PoseStamped", then=lambda _: None)
+
+
+def saying(topic, kind, *messages, to="/r2/pose"):
+    """Return a node that says the next of some messages whenever it hears a pose."""
+
+    def node(hear, say):
+        publish, left = say(topic, kind), [*messages]
+        hear(to, "geometry_msgs/PoseStamped", then=lambda _: left and publish(left.pop(0)))
+
+    return node
+
+
+def flown(table, specification=(), node=silent, code=CODE, **more):
+    """Return the outcome of a flight, and for each tick what the node was told, by topic."""
+    with engine_with(code, table, node, **more) as (engine, bus, _):
+        outcome = engine.evaluate(specification)
+    ticks = [{}]
+    for topic, message in bus.said:
+        if topic == "/mission/tick":
+            ticks.append({})
+        elif topic != "/mission/setup":
+            ticks[-1][topic] = message
+    return outcome, ticks[:T]
+
+
+def test_a_message_has_what_is_mapped_in_its_place():
+    _, ticks = flown(mapping())
+
+    (x,) = ticks[0]["/r1/odom"]["pose"]["pose"]["position"].values()
+    assert ticks[0]["/r1/pose"] == {
+        "pose": {"position": {"x": x}},
+        "header": {"frame_id": "map"},
+    }
+    assert [{*tick} - {"/clock"} for tick in ticks] == [
+        {f"/{robot}/{what}" for robot in ("r1", "r2", "r3") for what in ("odom", "pose")}
+    ] * T
+
+
+def test_scale_and_offset_are_of_what_the_node_is_told():
+    field = {"data": {"of": "energy", "scale": 0.5, "offset": 3.0}}
+    rule = {"topic": "/{robot}/volts", "type": "std_msgs/Float64", "fields": field}
+    plain = {**rule, "topic": "/{robot}/energy", "fields": {"data": "energy"}}
+
+    _, ticks = flown(mapping(tells=[rule, plain, POSITION]))
+
+    assert [tick["/r2/volts"]["data"] for tick in ticks] == [
+        3.0 + 0.5 * tick["/r2/energy"]["data"] for tick in ticks
+    ]
+
+
+def test_elements_of_one_message_are_named():
+    fields = {"data[0]": "r1.x", "data[3]": "s4.samples"}
+    rule = {"topic": "/all", "type": "std_msgs/Float64MultiArray", "fields": fields}
+
+    _, ticks = flown(mapping(tells=[rule, POSITION]))
+
+    told = ticks[5]["/all"]["data"]
+    assert told == [ticks[5]["/r1/pose"]["pose"]["position"]["x"], 0.0, 0.0, told[3]]
+
+
+def test_a_block_is_silence_and_other_topics_speak():
+    _, ticks = flown(mapping(), (TimedFault("f2", 4, 20, (5.0,)),))  # position of r2
+
+    assert [n for n, tick in enumerate(ticks) if "/r2/pose" not in tick] == [4, 5, 6, 7, 8]
+    x = [tick["/r2/odom"]["pose"]["pose"]["position"]["x"] for tick in ticks]
+    assert x[3] == x[4] == x[8] != x[9]
+
+
+def test_a_delay_is_silence_until_what_is_late_arrives():
+    rule = {"topic": "/{sensor}/n", "type": "std_msgs/Int64", "fields": {"data": "samples"}}
+    _, ticks = flown(mapping(tells=[rule, POSITION]), (TimedFault("f8", 4, 12, (3.0,)),))
+    _, true = flown(mapping(tells=[rule, POSITION]))
+
+    told = [tick["/s4/n"]["data"] if "/s4/n" in tick else None for tick in ticks]
+    counts = [tick["/s4/n"]["data"] for tick in true]
+    heard, newest = [], None
+    for each in told:
+        newest = newest if each is None else each
+        heard.append(newest)
+    assert heard == [*counts[:4], *[counts[3]] * 3, *counts[4:10], *counts[13:]]
+
+
+def test_a_falsified_position_is_told_and_judged():
+    outcome, ticks = flown(mapping(), (TimedFault("f11", 3, 6, (9000.0, 0.0, 1.0)),))
+
+    x = [tick["/r3/pose"]["pose"]["position"]["x"] for tick in ticks]
+    assert [n for n, each in enumerate(x) if each == 9000.0] == [3, 4, 5, 6]
+    area = CODE.mission.goal_ids.index("g2")
+    assert (outcome.believed[area], outcome.true[area]) == (4, 0)
+
+
+def test_a_forged_command_beats_what_the_node_says():
+    twist = {"linear": {"x": 0.5}, "angular": {"z": 0.0}}
+    node = saying("/r1/cmd_vel", "geometry_msgs/Twist", *[twist] * T, to="/r1/pose")
+    _, ticks = flown(mapping(), (TimedFault("f26", 5, 9),), node)
+
+    speeds = [tick["/r1/odom"]["twist"]["twist"]["linear"]["x"] for tick in ticks]
+    assert speeds[1:] == [0.5] * 4 + [0.0] * 5 + [0.5] * 20
+
+
+@pytest.mark.parametrize(
+    ("fields", "given", "heading"),
+    [
+        ({"x": "heading_x", "y": "heading_y"}, (0.0, -5.0), (0.0, -1.0)),
+        ({"x": "vx", "y": "vy"}, (-0.25, 0.0), (-1.0, 0.0)),
+        ({"x": {"of": "yaw", "scale": 180.0 / math.pi}}, (90.0, 0.0), (0.0, 1.0)),
+        ({"x": "to_x", "y": "to_y"}, (1e12, -250.0), (1.0, 0.0)),
+    ],
+)
+def test_headings_are_commanded_in_several_ways(fields, given, heading):
+    rule = {"topic": "/{robot}/go", "type": "geometry_msgs/Vector3", "fields": fields}
+    told = {"topic": "/{robot}/v", "type": "geometry_msgs/Vector3",
+            "fields": {"x": "heading_x", "y": "heading_y"}}  # fmt: skip
+    node = saying("/r1/go", "geometry_msgs/Vector3", dict(zip("xy", given, strict=True)))
+
+    _, ticks = flown(mapping(tells=[told, POSITION], obeys=[rule]), node=node)
+
+    found = ticks[1]["/r1/v"]
+    assert (found["x"], found["y"]) == pytest.approx(heading, abs=1e-6)
+
+
+def test_a_unit_heading_is_not_touched():
+    angle = 0.1
+    while math.hypot(math.cos(angle), math.sin(angle)) == 1.0:
+        angle += 0.1
+    unit = {"x": math.cos(angle), "y": math.sin(angle), "z": 0.0}
+    told = {"topic": "/{robot}/v", "type": "geometry_msgs/Vector3",
+            "fields": {"x": "heading_x", "y": "heading_y"}}  # fmt: skip
+    node = saying("/r1/command/heading", "geometry_msgs/Vector3", unit)
+
+    _, ticks = flown(mapping(tells=[told, POSITION], obeys=GENERATED["obeys"]), node=node)
+
+    assert (ticks[1]["/r1/v"]["x"], ticks[1]["/r1/v"]["y"]) == (unit["x"], unit["y"])
+
+
+def test_a_silent_node_lets_robots_go_on():
+    outcome, _ = flown(mapping())
+    functions = CODE.functions._replace(react=lambda _: None)
+
+    assert outcome == ReferenceEngine(replace(CODE, functions=functions), 1).evaluate(())
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "said"),
+    [
+        ("geometry_msgs/Twist", {"linear": {"x": math.nan}, "angular": {"z": 0.0}},
+         "/r1/cmd_vel carried nan in linear.x; expected a finite number"),
+        ("geometry_msgs/Twist", {"linear": {"x": "fast"}, "angular": {"z": 0.0}},
+         "/r1/cmd_vel carried 'fast' in linear.x; expected a finite number"),
+        ("geometry_msgs/Twist", {"linear": {"x": True}, "angular": {"z": 0.0}},
+         "/r1/cmd_vel carried True in linear.x; expected a finite number"),
+        ("geometry_msgs/Twist", {"linear": {"x": 1.0}},
+         "/r1/cmd_vel carried {'linear': {'x': 1.0}}; expected a field angular.z"),
+    ],
+)  # fmt: skip
+def test_a_command_that_makes_no_sense_ends_the_flight(kind, message, said):
+    node = saying("/r1/cmd_vel", kind, message)
+    with (
+        engine_with(CODE, mapping(), node) as (engine, _, between),
+        pytest.raises(TransportError) as raised,
+    ):
+        engine.evaluate(())
+
+    assert str(raised.value) == f"run 1, tick 0: {said}"
+    assert between.is_to_blame
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [
+        (
+            [1, 0],
+            r"tick 0: /mission/answer carried \[1, 0\]; expected \[tick, commands\], here \[0,",
+        ),
+        ([0, "1"], r"tick 0: /mission/answer carried \[0, '1'\]; expected"),
+        ([0, 2], r"tick 0: the node was silent for 1 s; expected a message on /mission/answer"),
+    ],
+)
+def test_an_answer_has_to_be_of_the_tick_and_of_its_commands(numbers, said):
+    node = saying("/mission/answer", "std_msgs/Int64MultiArray", {"data": numbers})
+    with (
+        engine_with(CODE, mapping(), node, pace="answer") as (engine, *_),
+        pytest.raises(TransportError, match=said),
+    ):
+        engine.evaluate(())
+
+
+def test_any_message_may_answer():
+    node = saying("/done", "std_msgs/Empty", *[{}] * T)
+    table = mapping(answer={"topic": "/done", "type": "std_msgs/Empty"})
+
+    assert flown(table, node=node, pace="answer")[0] == flown(mapping())[0]
+
+
+def test_commands_of_strangers_are_refused():
+    node = saying("/r9/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 1.0}})
+    with (
+        engine_with(CODE, mapping(), node) as (engine, *_),
+        pytest.raises(
+            TransportError, match="commands robot 'r9' on /r9/cmd_vel; the mission has r1"
+        ),
+    ):
+        engine.evaluate(())
+
+
+def test_faults_of_what_no_topic_tells_are_out_of_reach():
+    beyond = out_of_reach(CODE.mission, CODE.pool, Speech(mapping(), CODE.mission, TypeTable()))
+
+    assert beyond["f4"] == "r3 energy"
+    assert {"f8", "f9", "f5", "f6"} <= {*beyond}
+    assert not {"f1", "f2", "f7", "f25", "f26"} & {*beyond}
+    generated = Speech(NodeMapping.of(None), CODE.mission, TypeTable())
+    assert len(out_of_reach(CODE.mission, CODE.pool, generated)) == 12
+
+
+def commanding(goals):
+    """Return goals of which the first has a message from the server to robot r1."""
+    order = Message("m99", "sv1", "r1", ())
+    return (replace(goals[0], messages=(*goals[0].messages, order)), *goals[1:])
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "passed_on"),
+    [
+        ("DelayMessage", (3.0,), [*range(5), 5, 6, 7, *range(11, T - 1)]),
+        ("BlockMessage", (3.0,), [*range(5), *range(8, T - 1)]),
+    ],
+)
+def test_what_is_no_heading_and_speed_is_passed_on_and_held_back(kind, values, passed_on):
+    thrust = {"topic": "/{robot}/thrust", "type": "std_msgs/Int64", "world": "/{robot}/force"}
+    template = next(fault for fault in CODE.pool if fault.type == kind)
+    fault = replace(template, id="f99", target="m99", values=values)
+    mission = replace(CODE.mission, goals=commanding(CODE.mission.goals))
+    pool = FaultPool("p", (fault, *CODE.pool.faults))
+    felt = []
+
+    class Forced(CODE.simulation):
+        def __init__(self, transport, mission):
+            super().__init__(transport, mission)
+            topic = Topic("/r1/force", "std_msgs/Int64")
+            transport.subscribe(topic, lambda message: felt.append(message["data"]))
+
+    code = replace(CODE, mission=mission, pool=pool, simulation=Forced)
+    table = mapping(obeys=[TWIST, thrust])
+    numbers = [{"data": n} for n in range(T)]
+    node = saying("/r1/thrust", "std_msgs/Int64", *numbers, to="/r1/pose")
+    speech = Speech(table, mission, TypeTable())
+
+    assert "f99" not in out_of_reach(mission, code.pool, speech)
+    assert "f26" in out_of_reach(mission, code.pool, speech)
+    with engine_with(code, table, node) as (engine, _, between):
+        specification = (TimedFault("f99", 5, 10, values),)
+        between.held = [*held_commands(mission, code.pool, specification)]
+        engine.evaluate(specification)
+    assert felt == passed_on
