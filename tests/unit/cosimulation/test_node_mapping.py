@@ -77,8 +77,8 @@ FIRST = "f: [[node.tells]] 1: "
         (
             obeys(world="/w", fields={"x": "speed"}),
             (
-                "f: [[node.obeys]] 1: found world = '/w'; expected a topic of each {robot} that is passed "
-                "on as it comes, without fields"
+                "f: [[node.obeys]] 1: found world = '/w'; expected a topic of each {robot} that "
+                "is passed on as it comes, without fields"
             ),
         ),
         (
@@ -122,8 +122,8 @@ def test_a_table_that_makes_no_sense_is_refused(table, said):
         (
             tells(type="nav_msgs/Odometry", fields={"pose.pose": "x"}),
             (
-                "[node] /{robot}/x: nav_msgs/Odometry: found 'pose.pose', a geometry_msgs/Pose; expected "
-                "one of its fields: position, orientation"
+                "[node] /{robot}/x: nav_msgs/Odometry: found 'pose.pose', a geometry_msgs/Pose; "
+                "expected one of its fields: position, orientation"
             ),
         ),
         (

@@ -1,0 +1,103 @@
+"""The generated reactions as somebody else's node, behind sockets: the same flights."""
+
+import shlex
+import sys
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from itertools import product
+
+import pytest
+
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.node_settings import RESTART, SERVICE, NodeSettings
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.rosbridge import SimulationProcess
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.transport.dialect import ROS_VERSIONS
+from tests.support.world import paper_code, specification
+from tests.tiers import is_due, slow
+
+CODE = paper_code()
+REACHED = replace(
+    CODE,
+    pool=CODE.pool.without(
+        NodeSettings(command="").out_of_reach(CODE.mission, CODE.pool),
+    ),
+)
+SEEDS = range(20)
+PATIENCE = Patience(tick=20.0, handshake=30.0)
+EMBEDDED, ON_ONE_SERVER = "our world inside", "all on one server"
+WAYS = [*product((EMBEDDED, ON_ONE_SERVER), ROS_VERSIONS)]
+
+
+def flown(way, ros, specifications, pace="answer", reset=SERVICE, code=REACHED):
+    """Return the outcomes of flights with the node of the tests, in one way."""
+    words = [sys.executable, "-m", "tests.support.standin_node", str(code.directory)]
+    url, prefix, world_prefix = None, "", ""
+    with ExitStack() as opened:
+        if way == ON_ONE_SERVER:
+            server = EmbeddedBridge(ServerSettings(types=TypeTable(ros=ros)))
+            url = opened.enter_context(server).url
+            prefix, world_prefix = "/node", "/world"
+            world = EngineSettings("rosbridge", url, ros, world_prefix=world_prefix)
+            opened.enter_context(closing(SimulationProcess(code, world)))
+        command = f"{shlex.join(words)} {{url}} {ros} {{seed}} {prefix}"
+        node = NodeSettings.of(command, None, url=url, pace=pace, reset=reset, prefix=prefix)
+        settings = EngineSettings(
+            "rosbridge",
+            url,
+            ros,
+            has_simulation=url is None,
+            patience=PATIENCE,
+            node=node,
+            world_prefix=world_prefix,
+        )
+        engine = opened.enter_context(settings.open(code, 1))
+        return [engine.evaluate(each) for each in specifications]
+
+
+def in_process(specifications):
+    """Return the outcomes of the reference."""
+    with ReferenceEngine(REACHED, 1) as engine:
+        return [engine.evaluate(each) for each in specifications]
+
+
+@pytest.mark.parametrize(("way", "ros"), WAYS)
+def test_a_node_that_reacts_as_generated_flies_as_generated(way, ros):
+    specifications = [specification(REACHED, seed) for seed in (100, 101)]
+
+    assert flown(way, ros, specifications) == in_process(specifications)
+
+
+@slow
+def test_all_ways_and_specifications_fly_as_generated():
+    for place, (way, ros) in enumerate(WAYS):
+        due = [seed for seed in SEEDS if is_due(len(SEEDS) * place + seed)]
+        specifications = [specification(REACHED, seed) for seed in due]
+
+        assert flown(way, ros, specifications) == in_process(specifications)
+
+
+@pytest.mark.parametrize(("pace", "reset"), [("barrier", SERVICE), ("answer", RESTART)])
+def test_pings_and_a_new_start_do_as_well(pace, reset):
+    specifications = [specification(REACHED, seed) for seed in (102, 103)]
+
+    assert flown(EMBEDDED, 1, specifications, pace, reset) == in_process(specifications)
+
+
+def test_at_a_rate_the_node_has_its_time():
+    (found,) = flown(EMBEDDED, 1, [()], pace="1000")
+
+    assert found.missed == in_process([()])[0].missed
+
+
+def test_what_does_not_reach_the_node_is_refused_before_the_flight():
+    with pytest.raises(
+        SpecificationError, match="fault 'f9' cannot be injected: it touches o5 obstacle, of which"
+    ):
+        flown(EMBEDDED, 1, [(TimedFault("f9", 1, 2, (0.0, 0.0, 0.0)),)], code=CODE)
