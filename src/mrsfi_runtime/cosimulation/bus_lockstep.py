@@ -11,7 +11,7 @@ from time import monotonic, sleep
 
 from mrsfi_runtime.cosimulation.counted_topics import CountedTopics
 from mrsfi_runtime.cosimulation.heard import Heard
-from mrsfi_runtime.cosimulation.lockstep import Flight, Mind, OwnMind
+from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
 from mrsfi_runtime.cosimulation.lockstep_topics import (
     CLOCK,
     FAILURE,
@@ -64,7 +64,7 @@ class BusLockstep:
         mind: Mind | None = None,
     ) -> None:
         self._transport = transport
-        self._mind = mind or OwnMind()
+        self._mind = mind or Mind()
         self._mission = mission
         self._patience = patience
         self._completion = Completion()

@@ -7,7 +7,7 @@ Source paper, section III-G and Figure 4.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.errors import MrsfiError
@@ -109,46 +109,30 @@ class Flight:
                 interface.sensors[index].set_active(switch.active == 1)
 
 
-class Mind(Protocol):
-    """Who answers what a flight heard, with commands in its belief."""
+class Mind:
+    """Who answers what a flight heard, with commands in its belief: the generated reactions.
+
+    A region may think as long as it wants.
+    """
 
     def begin(self, flight: Flight, run: int, seed: int) -> None:
         """Get ready for a flight."""
 
     def soon(self, function: Callable[[], None]) -> None:
         """Call a function in the thread in which answers come."""
-
-    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:
-        """Answer a tick, and call a function then, now or later."""
-
-    def overdue(self, silence: float) -> MrsfiError | None:
-        """Return what is wrong after so many seconds without progress, if anything is."""
-
-    def end(self) -> None:
-        """Leave a flight."""
-
-
-class OwnMind:
-    """The generated reactions, which answer at once."""
-
-    def begin(self, flight: Flight, run: int, seed: int) -> None:
-        """Do nothing."""
-
-    def soon(self, function: Callable[[], None]) -> None:
-        """Call a function."""
         function()
 
     def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:  # noqa: ARG002
-        """Let the generated goals command their members."""
+        """Answer a tick, and call a function then, now or later."""
         flight.react()
         then()
 
     def overdue(self, silence: float) -> MrsfiError | None:  # noqa: ARG002
-        """Return nothing: a region may think as long as it wants."""
+        """Return what is wrong after so many seconds without an answer, if anything is."""
         return None
 
     def end(self) -> None:
-        """Do nothing."""
+        """Leave a flight."""
 
 
 def _orders(state: State) -> Orders:

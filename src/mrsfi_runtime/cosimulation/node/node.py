@@ -10,7 +10,7 @@ from functools import partial
 from time import monotonic, sleep
 from typing import Any, Final, Protocol
 
-from mrsfi_runtime.cosimulation.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
 from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK, SETUP, TICK, Setup
 from mrsfi_runtime.cosimulation.node.pace import ANSWER, Pace
 from mrsfi_runtime.cosimulation.node.relay import Held, Relay
@@ -57,7 +57,7 @@ class Process(Protocol):
         """Return how it ended, or nothing while it runs."""
 
 
-class Node:
+class Node(Mind):
     """A node behind a transport, for the flights of one mission, one after the other.
 
     Its callbacks run in the thread of the transport's; ``begin`` and ``end`` in another. A
@@ -122,17 +122,20 @@ class Node:
         self._said = [None] * len(self._sayings)
         self._n_obeyed = 0
         deadline = monotonic() + self._patience.handshake
-        if self._process is not None and (self._restarts or not self._process.pid):
+        is_new = self._ready is None
+        if self._process is not None and (
+            self._restarts or self._process.ended() or not self._process.pid
+        ):
             self._process.stop()
             self._await_silence()
             self._process.start(seed)
-        if self._restarts:
-            self._await_subscriptions(deadline)
-            self._set_up(run, seed)
-        else:
+            is_new = True
+        if not self._restarts:
             self._reset(run, seed, deadline)
-            if self._ready is None:
-                self._await_subscriptions(deadline)
+        if is_new:
+            self._await_subscriptions(deadline)
+        if self._restarts:
+            self._set_up(run, seed)
         self._pace.begin()
 
     def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:
