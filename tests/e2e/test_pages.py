@@ -39,6 +39,7 @@ ELSEWHERE = {
     "docs/epsilon.md": "tests/interop/test_configurations.py",
     "docs/extending.md": "tests/integration/test_documentation.py",
     "docs/faults.md": "tests/recipes/performed.py",
+    "docs/node.md": "tests/unit/cosimulation/test_node_mapping.py",
     "docs/projects.md": "tests/e2e/test_project.py",
     "docs/tutorial.md": "tests/release/test_release.py",
     "examples/mujoco_simulator/README.md": "tests/interop/test_second_simulator.py",

@@ -1,11 +1,15 @@
 """The table [node]: what makes no sense in it is said with its place, and what was expected."""
 
+import re
+import tomllib
+
 import pytest
 
 from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import NodeMapping
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.errors import UsageError
+from tests.support.tree import ROOT
 from tests.support.world import paper_code
 
 MISSION = paper_code().mission
@@ -166,3 +170,13 @@ def test_topics_bear_the_names_of_the_node():
     ]
 
     assert names[:3] == ["/husky/lidar/n", "/husky/s2/n", "/r2/s3/n"]
+
+
+def test_the_table_that_the_page_shows_is_sound():
+    page = (ROOT / "docs" / "node.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    table = tomllib.loads(shown)["node"]
+
+    speech = Speech(NodeMapping.of({**table, "types": []}), MISSION, TypeTable())
+
+    assert [each.topic.name for each in speech.sayings][::3] == ["/husky1/odom", "/husky1/battery"]
