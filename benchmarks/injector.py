@@ -1,10 +1,10 @@
 """What a tick costs with a team's own node as the collective intelligence, by its pace.
 
-Run ``python -m benchmarks.injector`` from the project's root after ``make install``. The node is that
-of the tests: the generated reactions behind a socket, reset by a service. Each way is a process of its
-own that stays open; they take turns, so that whatever slows this machine slows all alike. Printed are
-ticks a second of the paper's mission, the median of some rounds, and how many times as long as a tick
-of the two generated sides over the default client each takes.
+Run ``python -m benchmarks.injector`` from the project's root after ``make install``. The node is
+that of the tests: the generated reactions behind a socket, reset by a service. Each way is a
+process of its own that stays open; they take turns, so that whatever slows this machine slows all
+alike. Printed are ticks a second of the paper's mission, the median of some rounds, and how many
+times as long as a tick of the two generated sides over the default client each takes.
 """
 
 import argparse
