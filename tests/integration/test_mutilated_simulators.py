@@ -16,7 +16,7 @@ from tests.support.page_simulator import join_page_simulator
 from tests.support.two_sides import BusEngine
 from tests.support.world import paper_code
 
-CODE = paper_code(40)
+CODE = paper_code(36)
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 POSITION = 'publish(f"/{robot}/position", x=at[0], y=at[1], z=0.0)'
 SPEED = 'publish(f"/{robot}/speed", data=speed)'

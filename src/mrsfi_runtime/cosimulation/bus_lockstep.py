@@ -220,7 +220,8 @@ class BusLockstep:
         self._topics.is_muted = is_last  # no motion follows on which a command could act
         self._is_thinking = True
         flight.hear(tick)
-        self._mind.answer(flight, tick, self._reply)
+        if self._mind.answer(flight, tick, self._reply):
+            self._reply()
 
     def _reply(self) -> None:
         """Send what the CI answered, and have the simulation go on."""

@@ -122,10 +122,10 @@ class Mind:
         """Call a function in the thread in which answers come."""
         function()
 
-    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:  # noqa: ARG002
-        """Answer a tick, and call a function then, now or later."""
+    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> bool:  # noqa: ARG002
+        """Answer a tick; return whether that is done, or else call a function then."""
         flight.react()
-        then()
+        return True
 
     def overdue(self, silence: float) -> MrsfiError | None:  # noqa: ARG002
         """Return what is wrong after so many seconds without an answer, if anything is."""

@@ -138,7 +138,7 @@ class Node(Mind):
             self._set_up(run, seed)
         self._pace.begin()
 
-    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> None:
+    def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> bool:
         """Tell the node what was heard; call a function when it has answered."""
         self._tick, self._then = tick, then
         self._n_heard = dict.fromkeys(self._n_heard, 0)
@@ -147,6 +147,7 @@ class Node(Mind):
         self._clock({"clock": time_of(tick, self._transport.ros)})
         self._told({"data": [self._run, tick, n_told, self._n_obeyed]})
         self._pace.wait(self._transport, tick, self._answered)
+        return False
 
     def soon(self, function: Callable[[], None]) -> None:
         """Call a function in the thread of the callbacks."""
