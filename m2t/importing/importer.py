@@ -61,8 +61,8 @@ class Imported:
 
     folder: Path
     files: tuple[str, ...]
-    n_xmi_ids: int
     counts: Mapping[str, int]
+    n_xmi_ids: int
     notes: tuple[Note, ...]
 
 

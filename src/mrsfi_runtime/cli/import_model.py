@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,7 +13,7 @@ from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.errors import counted
 
 if TYPE_CHECKING:
-    from mrsfi.models import Imported, Note
+    from mrsfi.models import Note
 
 _SHOWN_LINES = 8
 _NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
@@ -64,7 +64,7 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
     result = import_published(file, out or usual, is_forced=force)
     if is_json:
-        print_json(_as_json(result))
+        print_json({**asdict(result), "folder": str(result.folder)})
         return
     for name in result.files:
         click.echo(f"written       {result.folder / name}")
@@ -76,18 +76,7 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     click.echo(f"next          mrsfi validate {result.folder}")
 
 
-def _as_json(result: "Imported") -> dict[str, Any]:
-    return {
-        "folder": str(result.folder),
-        "files": list(result.files),
-        "counts": dict(result.counts),
-        "n_xmi_ids": result.n_xmi_ids,
-        "notes": [asdict(note) for note in result.notes],
-    }
-
-
 def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
-    """Yield a line for each note, or for all notes that say the same."""
     alike: defaultdict[tuple[str, str, str], list[Note]] = defaultdict(list)
     for note in notes:
         alike[note.kind, note.feature, note.message].append(note)
