@@ -76,7 +76,6 @@ class _Reader:
         self._unknown: set[Any] = set()
 
     def fault_type(self, kind: Any) -> FaultType | None:
-        """Return what a class means, unless something is wrong with it."""
         n_errors = self._report.n_errors
         said = self._meaning(kind)
         found = [_STRUCK[known.name] for known in lineage(kind) if known.name in _STRUCK]

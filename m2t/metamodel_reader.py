@@ -248,7 +248,6 @@ def _held(known: Needs, holding: str) -> list[str]:
 
 
 def _check_package(package: Any, root_class: str, report: Report) -> None:
-    """Check names, bounds, storage, and then all that mrsfi reads of a package."""
     classes = [kind for kind in package.eClassifiers if isinstance(kind, EClass)]
     _check_names(package.eClassifiers, report)
     for kind in package.eClassifiers:
@@ -310,7 +309,6 @@ def _missed(text: str, kind: Any) -> str:
 
 
 def _check_contract(package: Any, root_class: str, report: Report) -> None:
-    """Check that the classes and features are there that code reads."""
     seen = set()
     for name, needed in CONTRACT[package.name].items():
         kind = package.getEClassifier(name)
@@ -334,7 +332,6 @@ def _check_contract(package: Any, root_class: str, report: Report) -> None:
 
 
 def _meets(slot: Slot, need: Need) -> bool:
-    """Return whether a feature is declared as code reads it."""
     holding = "attr"
     if slot.holds_elements:
         holding = "val" if slot.is_contained else "ref"

@@ -82,7 +82,6 @@ def _rename(names: Mapping[str, str], models: LoadedModels) -> None:
 
 
 def _identified(root: Any) -> Iterator[Any]:
-    """Yield everything in a model that has an ID; nothing if there is no model."""
     for element in () if root is None else contained(root):
         if "ID" in slots(element.eClass) and element.ID:
             yield element
@@ -105,7 +104,6 @@ def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[
 
 
 def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
-    """Refuse an old ID that nothing has, and a new one that cannot be or is taken."""
     ids = [[each.ID for each in _identified(root)] for root in (models.mission, models.faults)]
     known = dict.fromkeys(identity for each in ids for identity in each)
     for old in names:

@@ -234,6 +234,5 @@ def _plain(text: str) -> str:
 
 
 def _raw(node: Node) -> str:
-    """Return an element that the metamodel does not know, as it stands."""
     attributes = "".join(f" {name}={text!r}" for name, text in node.attributes.items())
     return f"<{node.tag}{attributes}>{''.join(map(_raw, node.children))}"

@@ -130,7 +130,6 @@ class _Checker:
         self._report = report
 
     def element(self, node: Node, metaclass: Any) -> None:
-        """Check one node with everything that it contains."""
         node.metaclass = metaclass
         for child in node.children:  # all are of it where it is the default namespace of a file
             if child.namespace == self._package.nsURI:
@@ -295,7 +294,6 @@ class _Checker:
         return file
 
     def _class_of_part(self, child: Node, root: Node, declared: Any) -> Any:
-        """Return the class of a part; refuse one that the feature may not hold."""
         kinds = concrete_classes(self._package, declared)
         found = kinds.get(root.tag) if root.namespace == self._package.nsURI else None
         if found is not None and (
@@ -325,7 +323,6 @@ class _Checker:
         self.tree.references.append(Reference(source, slot, child, (target,)))
 
     def _concrete_type(self, declared: Any, child: Node) -> Any:
-        """Return the class of a contained element; refuse one that the feature may not hold."""
         if child.xsi_type is None and not declared.abstract:
             return declared
         kinds = concrete_classes(self._package, declared)

@@ -125,7 +125,6 @@ def _check_parameters(kind: Any, report: Report) -> None:
 
 
 def _check_field(kind: Any, report: Report) -> None:
-    """Check that the affected message carries what the fault falsifies."""
     message = getattr(kind, "affectedMessage", None)
     if message is None:
         return

@@ -36,8 +36,6 @@ def give_ids(root: Any, own_ids: Mapping[Any, str], notes: Notes) -> None:
 
 
 class _Namer:
-    """Knows which names are taken."""
-
     def __init__(self, own_ids: Mapping[Any, str], notes: Notes) -> None:
         self._own_ids = own_ids
         self._notes = notes
@@ -46,7 +44,6 @@ class _Namer:
         self._numbers: dict[str, count[int]] = defaultdict(lambda: count(2))
 
     def keeps_own(self, element: Any) -> bool:
-        """Give an element the ID of the file, if that can be used."""
         own = self._own(element)
         if own is None or not _USABLE.fullmatch(own) or not self._take(own):
             return False
@@ -57,7 +54,6 @@ class _Namer:
         return True
 
     def derive(self, element: Any) -> None:
-        """Give an element an ID that is made from its own or from its place."""
         own = self._own(element)
         legal = _UNUSABLE.sub("_", own or "").strip("_.-")[:_LONGEST_BASE]
         if legal and not legal[0].isalpha():

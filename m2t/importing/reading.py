@@ -221,7 +221,6 @@ class PublishedReader:
             put(goal, slot, self.element(child, metaclass))
 
     def _elements(self, instance: Any, slot: Slot, given: _Given) -> None:
-        """Read the elements that a feature contains; note those that it refers to."""
         parts = given.take_children(slot.name)
         if slot.is_reference or slot.type.name in _COPIED:
             links = [child for child in parts if slot.is_reference or "href" in child.attributes]
@@ -293,7 +292,6 @@ class PublishedReader:
         return known[0] if len(known) == 1 else None
 
     def _drop(self, given: _Given, class_name: str) -> None:
-        """Note all that is left of an element."""
         node = given.node
         for name, text in given.attributes.items():
             self._drop_attribute(node, name, text, class_name)

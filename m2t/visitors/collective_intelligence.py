@@ -66,7 +66,6 @@ def _goal(goal: Any) -> GoalView:
 
 
 def _named(mission: Any, indices: Mapping[Any, int]) -> Iterator[Constant]:
-    """Yield the indices of goals, robots, sensors and obstacles; remark how robots are called."""
     remarks = {robot: robot.name for robot in mission.robots}
     for element in (*mission.goals, *mission.robots, *_sensors(mission), *mission.obstacles):
         yield Constant(constant(element.ID), indices[element], remarks.get(element, ""))

@@ -70,7 +70,6 @@ def _given(name: str, value: tuple[Expression, ...] | Table) -> tuple[Entry, ...
 
 
 def _type(kind: FaultType) -> Call:
-    """Return a fault type, in as few lines as there is room for."""
     return Call(
         "FaultType",
         (

@@ -100,7 +100,6 @@ class _Writer:
         self._positions = cache(_positions)
 
     def lines(self) -> Iterator[str]:
-        """Return the lines of the root element, or of those within ``xmi:XMI``."""
         indent = "  " if len(self._roots) > 1 else ""
         elements = [(_tag(root), *self._content(root, indent)) for root in self._roots]
         if len(elements) == 1:
@@ -225,7 +224,6 @@ def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[An
 
 
 def _attribute(name: str, value: str) -> str:
-    """Return an attribute of an element, after a space."""
     return f' {name}="{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
 
 
@@ -234,7 +232,6 @@ def _tag(root: Any) -> str:
 
 
 def _element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
-    """Yield the lines of an element: its tags around those of what it holds."""
     if not lines:
         yield f"{indent}<{name}{attributes}/>"
         return

@@ -142,7 +142,6 @@ def _generation_fronts(
 
 
 def _shown_pick(summary: Summary, front: Front) -> Pick | None:
-    """Return the pick if it is one of the front that is drawn."""
     pick = summary.pick
     if pick is None or pick.point is None or set(pick.ratio.goals) != set(front.goals):
         return None

@@ -78,7 +78,6 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
 
 
 def _section(table: Table, *words: str, level: int = 2) -> Iterator[str]:
-    """Yield the title of a table as a heading, what is said of it, and the table."""
     yield f"{'#' * level} {plain(table.title)}"
     yield from words
     yield to_markdown(table)
@@ -115,7 +114,6 @@ def _extent(summary: Summary) -> str:
 
 
 def _top(summary: Summary) -> Iterator[str]:
-    """Yield the most critical specifications, and the faults of each under a heading of its own."""
     measure, top = summary.measure, summary.top
     table = critical_table(measure, summary.pool, top, summary.n_distinct)
     if not top:

@@ -162,7 +162,6 @@ def flight_gif(story: Story) -> bytes:
 
 
 def _said(story: Story, tick: int) -> str:
-    """Return what is so at a tick: faults at work, and goals that are violated."""
     now = [so for *so, first, last in windows(story) if first <= tick <= last]
     active = [name for kind, name, _ in now if kind == "fault"]
     broken = [name for kind, name, what in now if (kind, what) == ("goal", "truly violated")]
@@ -254,7 +253,6 @@ def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
 def _draw_mission(
     axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_small: bool = False
 ) -> None:
-    """Draw a mission before anything flies, without words."""
     _disc(axes, _of(mission.area.center), mission.area.radius, "#f1f6fa", BLUE, 1.4, 0)
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
@@ -274,7 +272,6 @@ def _draw_mission(
 
 
 def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[Annotation]:
-    """Write the names of goals, obstacles and robots beside them, and return the labels."""
     labels = []
 
     def label(words: str, spot: Place, above: float, **style: Any) -> None:
@@ -312,7 +309,6 @@ def _of(point: Coordinates) -> Place:
 
 
 def _key(marker: str, words: str, **style: Any) -> Line2D:
-    """Return an entry of a legend: a mark without a line."""
     return Line2D([], [], ls="none", marker=marker, label=words, **style)
 
 

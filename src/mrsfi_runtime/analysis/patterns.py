@@ -134,7 +134,6 @@ def find_patterns(
 
 
 def _types(faults: Mapping[str, int], pool: FaultPool) -> Counter[str]:
-    """Return how often each type occurs, from how often each fault does."""
     types: Counter[str] = Counter()
     for fault, n_occurrences in faults.items():
         types[pool[fault].type] += n_occurrences

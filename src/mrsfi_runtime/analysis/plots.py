@@ -282,7 +282,6 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 def _draw_front(
     axes: Axes, front: Front, words: str, colour: str, *, size: int, marker: str = "o"
 ) -> None:
-    """Draw the points of a front, and the border of what they dominate."""
     xs, ys = zip(*sorted(point.violations for point in front.points), strict=True)
     border = [0, *xs, xs[-1]], [ys[0], *ys, 0]
     axes.step(*border, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)

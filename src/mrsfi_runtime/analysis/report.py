@@ -174,7 +174,6 @@ def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str
 
 
 def _next(layout: CampaignFolder, summary: Summary, way: Way) -> dict[str, Sequence[str]]:
-    """Return what to do next about a way to break a goal: commands, by what they do."""
     run, number = str(layout.path), str(way.number)
     return {
         "See it": ("mrsfi", "show", run, number),
@@ -213,7 +212,6 @@ def specification_rows(
 def _write_specifications(
     layout: CampaignFolder, summary: Summary, write: SpecificationWriter
 ) -> None:
-    """Write the top specifications, the form of each way to break a goal, and its mildest one."""
     for folder in (layout.critical, layout.weaknesses):
         _emptied(folder, "[0-9][0-9]*.xmi")
     top = [

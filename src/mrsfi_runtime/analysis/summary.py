@@ -83,7 +83,6 @@ class Summary:
 
 
 def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) -> tuple[Way, ...]:
-    """Return the ways of which an evaluation has all faults, and whose goals it breaks."""
     if known is None or known.yardstick is None:
         return ()
     broken, faults = known.yardstick.broken(each.outcome), faults_of(each.specification)

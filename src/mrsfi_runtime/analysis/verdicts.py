@@ -155,7 +155,6 @@ def _verdict(
 
 
 def _is_broken_anyway(known: Harvest, goal: str) -> bool:
-    """Return whether the flight without faults breaks a goal in truth."""
     yardstick = known.yardstick
     return yardstick is not None and any(
         most > 0 and column.goal == goal and column.kind != MEASURES[0]

@@ -175,7 +175,6 @@ def _pairs(found: Part, otherwise: Part, lists: Mapping[str, Quantities]) -> lis
 
 
 def _owners(mission: Mission) -> Mapping[str, Sequence[str]]:
-    """Return the IDs of those whose quantities are in each list."""
     known = {
         name: [each.id for each in getattr(mission, name)]
         for name in ("robots", "sensors", "obstacles", "goals")

@@ -151,7 +151,6 @@ def goal_causes(question: Question, goal: str) -> GoalCauses:
 
 
 def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
-    """Yield a set with another fault in the place of each member."""
     return ((*(place for place in places if place != member), other) for member in places)
 
 
@@ -188,7 +187,6 @@ def simplest(
 
 
 def _cut(timed: TimedFault, duration: int, is_kept: Callable[[TimedFault], bool]) -> TimedFault:
-    """Return a fault with a window cut from both ends, as far as enough is kept."""
     timed = timed._replace(finish=max(timed.start, min(timed.finish, duration - 1)))
     for first, last in ((1, 0), (0, 1)):
         step = (timed.finish - timed.start + 1) // 2
@@ -206,7 +204,6 @@ def _cut(timed: TimedFault, duration: int, is_kept: Callable[[TimedFault], bool]
 def _plain(
     timed: TimedFault, mission: Mission, fault: Fault, is_kept: Callable[[TimedFault], bool]
 ) -> TimedFault:
-    """Return a fault with the plainest values with which enough is kept."""
     bounds = value_bounds(mission, fault)
     for k, (low, high) in enumerate(bounds):
         for value in _plainer(timed.values[k], fault.values[k], low, high):
@@ -219,7 +216,6 @@ def _plain(
 
 
 def _plainer(value: float, own: float, low: float, high: float) -> Iterator[float]:
-    """Yield values within bounds, the plainest first."""
     yield from (own, low, high)
     for digits in _DIGITS:
         rounded = float(f"{value:.{digits}g}")

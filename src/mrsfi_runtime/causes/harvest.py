@@ -149,8 +149,6 @@ _KEPT = "weaknesses"  # what it is called in a record
 
 
 class _Kept(NamedTuple):
-    """What a record says of a harvest beside its flights."""
-
     n_evaluations: int
     n_flights: int
     n_kept: Mapping[Column, int]
@@ -158,7 +156,6 @@ class _Kept(NamedTuple):
     mildest: tuple[Mildest, ...]
 
     def text(self) -> str:
-        """Return what ``of`` reads."""
         return encoding.canonical(
             {
                 "numbers": [self.n_evaluations, self.n_flights],
@@ -246,7 +243,6 @@ class _Flights:
         self.n_taken = 0
 
     def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Evaluated]:
-        """Return what comes of specifications in a mission seed."""
         missing = [each for each in specifications if (each, seed) not in self._found]
         found = self._evaluate_many(missing, seed) if missing else ()
         flown = []

@@ -217,7 +217,6 @@ class _Flown:
         return len(self._seeds)
 
     def tried(self, column: Column, faults: FaultSet) -> dict[Specification, bool]:
-        """Return all forms of just these faults, and whether any broke a column in any seed."""
         return {
             each: any(column in broken.get(each, ()) for broken in self.broken)
             for each in dict.fromkeys(chain.from_iterable(self.broken))

@@ -58,7 +58,6 @@ class Probing:
         return []
 
     def _wanted(self) -> Iterator[Specification]:
-        """Yield what is not flown yet, of a turn."""
         wishes: list[Specification] = []
         n_alone = len(self._space.candidates)
         if self._n_turns > self._n_first:

@@ -99,7 +99,6 @@ def command(
 
 
 def _end(every: "Sequence[Checked]") -> None:
-    """Raise what the command ends with: what came back, or else what fails first on the way."""
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]

@@ -202,8 +202,6 @@ def _compare_runs(
 
 @dataclass
 class _Progress:
-    """Tells of each run, and how long the rest may take."""
-
     path: Path
     n_runs: int
     n_new: int = 0
@@ -266,7 +264,6 @@ def _quartile_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
 
 
 def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
-    """Yield the tests of two algorithms, but for measures on which no two algorithms differ."""
     for measure, tests in groupby(comparison.tests, lambda test: test.measure):
         of_measure = list(tests)
         if all(test.ranks.a12 == 0.5 for test in of_measure):

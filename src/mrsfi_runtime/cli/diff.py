@@ -56,7 +56,6 @@ def command(old: str, new: str, is_json: bool) -> None:
 
 
 def _model(name: str, kept: Path) -> Path:
-    """Return the path of a model, by path or by name; keep what comes from a pipe in a folder."""
     from mrsfi.models import piped
     from mrsfi.project import project
 

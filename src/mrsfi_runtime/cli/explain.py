@@ -154,7 +154,6 @@ def command(  # noqa: PLR0913 - one parameter per option
 
 
 def _run(target: str) -> Path:
-    """Return the folder of a campaign; the name of a mission is a ``UsageError`` that says so."""
     from mrsfi.folders import is_mission
     from mrsfi_runtime.record.folder import CampaignFolder
 

@@ -108,7 +108,6 @@ def _observers(
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
 ) -> Iterator[Observer]:
-    """Yield what tells how far the flight is, and what writes log, trace and bag, if wanted."""
     mission = engine.code.mission
     if isinstance(engine, PlainEngine):  # others take no time
         yield flight_progress(mission.duration)

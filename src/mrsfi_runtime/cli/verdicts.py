@@ -43,7 +43,6 @@ def print_annotations(checked: Iterable[Checked]) -> None:
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Return a text as a command to GitHub's runner holds it."""
     for letter in ("%", "\r", "\n", *more):
         text = text.replace(letter, f"%{ord(letter):02X}")
     return text
@@ -82,7 +81,6 @@ def _range(numbers: Iterable[int]) -> str:
 
 
 def _rows(checked: Sequence[Checked]) -> Iterator[tuple[str | int, ...]]:
-    """Yield a row for each goal that has something, or may."""
     for each in checked:
         regression = each.regression
         head = (regression.name, regression.violations)

@@ -101,7 +101,6 @@ def campaign_page(
 def _first_screen(
     summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
 ) -> dict[str, Any] | None:
-    """Return a sentence a goal, which fault breaks which, and what is next, if anybody looked."""
     known, mission, pool = summary.harvest, summary.mission, summary.pool
     if known is None:
         return None
@@ -163,7 +162,6 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
 
 
 def _matrix(summary: Summary) -> dict[str, Any]:
-    """Return which fault breaks which goal: goals by faults, these by whom they strike."""
     mission, pool = summary.mission, summary.pool
     guilty = {fault for way in summary.ways for fault in way.faults}
     owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
