@@ -29,6 +29,7 @@ RUN = (
     "examples/own_search/README.md",
     "docs/workers.md",
     "docs/bus.md",
+    "examples/nodes/README.md",
 )
 """Pages in the order in which they are run: what README finds, others look at, each in its turn."""
 

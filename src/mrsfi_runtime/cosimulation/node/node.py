@@ -88,6 +88,7 @@ class Node(Mind):
         self._sayings = [(each, transport.advertise(each.topic)) for each in speech.sayings]
         self._said: list[tuple[Any, ...] | None] = []
         self._ready: frozenset[str] | None = None
+        self._has_flown = False
         self._flight: Flight | None = None
         self._run = self._tick = 0
         self._then: Callable[[], None] | None = None
@@ -129,7 +130,7 @@ class Node(Mind):
             self._process.stop()
             self._await_silence()
             self._process.start(seed)
-            is_new = True
+            is_new, self._has_flown = True, False
         if not self._restarts:
             self._reset(run, seed, deadline)
         if is_new:
@@ -137,6 +138,7 @@ class Node(Mind):
         if self._restarts:
             self._set_up(run, seed)
         self._pace.begin()
+        self._has_flown = True
 
     def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> bool:
         """Tell the node what was heard; call a function when it has answered."""
@@ -329,8 +331,10 @@ class Node(Mind):
             sleep(_LOOK / 2)
 
     def _require_alive(self) -> None:
+        """Raise if the node's process has ended; one that flew before may fly again."""
         ended = self._ending()
         if ended is not None:
+            self.is_to_blame = self._has_flown
             raise ended
 
     def _await_silence(self) -> None:

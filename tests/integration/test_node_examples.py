@@ -1,0 +1,96 @@
+"""The example of nodes of a team's own, in Python: flown, searched, killed and resumed."""
+
+import json
+import os
+import signal
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+from tests.support.cli import mrsfi, mrsfi_json, mrsfi_process
+from tests.support.interrupted import digest, evaluations
+from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, yard
+from tests.support.rosbridge import process
+from tests.support.tree import UNDRAWN
+from tests.tiers import slow
+
+FLY = ("simulate", MISSION, *PYTHON, *SERVICE)
+SEARCH = ("evolve", MISSION, *PYTHON, *SERVICE)
+FEW = ("--evaluations", "40", "--population", "10", "--no-explain")
+WITHIN = 10.0
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """A copy of the example."""
+    return yard(tmp_path / "nodes")
+
+
+def require_silence(place: Path) -> None:
+    """Require that nothing is left running in a folder, after a moment."""
+    limit = monotonic() + WITHIN
+    while processes_in(place) and monotonic() < limit:
+        sleep(0.05)
+    assert processes_in(place) == {}
+
+
+def test_without_faults_nothing_breaks_and_a_node_that_is_started_anew_flies_the_same(place):
+    flights = [mrsfi_json(*FLY, cwd=place), mrsfi_json("simulate", MISSION, *PYTHON, cwd=place)]
+
+    assert flights[0] == flights[1]
+    assert all(goal["true"] == goal["believed"] == 0 for goal in flights[0]["goals"])
+    assert processes_in(place) == {}
+
+
+@slow
+@pytest.mark.turn(0)
+def test_a_search_finds_weaknesses_and_its_worst_flies_again(place):
+    mrsfi_process(*SEARCH, "--out", "runs/it", cwd=place, timeout=300)
+
+    summary = json.loads((place / "runs/it/summary.json").read_text(encoding="utf-8"))
+    worst = ("--faults", "runs/it/critical/01.xmi")
+    again = mrsfi_json(*FLY, *worst, cwd=place)
+    rows = mrsfi("weaknesses", "runs/it", cwd=place).stdout
+    assert again["digest"] == summary["best"]["digest"]
+    assert sum(goal["true"] for goal in again["goals"]) > 0
+    assert all(goal in rows for goal in ("collide", "fence", "energy", "gate", "dock", "depot"))
+    require_silence(place)
+
+
+@slow
+@pytest.mark.turn(1)
+@pytest.mark.parametrize("killed", ["node", "worker", "mrsfi"])
+def test_whatever_is_killed_a_campaign_ends_as_if_it_had_not_been(place, killed):
+    mrsfi_process(*SEARCH, *FEW, "--workers", "1", "--out", "runs/whole", cwd=place)
+    words = (*SEARCH, *FEW, "--workers", "2", "--out", "runs/killed")
+
+    with process(*words, cwd=place, PYTHONPATH=path()) as command:
+        victim = seen(place, command, killed)
+        os.kill(victim, signal.SIGKILL)
+        _, errors = command.communicate(timeout=120)
+    require_silence(place)
+    if command.returncode:
+        mrsfi_process("evolve", "--resume", "runs/killed", cwd=place)
+
+    assert "Traceback" not in errors
+    assert (command.returncode == 0) == (killed == "node")
+    assert evaluations(place / "runs/killed") == evaluations(place / "runs/whole")
+    assert digest(place / "runs/killed") == digest(place / "runs/whole")
+    require_silence(place)
+
+
+def path() -> str:
+    """Return where processes look for modules that leave figures empty, and for all others."""
+    return os.pathsep.join([str(UNDRAWN), *filter(None, [os.environ.get("PYTHONPATH")])])
+
+
+def seen(place: Path, command, killed: str) -> int:
+    """Return the process to be killed, once the first generation is flown."""
+    for line in command.stderr:
+        if line.startswith("generation 0"):
+            break
+    if killed == "mrsfi":
+        return command.pid
+    sign = "patrol.py ws" if killed == "node" else "spawn"
+    return min(pid for pid, line in processes_in(place).items() if sign in line)
