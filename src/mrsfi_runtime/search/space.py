@@ -33,27 +33,21 @@ def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     inside an obstacle is a point that chance hardly ever hits.
     """
     bounds = value_bounds(mission, fault)
-    found: Iterable[tuple[float, ...]] = _ends(fault, bounds)
     if fault.kind.is_place:
-        height = fault.values[2:]
-        found = ((float(point.x), float(point.y), *height) for point in _points(mission))
-    return tuple(
-        dict.fromkeys(
-            values for values in (fault.values, *found) if all(map(within, values, bounds))
-        )
-    )
+        found = [(float(at.x), float(at.y), *fault.values[2:]) for at in _points(mission)]
+    else:
+        found = [
+            (*fault.values[:place], end, *fault.values[place + 1 :])
+            for place, ends in enumerate(bounds)
+            for end in ends
+        ]
+    known = dict.fromkeys((fault.values, *found))
+    return tuple(values for values in known if all(map(within, values, bounds)))
 
 
 def within(value: float, bounds: tuple[float, float]) -> bool:
     """Return whether a value lies within its bounds."""
     return bounds[0] <= value <= bounds[1]
-
-
-def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple[float, ...]]:
-    """Yield the pool's values with one of them at an end of its bounds."""
-    for place, (low, high) in enumerate(bounds):
-        for end in (low, high):
-            yield (*fault.values[:place], end, *fault.values[place + 1 :])
 
 
 def _points(mission: Mission) -> Iterator[Coordinates]:
