@@ -188,19 +188,12 @@ def fly_many(flights: Flights, first: int, last: int) -> int:
             move(world, valid, tick)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, verdicts, tick)
-            if tick - begin < flights.n_moments:
-                moment = (tick - begin) * n_words
-                copy(flights.world, 0, flights.moments, moment, n_recorded)
-                copy(flights.belief, 0, flights.moments, moment + n_recorded, n_recorded)
-                copy(
-                    flights.results,
-                    row + 2 * n_recorded,
-                    flights.moments,
-                    moment + 2 * n_recorded,
-                    n_words - 2 * n_recorded,
-                )
-        copy(flights.world, 0, flights.results, row, n_recorded)
-        copy(flights.belief, 0, flights.results, row + n_recorded, n_recorded)
+            moment = tick - begin
+            if moment < flights.n_moments or tick + 1 == end:
+                copy(flights.world, 0, flights.results, row, n_recorded)
+                copy(flights.belief, 0, flights.results, row + n_recorded, n_recorded)
+            if moment < flights.n_moments:
+                copy(flights.results, row, flights.moments, moment * n_words, n_words)
     return 0
 
 
