@@ -266,7 +266,6 @@ def keep_names(folder: Path) -> None:
 
 
 def _time(path: Path) -> int | None:
-    """Return when a file was written, if there is one."""
     with suppress(FileNotFoundError):
         return path.stat().st_mtime_ns
     return None

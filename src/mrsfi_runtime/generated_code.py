@@ -78,7 +78,6 @@ def _functions(directory: Path, collective: ModuleType, effects: ModuleType) -> 
 
 
 def _loaded(directory: Path, stem: str, function: str) -> Any:
-    """Return what a generated loader makes."""
     module = _module(directory, stem)
     try:
         return getattr(module, function)()

@@ -76,7 +76,6 @@ class _Copies(MetaPathFinder):
 
     @contextmanager
     def found(self) -> Iterator[None]:
-        """Let every import in the body find the copies."""
         with self._lock:
             if self in sys.meta_path:
                 yield

@@ -57,10 +57,7 @@ _DRAWS = (
 
 
 def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, str]]:
-    """Yield what is to be said of a function that will be compiled.
-
-    That is its line; and what was found, why it matters and what to write instead.
-    """
+    """Yield lines of a function that will be compiled: what was found, why, and what to write."""
     at = _Function(function, source)
     for node in at.nodes:
         for why in _said(node, at):
@@ -136,7 +133,6 @@ _WHOLE_POWER = (
 
 
 def _is_wide(node: ast.BinOp, at: _Function) -> bool:
-    """Whether a product or a shift may need more than 64 bits."""
     left, right = literal(node.left), literal(node.right)
     is_known = literal(node) is not None or float in map(at.of, (node.left, node.right))
     if is_known or id(node) in at.masked:

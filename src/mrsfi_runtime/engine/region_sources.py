@@ -94,10 +94,7 @@ class Source:
 
 
 def sources(directory: Path) -> Iterator[Source]:
-    """Yield the files of a mission that hold regions, and the team's files that they import.
-
-    None where no code was generated yet.
-    """
+    """Yield the files of a mission that hold regions, if any, and the team's that they import."""
     for path in region_files(directory):
         yield Source(path, has_regions=True)
     for path in imported_files(directory).values():

@@ -50,7 +50,6 @@ def _bounds(
 
 
 def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, float]:
-    """Return the default bounds of a range, in a mission and for what a fault strikes there."""
     center, reach, duration = mission.area.center, _REACH * mission.area.radius, mission.duration
     of_mission = {
         Range.TICKS: (1.0, float(duration)),

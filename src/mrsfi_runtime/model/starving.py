@@ -44,7 +44,6 @@ def _robots(mission: Mission, goal: Goal) -> list[Robot]:
 
 
 def _is_elsewhere(area: Area, terms: Terms) -> bool:
-    """Return whether a point or an area that a task is about lies apart from an area."""
     discs = [(point, terms.tolerance) for point in terms.trajectory]
     if terms.area is not None:
         discs.append((terms.area.center, terms.area.radius + terms.tolerance))

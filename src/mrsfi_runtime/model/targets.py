@@ -99,7 +99,6 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
 
 
 def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]:
-    """Yield what a message of a robot carries, in the order of its body."""
     for entry in message.body:
         if entry.name in _BY_NAME:
             yield _BY_NAME[entry.name], robot

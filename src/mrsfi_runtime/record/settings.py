@@ -86,7 +86,6 @@ _SEED = _whole(0, _LARGEST_SEED)
 
 
 def _setting(default: Any, rule: _Rule) -> Any:
-    """Return the field of a setting that the campaign file leaves at a default."""
     return field(default=default, metadata={"rule": rule})
 
 

@@ -336,7 +336,6 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
 
 
 def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
-    """Return what a row says of an evaluation, whose counts have names in their order."""
     flown = _flown(names, row)
     (specification,) = encoding.lists([row[2]])
     return Evaluation(*flown, encoding.specification(specification))
@@ -345,7 +344,6 @@ def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
 def _flown(
     names: Sequence[str], row: tuple[Any, ...]
 ) -> tuple[int, int, Outcome, tuple[float, ...], int]:
-    """Return what a row says beside the specification: the fields of ``Flown``."""
     index, generation, _, fitness_text, fault_ticks, *texts, digest = row
     fitness, *found = encoding.lists([fitness_text, *texts])
     outcome = _outcome(names, found, digest)

@@ -50,10 +50,7 @@ from mrsfi_runtime.search.variation import CROSSOVERS
 
 
 class Breeder:
-    """Draws, varies and selects individuals as the settings of a campaign say.
-
-    All draws of the search come from ``rng``; ``size`` is that of a population.
-    """
+    """Draws, varies and selects individuals as the settings of a campaign say, all by ``rng``."""
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
         self.rng = Random(settings.seed)

@@ -22,11 +22,7 @@ _Gauss = tuple[float, float]
 
 
 class FaultModel:
-    """For every pool fault how often it occurs, and Gaussians of its window and values.
-
-    A window is its start and finish; in the beginning all windows and values are about
-    equally likely.
-    """
+    """For every pool fault how often it occurs, and Gaussians of start, finish and values."""
 
     def __init__(self, space: SearchSpace, n_faults: int, rng: Random) -> None:
         self._space = space
@@ -44,10 +40,7 @@ class FaultModel:
         }
 
     def generate(self) -> Specification:
-        """Draw a specification: faults by their chance, each where it is free.
-
-        It has fewer than ``n_faults`` timed faults only if no fault drawn is free any more.
-        """
+        """Draw a specification: faults by their chance, as long as one is free."""
         placed: list[TimedFault] = []
         candidates = dict(self._chances)
         while candidates and len(placed) < self._n_faults:
@@ -102,7 +95,6 @@ class FaultModel:
 
 
 def _rows(fault: str, individuals: Sequence[Individual]) -> list[tuple[float, ...]]:
-    """Return start, finish and values of every occurrence of a fault."""
     return [
         (timed.start, timed.finish, *timed.values)
         for individual in individuals

@@ -61,7 +61,6 @@ class _Guide:
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
     def breed(self, population: Sequence[Individual]) -> list[Individual]:
-        """Return a beginning, later offspring of the best."""
         self._bred.clear()
         offspring = []
         for _ in range(self._size):
@@ -79,7 +78,6 @@ class _Guide:
     def survive(
         self, population: Sequence[Individual], offspring: list[Individual]
     ) -> list[Individual]:
-        """Return the best of both; learn from the offspring."""
         for individual in offspring:
             self._enter_niches(individual)
             if self._has_few_goals or self._minimises:
@@ -100,8 +98,7 @@ class _Guide:
         self, ranked: Sequence[Individual]
     ) -> tuple[list[Individual], list[Individual]]:
         n_seen: Counter[tuple[float, ...]] = Counter()
-        first: list[Individual] = []
-        rest: list[Individual] = []
+        first, rest = list[Individual](), list[Individual]()
         for individual in ranked:
             kind = (*individual.score.goals, *self._costs(individual.specification))
             n_seen[kind] += 1

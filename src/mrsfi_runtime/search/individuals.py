@@ -27,10 +27,7 @@ from mrsfi_runtime.search.fitness import Score
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """How critical a fault specification is: one number or several; more is more critical.
-
-    Of ``costs``, which follow them, less is.
-    """
+    """How critical a fault specification is: numbers of which more is, then ``costs``, less."""
 
     def __init__(self, values: Sequence[float] = (), costs: Sequence[int] = ()) -> None:
         self.weights = (1.0,) * len(values) + (-1.0,) * len(costs)

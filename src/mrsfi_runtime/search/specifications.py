@@ -69,10 +69,7 @@ def varied_specification(
     rng: Random,
     is_allowed: Callable[[frozenset[str]], bool],
 ) -> Specification:
-    """Draw different faults of the pool, each in one of its forms, while a set of them is allowed.
-
-    Fewer than wanted come of it if no other one may join, or none has a free tick left.
-    """
+    """Draw different faults of the pool, each in one of its forms, as long as others may join."""
     placed: list[TimedFault] = []
     for fault in rng.sample([*space.candidates], len(space.candidates)):
         if len(placed) == n_faults:

@@ -102,7 +102,6 @@ def _by_address() -> Iterator[None]:
 
 
 def _know(function: FunctionType, kind: Any) -> None:
-    """Let numba take a function for something."""
     _TYPING._remove_global(function)  # noqa: SLF001 - likewise
     _TYPING.insert_global(function, kind)
 

@@ -46,7 +46,6 @@ class _LikePython(AnalysisPass):
         """Hold nothing."""
 
     def run_pass(self, state: Any) -> bool:
-        """Look at every expression of a function that is not ours."""
         is_ours = state.func_id.func.__module__.startswith("mrsfi_runtime.")
         for block in () if is_ours else state.func_ir.blocks.values():
             for found in block.find_exprs():
@@ -112,7 +111,6 @@ class _Library(JITCodeLibrary):
         return self._final_module
 
     def reached(self) -> Iterator[Any]:
-        """Yield the libraries that this links."""
         return iter(self._linking_libraries)
 
     def whole(self) -> Any:
