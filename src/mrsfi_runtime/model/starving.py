@@ -5,33 +5,25 @@ References
 ``docs/semantics.md``, reactions: the first goal that claims the heading of a robot has it.
 """
 
-from collections.abc import Iterator
 from math import hypot
 
 from mrsfi_runtime.model.mission import Area, Goal, Mission, Robot, Terms
 
 
-def holders(mission: Mission, goal: Goal) -> Iterator[tuple[Goal, Area, list[Robot]]]:
-    """Yield each goal that keeps robots in an area where a later goal of theirs cannot be met.
+def starvation(mission: Mission, goal: Goal) -> str:
+    """Say, as a sentence goes on, which goals keep robots of one elsewhere, if any do.
 
     So the tasks react; regions may do otherwise.
     """
     wanted = _robots(mission, goal)
-    for other in mission.goals[: mission.goals.index(goal)]:
-        area = other.terms.area
-        if other.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
-            kept = [robot for robot in _robots(mission, other) if robot in wanted]
+    held = []
+    for holder in mission.goals[: mission.goals.index(goal)]:
+        area = holder.terms.area
+        if holder.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
+            kept = [each.name or each.id for each in _robots(mission, holder) if each in wanted]
             if kept:
-                yield other, area, kept
-
-
-def starvation(mission: Mission, goal: Goal) -> str:
-    """Say, as a sentence goes on, which goals keep robots of one elsewhere, if any do."""
-    held = [
-        f"{mission.label_of(holder)}, which reacts first, keeps "
-        f"{' and '.join(robot.name or robot.id for robot in robots)} in area {area.id}"
-        for holder, area, robots in holders(mission, goal)
-    ]
+                told = f"{mission.label_of(holder)}, which reacts first, keeps"
+                held.append(f"{told} {' and '.join(kept)} in area {area.id}")
     return f"as {' and '.join(held)}" if held else ""
 
 
