@@ -10,7 +10,7 @@ from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import module_from_spec
 from pathlib import Path
 from types import CodeType, ModuleType
-from typing import Any
+from typing import Any, cast
 from zlib import crc32
 
 from mrsfi_runtime.cosimulation.sides import SimInterface, Simulation
@@ -90,14 +90,12 @@ def _loaded(directory: Path, stem: str, function: str) -> Any:
 
 def mission_from_text(source: str) -> Mission:
     """Return the mission that the text of a generated mission loader describes."""
-    mission: Mission = _made("mission_loader.py", source, "load_mission")
-    return mission
+    return cast("Mission", _made("mission_loader.py", source, "load_mission"))
 
 
 def pool_from_text(source: str) -> FaultPool:
     """Return the faults that the text of a generated fault loader describes."""
-    pool: FaultPool = _made("fault_loader.py", source, "load_faults")
-    return pool
+    return cast("FaultPool", _made("fault_loader.py", source, "load_faults"))
 
 
 def _made(name: str, source: str, function: str) -> Any:

@@ -156,9 +156,8 @@ def _combined(
     for number, (leave, arrive) in enumerate(blocks):
         if (wanted, wanted) in found:
             break
-        n_more_leave, n_more_arrive = len(leave), len(arrive)
         for (n_leave, n_arrive), chosen in list(found.items()):
-            sizes = (n_leave + n_more_leave, n_arrive + n_more_arrive)
+            sizes = (n_leave + len(leave), n_arrive + len(arrive))
             if sizes not in found and sizes[0] <= limit and sizes[1] <= limit:
                 found[sizes] = (*chosen, number)
     del found[0, 0]

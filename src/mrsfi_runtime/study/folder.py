@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import astuple
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import Any, Self
 
@@ -62,19 +62,12 @@ class ComparisonFolder(CampaignFolder):
 
 def _runs(comparison: Comparison) -> Table:
     """Return one row for each run with all measures; what was never reached is empty."""
-    names = (criterion.name for criterion in comparison.criteria)
+    told, criteria = ("algorithm", "seed", "n_evaluations", "n_failures"), comparison.criteria
     rows = (
-        (
-            run.algorithm,
-            run.seed,
-            run.n_evaluations,
-            run.n_failures,
-            *(finite(criterion.value(run)) for criterion in comparison.criteria),
-            run.digest,
-        )
+        (*attrgetter(*told)(run), *(finite(each.value(run)) for each in criteria), run.digest)
         for run in comparison.runs
     )
-    columns = ("algorithm", "seed", "n_evaluations", "n_failures", *names, "digest")
+    columns = (*told, *(criterion.name for criterion in criteria), "digest")
     return Table("Runs", columns, rows)
 
 
