@@ -86,17 +86,7 @@ def focused(findings: FitnessInput) -> float:
     ----------
     Source paper, equation (2).
     """
-    return float(sum(goal_vector(findings.violations, findings.goals)))
-
-
-def goal_vector(violations: Sequence[int], goals: Sequence[int]) -> tuple[int, ...]:
-    """Return the violations of each chosen goal, shape ``(n_chosen,)``.
-
-    References
-    ----------
-    Source paper, equation (3).
-    """
-    return tuple(violations[goal] for goal in goals)
+    return float(sum(findings.violations[goal] for goal in findings.goals))
 
 
 FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(
@@ -128,8 +118,9 @@ class Judge:
         return Score(fitness, self.goals(outcome))
 
     def goals(self, outcome: Outcome) -> tuple[int, ...]:
-        """Return the goal vector of one outcome."""
-        return goal_vector(getattr(outcome, self._measure), self._goals)
+        """Return the goal vector of one outcome, shape ``(n_chosen,)``: equation (3)."""
+        violations = getattr(outcome, self._measure)
+        return tuple(violations[goal] for goal in self._goals)
 
 
 def averaged(scores: Sequence[Score]) -> Score:

@@ -8,7 +8,6 @@ from mrsfi_runtime.search.fitness import (
     Judge,
     Score,
     averaged,
-    goal_vector,
 )
 from tests.support.search import outcome_of, paper_mission
 
@@ -43,7 +42,9 @@ def test_normalised_fitness_is_one_when_every_goal_is_always_violated():
 
 
 def test_goal_vector_keeps_the_order_of_the_chosen_goals():
-    assert goal_vector(VIOLATIONS, (5, 0)) == (85, 10)
+    judge = Judge(CampaignSettings(goals=("g6", "g1")), paper_mission())
+
+    assert judge.goals(outcome_of(*VIOLATIONS)) == (85, 10)
 
 
 @pytest.mark.parametrize(
