@@ -40,7 +40,6 @@ from mrsfi_runtime.search.loop import (
     GenerationalLoop,
     GenerationSummary,
     Survival,
-    replaced,
 )
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import first_size, random_specification
@@ -125,7 +124,9 @@ class Breeder:
         with lent_to_deap(self.rng):
             return list(vary(individuals, toolbox, *numbers))
 
-    def loop(self, breed: Breeding, survive: Survival = replaced) -> Algorithm:
+    def loop(
+        self, breed: Breeding, survive: Survival = lambda _, offspring: offspring
+    ) -> Algorithm:
         """Return the algorithm that breeds from every population but the first."""
         return GenerationalLoop(
             self._settings,

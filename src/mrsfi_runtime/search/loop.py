@@ -71,11 +71,6 @@ Survival: TypeAlias = Callable[[Sequence[Individual], list[Individual]], list[In
 """From a population and its evaluated offspring the next population, not empty."""
 
 
-def replaced(parents: Sequence[Individual], offspring: list[Individual]) -> list[Individual]:  # noqa: ARG001 - Survival
-    """Return the offspring: nobody survives."""
-    return offspring
-
-
 class GenerationalLoop:
     """An algorithm that breeds offspring, and lets some of them and of the population survive.
 
@@ -86,11 +81,7 @@ class GenerationalLoop:
     """
 
     def __init__(
-        self,
-        settings: CampaignSettings,
-        rng: Random,
-        breed: Breeding,
-        survive: Survival = replaced,
+        self, settings: CampaignSettings, rng: Random, breed: Breeding, survive: Survival
     ) -> None:
         self._settings = settings
         self._rng = rng

@@ -83,7 +83,6 @@ class Pace:
     def chunk_size(self, n_specifications: int, n_workers: int) -> int:
         """Return how many of some specifications to evaluate in one go, all workers alike."""
         seconds = _FIRST_GUESS if self._seconds is None else self._seconds
-        n_workers = max(n_workers, 1)
         most = max(1, int(CHUNK_SECONDS / max(seconds, 1e-6))) * n_workers
         n_rounds = max(1, -(-n_specifications // most))
         return max(1, -(-n_specifications // (n_rounds * n_workers)))
