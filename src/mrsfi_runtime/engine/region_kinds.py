@@ -129,10 +129,6 @@ def _of_argument(kinds: Kinds, node: ast.arg) -> Kind:
     return State if is_state else _ANNOTATIONS.get(kinds.dotted(node.annotation))
 
 
-def _of_field(kinds: Kinds, node: ast.Attribute) -> Kind:
-    return None if kinds.dotted(node) else _FIELDS.get(node.attr)  # a module's is no field
-
-
 def _of_part(kinds: Kinds, node: ast.Subscript) -> Kind:
     whole = kinds.of(node.value)
     return whole if isinstance(node.slice, ast.Slice) else element(whole)
@@ -166,7 +162,9 @@ _KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
     ast.Constant: lambda _, node: type(node.value),
     ast.arg: _of_argument,
     ast.Name: _of_name,
-    ast.Attribute: _of_field,
+    ast.Attribute: lambda kinds, node: (  # a module's is no field
+        None if kinds.dotted(node) else _FIELDS.get(node.attr)
+    ),
     ast.Subscript: _of_part,
     ast.Call: _of_call,
     ast.BinOp: _of_operation,

@@ -8,7 +8,7 @@ import platform
 import shutil
 import sys
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
@@ -181,6 +181,7 @@ class MissionPlugin(WorkerPlugin):
     ) -> EvaluatedChunk:
         """Evaluate a chunk; errors and failures tell of the places of the code at home."""
         self._require_same_environment()  # it may have joined late
+        told = partial(self._shipment.told_as_at_home, folder=self._folder)
         with self._lock:
             try:
                 engine = self._engine(seed, settings)
@@ -188,12 +189,12 @@ class MissionPlugin(WorkerPlugin):
                 results = tuple(engine.evaluate_many(specifications, seed))
                 seconds = perf_counter() - start
             except MrsfiError as error:
-                raise type(error)(self._told(str(error))) from error
-        told = (
-            FailedFlight(self._told(each.traceback)) if isinstance(each, FailedFlight) else each
+                raise type(error)(told(str(error))) from error
+        results = tuple(
+            FailedFlight(told(each.traceback)) if isinstance(each, FailedFlight) else each
             for each in results
         )
-        return EvaluatedChunk(tuple(told), seconds)
+        return EvaluatedChunk(results, seconds)
 
     def _require_same_environment(self) -> None:
         differences = self._shipment.differences()
@@ -214,6 +215,3 @@ class MissionPlugin(WorkerPlugin):
                     "installed on every worker"
                 ) from error
         return self._engines[settings]
-
-    def _told(self, text: str) -> str:
-        return self._shipment.told_as_at_home(text, self._folder)
