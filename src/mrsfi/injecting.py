@@ -47,7 +47,7 @@ def looked_at(
 ) -> EngineSettings:
     """Fly one specification several times, and return settings by which each flies often enough.
 
-    That is once if the node repeats itself, and otherwise as often; it is told.
+    That is once if the node repeats itself, and otherwise as often, as at a rate; it is told.
     """
     if engine.node is None:
         return engine
@@ -55,13 +55,16 @@ def looked_at(
     specification = random_specification(space, settings.faults, Random(settings.seed))
     with engine.open(code, settings.mission_seed) as opened:
         found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
-    if all(each == found[0] for each in found):
-        tell(f"your node repeats itself: one specification, flown {N_LOOKS} times, was the same")
-        return engine
+    is_same = all(each == found[0] for each in found)
     counts = ", ".join(str(sum(each.believed)) for each in found)
+    seen = f"one specification, flown {N_LOOKS} times, "
+    seen += "was the same" if is_same else f"had {counts} believed violations"
+    if is_same and not engine.node.is_free:
+        tell(f"your node repeats itself: {seen}")
+        return engine
+    how = "runs by its own clock" if engine.node.is_free else "does not repeat itself"
     tell(
-        f"warning: your node does not repeat itself: one specification, flown {N_LOOKS} times, had "
-        f"{counts} believed violations; each is flown {N_LOOKS} times and judged by the median, "
-        "and causes are not looked for: they may be chance"
+        f"warning: your node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
+        "median, and causes are not looked for: they may be chance"
     )
     return replace(engine, node=replace(engine.node, repeats=N_LOOKS))

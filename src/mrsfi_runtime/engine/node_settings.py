@@ -21,7 +21,10 @@ RESTART, SERVICE = "restart", "service"
 RESETS = (RESTART, SERVICE)
 """How a node gets back to before tick 0: started anew, or by a service of its own."""
 
-_WORDS = {"mapping": "[node] of mrsfi.toml is", "sha256": "the hash of its files is"}
+_WORDS = {
+    "mapping": "table [node] of mrsfi.toml",
+    "sha256": "SHA-256 of the files beside its command",
+}
 
 _LEFT_OUT = frozenset({"__pycache__", "node_modules"})
 
@@ -89,8 +92,8 @@ class NodeSettings:
             now, then = getattr(self, name), recorded.get(name, "")
             if now != then:
                 raise RecordError(
-                    f"this campaign was flown with another node: {_WORDS.get(name, name)} {now!r}, "
-                    f"recorded {then!r}; expected the same, or a new campaign"
+                    f"this campaign was flown with another node; its {_WORDS.get(name, name)}: "
+                    f"found {now!r}, recorded {then!r}; expected the same, or a new campaign"
                 )
         left_out = tuple(recorded.get("left_out", ()))
         return replace(self, repeats=recorded.get("repeats", 1), left_out=left_out)
@@ -100,6 +103,11 @@ class NodeSettings:
         mapping = self.table
         types = TypeTable([Path(folder) for folder in mapping.types])
         return out_of_reach(mission, pool, Speech(mapping, mission, types))
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the node runs by its own clock."""
+        return self.pace not in PACES
 
     @property
     def table(self) -> NodeMapping:
