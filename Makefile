@@ -92,7 +92,7 @@ test-night: $(DEV) generate ## run make test-all with all seeds, then make inter
 	$(PYTEST) $(OURS) --tier night
 	$(MAKE) interop release
 
-interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium, pdfLaTeX
+interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, ir-sim, pfta, Chromium, pdfLaTeX
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments

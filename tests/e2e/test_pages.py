@@ -43,8 +43,8 @@ ELSEWHERE = {
     "docs/node.md": "tests/unit/cosimulation/test_node_mapping.py",
     "docs/projects.md": "tests/e2e/test_project.py",
     "docs/tutorial.md": "tests/release/test_release.py",
-    "examples/mujoco_simulator/README.md": "tests/interop/test_second_simulator.py",
     "examples/warehouse/README.md": "tests/e2e/test_warehouse.py",
+    "examples/worlds/README.md": "tests/interop/test_second_simulator.py",
 }
 """What runs, or holds to the code, blocks that are run neither in order nor shortened."""
 

@@ -1,24 +1,31 @@
-"""The paper's mission on MuJoCo: somebody else's simulator behind the topics, the CI unchanged."""
+"""Other simulators behind the topics, the CI unchanged: the worlds of ``examples/worlds``."""
 
 import csv
-import importlib
 import importlib.util
 import os
 import re
+import shlex
 import subprocess
 import sys
-import xml.etree.ElementTree as ET
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.lockstep_topics import GO, RESET, SETUP
+from mrsfi_runtime.cosimulation.node.pace import ANSWER
+from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from tests.support.bags import read_bag
 from tests.support.cli import (
     MISSION,
@@ -33,52 +40,80 @@ from tests.support.missing import skip
 from tests.support.page_simulator import page_simulator
 from tests.support.pages import Terminal, at_free_ports, run_page
 from tests.support.rosbridge import Relay, code_of, digests, process
+from tests.support.world import paper_code, specification
 
-EXAMPLE = ROOT / "examples" / "mujoco_simulator"
-SIMULATOR = EXAMPLE / "simulator.py"
+WORLDS = ROOT / "examples" / "worlds"
+PAGE = (WORLDS / "README.md").read_text(encoding="utf-8")
+NEEDS = {"mujoco": "mujoco", "irsim": "irsim", "fossen": "numpy"}
+"""Worlds by the name of their folder, and the library that each is made with."""
+
+OURS = "fossen"
+"""A world that never misses a library: what all share is tested with it alone."""
+
 AREA, ENERGY, SAMPLES = "StayWithinMissionArea", "SufficientEnergy", "GatherSamples"
 
 
-def require_mujoco() -> None:
-    """Skip the test if MuJoCo is missing; in continuous integration, fail it."""
-    if importlib.util.find_spec("mujoco") is None:
-        skip("MuJoCo is missing; pip install -e '.[examples]'")
+def require(world: str) -> None:
+    """Skip the test if the library of a world is missing; in continuous integration, fail it."""
+    if importlib.util.find_spec(NEEDS[world]) is None:
+        skip(f"{NEEDS[world]} is missing; pip install -e '.[examples]'")
 
 
 @contextmanager
-def simulator(url: str) -> Iterator[subprocess.Popen[str]]:
-    """Run the example until the end of the test; it must not have failed before."""
+def running(world: str, url: str, *options: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a world until the end of the test."""
+    require(world)
     with subprocess.Popen(
-        [sys.executable, "-W", "error", SIMULATOR, "--url", url],
+        [sys.executable, "-W", "error", WORLDS / world / "world.py", "--url", url, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
-    ) as running:
+    ) as served:
         try:
-            assert running.stdout is not None
-            assert "serves at" in running.stdout.readline()
-            yield running
-            assert running.poll() is None
+            assert served.stdout is not None
+            assert "serves at" in served.stdout.readline()
+            yield served
         finally:
-            running.kill()
-            _, told = running.communicate()
-    assert told == ""
+            served.kill()
+
+
+@contextmanager
+def simulator(world: str, url: str, *options: str) -> Iterator[None]:
+    """Run a world beside the body; it must not have failed before."""
+    with running(world, url, *options) as served:
+        yield
+        assert served.poll() is None
+        served.kill()
+        assert served.communicate()[1] == ""
+
+
+@contextmanager
+def engine(url: str, duration: int = 60, **settings: Any) -> Iterator[RosbridgeEngine]:
+    """Yield an engine that flies the mission, shortened, on the world at a server."""
+    flown = EngineSettings("rosbridge", url=url, has_simulation=False, **settings)
+    with RosbridgeEngine(code_of(MISSION, duration), 1, flown) as opened:
+        yield opened
+
+
+def flown_on(world: str, *options: str, server: EmbeddedBridge, **settings: Any) -> list[list[str]]:
+    """Return the digests of two shortened flights on a world."""
+    with simulator(world, server.url, *options), engine(server.url, **settings) as opened:
+        return digests(opened, range(2))
 
 
 @pytest.fixture(scope="module")
 def options() -> Iterator[tuple[str, ...]]:
-    """Return the options that fly on the example, which runs for all tests of this module."""
-    require_mujoco()
+    """Return the options that fly on a world, which runs for all tests of this module."""
     with process("bridge", "--port", "0") as server:
         url = server.stdout.readline().strip()
-        with simulator(url):
-            yield ("--engine", "rosbridge", "--url", url, "--side", "ci")
+        with simulator(OURS, url):
+            yield ("--engine", "rosbridge", "--url", url, "--side", "ci", "--bundle")
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with models and code of the mission."""
-    return workspace(tmp_path_factory.mktemp("mujoco"))
+    return workspace(tmp_path_factory.mktemp("worlds"))
 
 
 @pytest.fixture(scope="module")
@@ -91,26 +126,32 @@ def of_task(flight: Any, task: str, count: str) -> list[int]:
     return [goal[count] for goal in flight["goals"] if goal["task"] == task]
 
 
-def test_the_mission_succeeds_without_faults(flight, note):
-    samples = of_task(flight, SAMPLES, "samples")
-
-    assert flight["duration"] == 1000
-    assert len(flight["goals"]) == 6
-    for kind in ("believed", "true"):
-        assert of_task(flight, AREA, kind) == of_task(flight, ENERGY, kind) == [0]
-    assert all(found >= target for found, target in zip(samples, (250, 400, 500), strict=True))
-    note("MuJoCo behind the topics", ticks=flight["duration"], samples=sum(samples))
-
-
-def test_the_page_of_the_example_runs_as_it_stands(place):
-    require_mujoco()
-    (place / "examples").symlink_to(EXAMPLE.parent)
+@pytest.mark.parametrize("world", NEEDS)
+def test_the_page_of_the_examples_runs_as_it_stands(world, tmp_path):
+    require(world)
+    place = workspace(tmp_path)
+    (place / "examples").symlink_to(WORLDS.parent)
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    page = (EXAMPLE / "README.md").read_text(encoding="utf-8")
+    (section,) = (each for each in PAGE.split("\n## ") if f"worlds/{world}/world.py" in each)
 
-    ran = [*run_page(at_free_ports(page), Terminal(place, {**os.environ, "PATH": path}))]
+    ran = [*run_page(at_free_ports(section), Terminal(place, {**os.environ, "PATH": path}))]
 
     assert len(ran) == 3
+
+
+@pytest.mark.parametrize("world", NEEDS)
+def test_the_same_seed_gives_the_same_flight(world):
+    seeds = (1, 2, 1)
+    with (
+        EmbeddedBridge() as server,
+        simulator(world, server.url),
+        engine(server.url, is_bundled=True) as opened,
+    ):
+        first, second, again = digests(opened, (0, 1, 0))
+        samples = [opened.evaluate((), seed).samples for seed in seeds]
+
+    assert first == again != second
+    assert samples[0] == samples[2] != samples[1]
 
 
 def test_the_flight_is_another_than_that_of_the_own_simulation(flight, place):
@@ -120,29 +161,87 @@ def test_the_flight_is_another_than_that_of_the_own_simulation(flight, place):
     assert [goal["id"] for goal in flight["goals"]] == [goal["id"] for goal in own["goals"]]
 
 
-def test_the_same_seed_gives_the_same_flight(flight, options, place):
-    again = mrsfi_json("simulate", MISSION, *options, cwd=place)
-    other = mrsfi_json("simulate", MISSION, "--seed", "2", *options, cwd=place)
+def test_messages_prefix_and_ros_change_no_flight():
+    with EmbeddedBridge() as server:
+        plain = flown_on(OURS, server=server)
+        bundled = flown_on(OURS, server=server, is_bundled=True)
+    with EmbeddedBridge(ServerSettings(types=TypeTable(ros=2))) as server:
+        newer = flown_on(OURS, "--ros", "2", server=server, ros=2)
+    with EmbeddedBridge() as server:
+        prefixed = [
+            flown_on(
+                OURS, "--prefix", "/w", server=server, world_prefix="/w", is_bundled=is_bundled
+            )
+            for is_bundled in (False, True)
+        ]
 
-    assert again == flight
-    assert other["digest"] != flight["digest"]
+    assert bundled == newer == plain
+    assert prefixed == [plain, plain]
+
+
+def test_a_node_of_a_team_flies_in_a_world_of_a_team_as_generated_code_does():
+    reached = paper_code()
+    unreached = NodeSettings(command="").out_of_reach(reached.mission, reached.pool)
+    reached = replace(reached, pool=reached.pool.without(unreached))
+    specifications = [(), specification(reached, 100)] * 2
+    words = (sys.executable, "-m", "tests.support.standin_node", str(reached.directory))
+    with EmbeddedBridge() as server, running(OURS, server.url, "--prefix", "/world"):
+        node = NodeSettings.of(
+            f"{shlex.join(words)} {{url}} 1 {{seed}} /node",
+            None,
+            url=server.url,
+            pace=ANSWER,
+            reset=SERVICE,
+            prefix="/node",
+        )
+        generated = EngineSettings(
+            "rosbridge", server.url, has_simulation=False, world_prefix="/world"
+        )
+        flown = []
+        for settings in (replace(generated, node=node), generated):
+            with settings.open(reached, 1) as opened:
+                flown.append([opened.evaluate(each) for each in specifications])
+
+    injected, expected = flown
+    assert injected == expected
+    assert injected[:2] == injected[2:]
+    assert injected[0] != injected[1]
 
 
 def test_order_within_topics_is_all_that_it_needs():
-    require_mujoco()
-    code, flown = code_of(MISSION, 60), []
+    flown = []
     for scatter in (0.0, 0.02):
-        with (
-            EmbeddedBridge() as server,
-            Relay(server.url, scatter=scatter) as relay,
-            simulator(relay.url),
-            RosbridgeEngine(
-                code, 1, EngineSettings(url=server.url, has_simulation=False)
-            ) as engine,
-        ):
-            flown.append(digests(engine, range(2)))
+        with EmbeddedBridge() as server, Relay(server.url, scatter=scatter) as relay:  # noqa: SIM117
+            with simulator(OURS, relay.url), engine(server.url) as opened:
+                flown.append(digests(opened, range(2)))
 
     assert flown[0] == flown[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [((1, 5, 0), "told to fly tick 5; expected tick 0"), ((1, 0), "not enough values to unpack")],
+)
+def test_what_goes_wrong_ends_a_world_with_its_reason(words, message):
+    with EmbeddedBridge() as server, running(OURS, server.url) as served:
+        transport = RosbridgeTransport(server.url)
+        transport.advertise(SETUP)({"data": [1, 1, 2]})
+        go = transport.advertise(GO)
+        transport.call(RESET, {}, lambda _: go({"data": [*words]}))
+        _, told = served.communicate(timeout=30)
+        transport.close()
+
+    assert served.returncode == 1
+    assert told.startswith("run 1, tick 0: ValueError: ")
+    assert message in told
+
+
+def test_a_lost_connection_ends_a_world_with_its_reason():
+    with EmbeddedBridge() as server, running(OURS, server.url) as served:
+        server.close()
+        _, told = served.communicate(timeout=30)
+
+    assert (served.returncode, told) == (1, "the connection was lost\n")
 
 
 def test_a_stopped_vehicle_misses_its_samples(flight, options, place):
@@ -185,61 +284,47 @@ def test_a_campaign_searches_on_it_over_one_connection(options, place):
     assert "somebody else's simulation" in other.stderr
 
 
-def test_the_simulator_imports_nothing_of_mrsfi():
-    text = SIMULATOR.read_text(encoding="utf-8")
+def test_the_worlds_import_nothing_of_mrsfi():
+    texts = [path.read_text(encoding="utf-8") for path in WORLDS.rglob("*.py")]
 
-    imports = [line for line in text.splitlines() if line.startswith(("import ", "from "))]
+    imports = [
+        line for text in texts for line in text.splitlines() if re.match(r" *(import|from) ", line)
+    ]
 
-    assert any("roslibpy" in line for line in imports)
+    assert "import roslibpy" in imports
     assert not any("mrsfi" in line or "m2t" in line for line in imports)
 
 
-def test_its_world_is_that_of_the_model():
-    world = ET.parse(EXAMPLE / "world.xml")
+def test_their_mission_is_that_of_the_model():
+    told = tomllib.loads((WORLDS / f"{MISSION}.toml").read_text(encoding="utf-8"))
     mission = load_code(ROOT / "generated" / MISSION).mission
 
-    numbers = {n.attrib["name"]: floats(n.attrib["data"]) for n in world.iter("numeric")}
-    numbers.pop("thruster")
-    starts = {b.attrib["name"]: floats(b.attrib["pos"]) for b in world.iter("body")}
-    discs = {
-        g.attrib["name"]: [*floats(g.attrib["pos"]), floats(g.attrib["size"])[0]]
-        for g in world.iter("geom")
-        if g.get("class") == "obstacle"
+    def place(known: Any) -> list[float]:
+        return [known.x, known.y, known.z]
+
+    robots = {
+        robot.id: {
+            "start": place(robot.position),
+            "energy": robot.total_energy,
+            "energy_per_distance": robot.energy_per_distance_unit,
+            "greatest_speed": robot.fastest,
+            "sensors": {
+                sensor.id: {
+                    "samples": sensor.samples_per_second,
+                    "energy": sensor.energy_per_sample,
+                    "tells_position": sensor.type == "GPS_POSITION",
+                }
+                for sensor in robot.sensors
+            },
+        }
+        for robot in mission.robots
     }
-
-    expected: dict[str, list[float]] = {}
-    for robot in mission.robots:
-        expected[robot.id] = [robot.total_energy, robot.energy_per_distance_unit, robot.fastest]
-        for sensor in robot.sensors:
-            expected[f"{robot.id}/{sensor.id}"] = [
-                sensor.samples_per_second,
-                sensor.energy_per_sample,
-                sensor.type == "GPS_POSITION",
-            ]
-    assert numbers == expected
-    assert list(numbers) == list(expected)
-    assert starts == {r.id: [r.position.x, r.position.y, r.position.z] for r in mission.robots}
-    assert discs == {
-        o.id: [o.area.center.x, o.area.center.y, o.area.center.z, o.area.radius]
-        for o in mission.obstacles
+    assert told["robots"] == robots
+    assert list(told["robots"]) == list(robots)
+    assert told["obstacles"] == {
+        known.id: {"center": place(known.area.center), "radius": known.area.radius}
+        for known in mission.obstacles
     }
-
-
-def test_its_vehicles_obey_no_command_beyond_their_greatest_speed(tmp_path, monkeypatch):
-    require_mujoco()
-    monkeypatch.syspath_prepend(EXAMPLE)
-    slow = tmp_path / "world.xml"
-    text = (EXAMPLE / "world.xml").read_text(encoding="utf-8")
-    slow.write_text(text.replace('"r2" data="64000 5 8"', '"r2" data="64000 5 2"'), "utf-8")
-    world = importlib.import_module("simulator").World(slow)
-    for robot in world.robots:
-        robot.heading, robot.wanted_speed = (1.0, 0.0), 1000.0
-
-    for _ in range(60):
-        world.step()
-
-    bounded, unbounded = world.robots[1].speed, world.robots[0].speed
-    assert 1.0 < bounded <= 2.0 < unbounded
 
 
 def test_the_minimal_simulator_of_the_page_flies(place):
@@ -251,7 +336,3 @@ def test_the_minimal_simulator_of_the_page_flies(place):
 
     assert of_task(flight, SAMPLES, "samples") == [1000, 1000, 1000]
     assert of_task(flight, AREA, "true") == of_task(flight, ENERGY, "true") == [0]
-
-
-def floats(text: str) -> list[float]:
-    return [float(word) for word in text.split()]

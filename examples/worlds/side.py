@@ -1,0 +1,130 @@
+"""The simulation's side of the lock-step that docs/bus.md describes; it knows nothing of mrsfi."""
+
+from collections.abc import Iterator
+
+from bus import Bus, Callback, Message
+from robots import Robot, Sensor, World
+
+
+class Side:
+    """Flies a tick of a world whenever it is told to, and tells what is true then."""
+
+    def __init__(self, bus: Bus, world: World) -> None:
+        self._bus = bus
+        self._world = world
+        self._setup: tuple[int, int] | None = None
+        self._run: int | None = None
+        self._told_active: dict[str, bool] = {}
+        self._begin()
+        bus.where = lambda: f"run {self._run}, tick {self._tick}"
+
+    def join(self) -> None:
+        """Advertise and subscribe to everything; the services last, for they say it is ready."""
+        bus = self._bus
+        for robot in self._world.robots:
+            self._join_robot(robot)
+        bus.advertise("/clock", "rosgraph_msgs/Clock")
+        bus.advertise("/mission/tick", "std_msgs/Int64MultiArray")
+        bus.subscribe("/mission/setup", "std_msgs/Int64MultiArray", self._on_setup)
+        bus.subscribe("/mission/go", "std_msgs/Int64MultiArray", self._on_go)
+        bus.provide("/mission/reset", self._reset)
+        bus.provide("/mission/stop", self._stop)
+
+    def _join_robot(self, robot: Robot) -> None:
+        base = f"/{robot.name}"
+        self._bus.advertise(f"{base}/position", "geometry_msgs/Point")
+        self._bus.advertise(f"{base}/speed", "std_msgs/Float64")
+        self._bus.advertise(f"{base}/energy", "std_msgs/Float64")
+        self._bus.advertise(f"/truth{base}", "std_msgs/Float64MultiArray")
+
+        def turn(message: Message) -> None:
+            robot.heading = float(message["x"]), float(message["y"])
+
+        def drive(message: Message) -> None:
+            robot.told_speed = float(message["data"])
+
+        self._obey(f"{base}/command/heading", "geometry_msgs/Vector3", turn)
+        self._obey(f"{base}/command/speed", "std_msgs/Float64", drive)
+        for sensor in robot.sensors:
+            self._join_sensor(f"{base}/{sensor.name}", sensor)
+
+    def _join_sensor(self, base: str, sensor: Sensor) -> None:
+        self._bus.advertise(f"{base}/samples", "std_msgs/Int64")
+        self._bus.advertise(f"{base}/active", "std_msgs/Bool")
+
+        def switch(message: Message) -> None:
+            sensor.is_wanted = bool(message["data"])
+
+        self._obey(f"{base}/command/active", "std_msgs/Bool", switch)
+
+    def _obey(self, name: str, type_name: str, callback: Callback) -> None:
+        """Subscribe to a command, and count it."""
+
+        def count(message: Message) -> None:
+            callback(message)
+            self._n_obeyed += 1
+            self._fly_when_complete()
+
+        self._bus.subscribe(name, type_name, count)
+
+    def _begin(self) -> None:
+        self._tick = self._n_announced = self._n_obeyed = 0
+        self._is_told = False
+        self._told_active.clear()
+
+    def _on_setup(self, message: Message) -> None:
+        run, seed, *_semantics = message["data"]  # a world has rules of its own
+        self._setup = run, seed
+
+    def _reset(self) -> tuple[bool, str]:
+        if self._setup is None:
+            return False, "no message on /mission/setup came yet"
+        self._run, seed = self._setup
+        self._world.reset(seed)
+        self._begin()
+        return True, f"run {self._run}"
+
+    def _stop(self) -> tuple[bool, str]:
+        self._run = None
+        return True, ""
+
+    def _on_go(self, message: Message) -> None:
+        run, tick, n_commands = message["data"]
+        if run != self._run:  # a run that is over
+            return
+        if tick != self._tick:
+            raise ValueError(f"told to fly tick {tick}; expected tick {self._tick}")
+        self._is_told = True
+        self._n_announced += n_commands
+        self._fly_when_complete()
+
+    def _fly_when_complete(self) -> None:
+        """Fly the tick once all its commands came: servers may deliver some after the go."""
+        if not self._is_told or self._n_obeyed < self._n_announced:
+            return
+        if self._n_obeyed > self._n_announced:
+            raise ValueError(f"{self._n_obeyed} commands came; expected {self._n_announced}")
+        self._is_told = False
+        self._world.step()
+        told = [each for robot in self._world.robots for each in self._messages(robot)]
+        told.append(("/clock", {"clock": self._bus.time_of(self._tick)}))
+        counts = [self._run, self._tick, len(told), self._n_obeyed]
+        self._tick += 1
+        self._bus.publish([*told, ("/mission/tick", {"data": counts})])
+
+    def _messages(self, robot: Robot) -> Iterator[tuple[str, Message]]:
+        """Yield what a robot tells of itself, and what is true of it."""
+        base, (x, y, z) = f"/{robot.name}", robot.position
+        truth = [x, y, z, robot.speed, robot.energy]
+        if all(sensor.is_active for sensor in robot.sensors if sensor.tells_position):
+            yield f"{base}/position", {"x": x, "y": y, "z": z}
+        yield f"{base}/speed", {"data": robot.speed}
+        yield f"{base}/energy", {"data": robot.energy}
+        for sensor in robot.sensors:
+            name = f"{base}/{sensor.name}"
+            truth += [float(sensor.count), float(sensor.is_active)]
+            yield f"{name}/samples", {"data": sensor.count}
+            if self._told_active.get(name) != sensor.is_active:
+                self._told_active[name] = sensor.is_active
+                yield f"{name}/active", {"data": sensor.is_active}
+        yield f"/truth{base}", {"data": truth}
