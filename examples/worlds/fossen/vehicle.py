@@ -31,8 +31,8 @@ def _column(*numbers: float) -> Array:
 class Parameters:
     """A vehicle in SI units, as a BlueROV2 in its heavy configuration by default.
 
-    Columns have surge, sway, heave, roll, pitch, yaw. The centre of gravity is the origin of the body,
-    whose inertia is diagonal; that of buoyancy is so far above it.
+    Columns have surge, sway, heave, roll, pitch, yaw. The centre of gravity is the origin of the
+    body, whose inertia is diagonal; that of buoyancy is so far above it.
     """
 
     mass: float = 13.5
