@@ -139,22 +139,29 @@ def transferred(engine: Engine) -> dict[str, Any]:
     begin = monotonic()
     known = search(engine, len(forms(given)), SEED, given).known
     seconds = (monotonic() - begin) / len(known.flown)
-    there = mildest(SPACE, known, found.shown, engine.evaluate_many, engine.record, (SEED,))
+    pairs = [*zip(found.shown, found.mildest, strict=True)]
+    breaks = [holds(known, shown) or holds(known, least) for shown, least in pairs]
+    given = [*compress(found.shown, breaks)]
+    there = mildest(SPACE, known, given, engine.evaluate_many, engine.record, (SEED,))
     deviation = Deviation(SPACE, engine.record(()))
-    is_held = [each.weakness.n_held == 1 for each in there]
-    shrunk = [each.weakness for each in there]
+    n_flights = [each.n_flights for each in there]
+    shrunk = [each.weakness for each in there if each.weakness.n_held]
     return {
-        "all": len(there),
+        "all": len(pairs),
         "shown": sum(holds(known, each) for each in found.shown),
         "mildest": sum(holds(known, each) for each in found.mildest),
-        "shrunk": sum(is_held),
+        "shrunk": len(shrunk),
         "sizes": [
-            median(deviation.size(each.witness) for each in compress(some, is_held))
-            for some in (found.mildest, shrunk)
+            median(deviation.size(each.witness) for each in some)
+            for some in (compress(found.mildest, breaks), shrunk)
         ],
-        "flights": sum(each.n_flights for each in there) / len(there),
+        "flights": sum(n_flights) / len(n_flights),
         "seconds": seconds,
-        "lost": [name(each.column, each.faults) for each in shrunk if not each.n_held],
+        "lost": [
+            name(s.column, s.faults)
+            for (s, _), is_there in zip(pairs, breaks, strict=True)
+            if not is_there
+        ],
     }
 
 
