@@ -37,12 +37,17 @@ class Barriers:
     def begin(
         self, clients: Callable[[], list[Pinged]], then: Callable[[], None], rounds: int = ROUNDS
     ) -> None:
-        """Call a function when those who are clients have answered so many pings, one by one."""
+        """Call a function when those who are clients have answered so many pings, one by one.
+
+        While there is no client, nobody has answered.
+        """
         if not self._is_idle():
             self._loop.call_soon(self.begin, clients, then, rounds)
             return
-        pinged = clients() if rounds else []
+        pinged = clients()
         if not pinged:
+            return
+        if not rounds:
             then()
             return
 

@@ -180,6 +180,20 @@ class EmbeddedBridge:
         if self._server is not None:
             self._server.barrier(lambda: self._call(then))
 
+    def on_refusal(self, listener: Callable[[str, str], None]) -> None:
+        """Have a function told of what clients say and the server drops: the topic, and the reason.
+
+        The topic is empty where none is named. The function is called in the server's thread, soon.
+        """
+        if self._server is None:
+            raise NotRunningError("the embedded server does not run; start it first")
+
+        def refused(value: Any, reason: str) -> None:
+            topic = value.get("topic", "") if isinstance(value, dict) else ""
+            self.call_later(0.0, lambda: listener(str(topic), reason))
+
+        self._server.hub.refused = refused
+
     def close(self) -> None:
         """End the server and its thread; a second time does nothing."""
         loop, stop = self._loop, self._stop

@@ -64,7 +64,8 @@ class Counts:
 class Hub:
     """What all clients share; ``scheduler`` is its clock.
 
-    ``waiting`` are the bytes of throttled messages that wait for their time.
+    ``waiting`` are the bytes of throttled messages that wait for their time. ``refused`` is called
+    with each operation of a client that is dropped, or ``None`` if it was no JSON, and the reason.
     """
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -77,6 +78,7 @@ class Hub:
         self.actions = Actions(types, limits, scheduler)
         self.waiting = Budget(limits.total_bytes)
         self.counts = Counts()
+        self.refused: Callable[[Any, str], None] = lambda _value, _reason: None
 
 
 class Session:
@@ -149,7 +151,7 @@ class Session:
             operation = check_operation(value)
             self._obey(operation)
         except ProtocolError as error:
-            self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
+            self._drop(str(error), value)
 
     def _carry_out_large(self, value: dict[str, Any]) -> Generator[Work | None, Any, None]:
         """Carry out an operation that may hold much, or what a fragment completes, step by step."""
@@ -168,7 +170,7 @@ class Session:
             outgoing = yield work
             self._hub.broker.deliver(self, topic, outgoing)
         except ProtocolError as error:
-            self._drop(str(error), value.get("id"))
+            self._drop(str(error), value)
 
     def _serve_large(self, operation: Operation) -> Generator[Work, Any, None]:
         provided = self._hub.actions if "action" in operation else self._hub.services
@@ -200,13 +202,14 @@ class Session:
             operation["id"] = operation_id
         self._send(text_frames(operation))
 
-    def _drop(self, reason: str, operation_id: Any = None) -> None:
+    def _drop(self, reason: str, value: Any = None) -> None:
         reason = reason[:_MAX_REASON]
         self._hub.counts.dropped += 1
         self._n_dropped += 1
         if self._n_dropped <= _LOGGED_FIRST or self._n_dropped % _LOGGED_EVERY == 0:
             LOGGER.warning("%s: dropped no. %d: %s", self.name, self._n_dropped, reason)
-        self.status("error", reason, operation_id)
+        self.status("error", reason, value.get("id") if isinstance(value, dict) else None)
+        self._hub.refused(value, reason)
 
     def _advertise(self, operation: Operation) -> None:
         topic, use_id = absolute(operation["topic"]), operation.get("id")

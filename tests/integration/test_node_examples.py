@@ -4,13 +4,12 @@ import json
 import os
 import signal
 from pathlib import Path
-from time import monotonic, sleep
 
 import pytest
 
 from tests.support.cli import mrsfi, mrsfi_json, mrsfi_process
 from tests.support.interrupted import digest, evaluations
-from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, yard
+from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, require_silence, yard
 from tests.support.rosbridge import process
 from tests.support.tree import UNDRAWN
 from tests.tiers import slow
@@ -18,21 +17,12 @@ from tests.tiers import slow
 FLY = ("simulate", MISSION, *PYTHON, *SERVICE)
 SEARCH = ("evolve", MISSION, *PYTHON, *SERVICE)
 FEW = ("--evaluations", "40", "--population", "10", "--no-explain")
-WITHIN = 10.0
 
 
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
     """A copy of the example."""
     return yard(tmp_path / "nodes")
-
-
-def require_silence(place: Path) -> None:
-    """Require that nothing is left running in a folder, after a moment."""
-    limit = monotonic() + WITHIN
-    while processes_in(place) and monotonic() < limit:
-        sleep(0.05)
-    assert processes_in(place) == {}
 
 
 def test_without_faults_nothing_breaks_and_a_node_that_is_started_anew_flies_the_same(place):

@@ -5,12 +5,14 @@ import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from time import monotonic, sleep
 
 from m2t.generate import generate
 from tests.support.processes import is_running
 from tests.support.tree import ROOT
 
 MISSION = "yard"
+_WITHIN = 10.0
 PYTHON = ("--side", "injector", "--node", f"{sys.executable} python/patrol.py {{url}}")
 SERVICE = ("--node-reset", "service")
 JAVASCRIPT = ("--side", "injector", "--node", "node javascript/patrol.mjs {url}")
@@ -39,3 +41,11 @@ def processes_in(folder: Path) -> Mapping[int, str]:
         except (FileNotFoundError, ProcessLookupError, PermissionError):
             continue
     return {pid: line for pid, line in found.items() if pid != os.getpid() and is_running(pid)}
+
+
+def require_silence(place: Path) -> None:
+    """Require that nothing is left running in a folder, after a moment."""
+    limit = monotonic() + _WITHIN
+    while processes_in(place) and monotonic() < limit:
+        sleep(0.05)
+    assert processes_in(place) == {}

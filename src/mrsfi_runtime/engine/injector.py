@@ -17,7 +17,7 @@ from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.node.node import Node
-from mrsfi_runtime.cosimulation.node.pace import Barrier, Pace
+from mrsfi_runtime.cosimulation.node.pace import Pace
 from mrsfi_runtime.cosimulation.node.reach import out_of_reach
 from mrsfi_runtime.cosimulation.node.relay import held_commands
 from mrsfi_runtime.cosimulation.node.speech import Speech
@@ -65,7 +65,10 @@ class InjectorEngine(PlainEngine):
             self.node = Node(
                 transport,
                 Speech(mapping, code.mission, types),
-                Pace(self._settings.pace, self._barrier),
+                Pace(
+                    self._settings.pace,
+                    self._embedded.barrier if self._embedded is not None else None,
+                ),
                 patience,
                 self._process,
                 restarts=self._settings.reset == RESTART,
@@ -74,6 +77,8 @@ class InjectorEngine(PlainEngine):
                 self._world, code.mission, code.interface, code.truth, patience, self.node
             )
             transport.watch(self._lockstep.fail)
+            if self._embedded is not None:
+                self._embedded.on_refusal(self._refuse)
             self._pass_on(settings)
             self._opened = opened.pop_all()
         self.interface = self._lockstep.interface
@@ -95,7 +100,7 @@ class InjectorEngine(PlainEngine):
     def _join(self, settings: EngineSettings, types: TypeTable, opened: ExitStack) -> NodeTransport:
         """Return the transport of the node, after that of the world was made."""
         node, code = self._settings, self.code
-        self._barrier: Barrier | None = None
+        self._embedded: EmbeddedTransport | None = None
         if settings.url is not None:
             joined = RosbridgeTransport(settings.url, settings.client, settings.ros)
             opened.callback(joined.close)
@@ -109,12 +114,15 @@ class InjectorEngine(PlainEngine):
         token = secrets.token_urlsafe() if "{url}" in (node.command or "") else None
         bridge = opened.enter_context(EmbeddedBridge(ServerSettings(token=token, types=types)))
         self._url = bridge.url if token is None else f"{bridge.url}/?token={token}"
-        embedded = EmbeddedTransport(bridge)
+        embedded = self._embedded = EmbeddedTransport(bridge)
         opened.callback(embedded.close)
-        self._barrier = embedded.barrier
         self._world = LocalBus()
         self._host = SimulationHost(self._world, code.simulation, code.mission, settings.patience)
         return PrefixedTransport(embedded, node.prefix)
+
+    def _refuse(self, topic: str, reason: str) -> None:
+        """Take what the embedded server refused of the node."""
+        self.node.refuse(topic.removeprefix(self._settings.prefix.rstrip("/")), reason)
 
     def _evaluate(
         self,

@@ -76,6 +76,10 @@ class EmbeddedTransport(ListenedTransport):
         """Call a function when all clients of the server have answered what they were told."""
         self._run(lambda: self._bridge.barrier(self.told(then)))
 
+    def on_refusal(self, listener: Callable[[str, str], None]) -> None:
+        """Have a function told the topic and the reason of what clients say and nobody hears."""
+        self._run(lambda: self._bridge.on_refusal(self.told(listener)))
+
     def close(self) -> None:
         """Give up all topics and services."""
         if self.lost is None:

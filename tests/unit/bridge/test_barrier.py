@@ -44,16 +44,19 @@ def test_all_clients_answer_every_round():
     assert done == [True]
 
 
-def test_nobody_is_waited_for_where_nobody_is_and_for_none_that_has_left():
+def test_none_is_waited_for_that_has_left_and_nobody_answers_where_nobody_is():
     barriers, done = Barriers(Loop(), lambda: True), []
-    client = Client()
-    barriers.begin(list, lambda: done.append("nobody"))
-    clients = [client]
-    barriers.begin(lambda: clients, lambda: done.append("left"))
+    first, second = Client(), Client()
+    clients = [first, second]
+    barriers.begin(lambda: clients, lambda: done.append("one is left"), 1)
+    clients = [first]
+    barriers.gone(second)
+    barriers.pong(first, first.pings[-1])
+    barriers.begin(lambda: clients, lambda: done.append("none is left"), 1)
     clients = []
-    barriers.gone(client)
+    barriers.gone(first)
 
-    assert done == ["nobody", "left"]
+    assert done == ["one is left"]
 
 
 def test_a_client_that_is_at_work_is_pinged_again():

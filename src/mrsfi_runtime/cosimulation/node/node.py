@@ -164,6 +164,8 @@ class Node(Mind):
             return None
         self.is_to_blame = True
         awaited = self._pace.awaited(self._mapping.answer.name)
+        if self._n_answered is not None:
+            awaited = f"{self._n_answered} commands, as it announced, and {self._n_now} came"
         return TransportTimeout(
             f"the node was silent for {self._patience.tick:g} s; expected {awaited}; look whether "
             "it still runs, or allow more with --timeout"
@@ -172,6 +174,11 @@ class Node(Mind):
     def end(self) -> None:
         """Leave a flight; commands of robots that the mission does not have are an error."""
         self._flight = self._then = None
+        if lost := (self._ready or frozenset()) - self._heard():
+            raise self._wrong(
+                f"the node hears {', '.join(sorted(lost))} no more; expected one that stays "
+                "connected, and subscribed, until it is ended"
+            )
         topics = self._ask(_TOPICS, {}).values.get("topics", ())
         for topic, kind, name in self.speech.strangers(topics):
             elements = self._mapping.elements(self.speech.mission)
@@ -180,6 +187,12 @@ class Node(Mind):
                 f"the node commands {kind} '{name}' on {topic}; the mission has {known}; "
                 "correct the node, or names in [node]"
             )
+
+    def refuse(self, topic: str, reason: str) -> None:
+        """Take what a server refused of what the node said, if known on which topic."""
+        is_flying = self._flight is not None and self._has_flown
+        if is_flying and topic in self.speech.obeyed | {"", self._mapping.answer.name}:
+            raise self._wrong(f"the node said what no server takes: {reason}")
 
     def _ending(self) -> TransportClosed | None:
         """Return what to raise if the node's process has ended."""

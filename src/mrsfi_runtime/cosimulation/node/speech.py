@@ -104,6 +104,12 @@ class Speech:
         """Properties of which the node is told."""
         return frozenset(target for each in self.sayings for target in each.targets)
 
+    @property
+    def obeyed(self) -> frozenset[str]:
+        """The topics on which the node commands."""
+        fields, opaque = self.hearings, self.relayed
+        return frozenset(each.topic.name for some in (fields, opaque) for each in some)
+
     def _saying(self, rule: Rule, name: str, element: Element | None) -> Saying:
         reads: list[Callable[[State], Any]] = []
         places: list[tuple[Path, int | None, Any]] = []
@@ -170,12 +176,10 @@ class Speech:
 
     def strangers(self, topics: Sequence[str]) -> Iterator[tuple[str, str, str]]:
         """Yield topics that command what the mission does not have, its kind, and its name."""
-        known = {each.topic.name for each in self.hearings}
-        known |= {each.topic.name for each in self.relayed}
         for pattern, kind in self._patterns:
             for topic in topics:
                 match = pattern.fullmatch(topic)
-                if match is not None and topic not in known:
+                if match is not None and topic not in self.obeyed:
                     yield topic, kind, match[kind]
 
     def _kind(self, rule: Rule, path: Path) -> str:

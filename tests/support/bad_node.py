@@ -1,0 +1,88 @@
+"""A node that does one thing wrong: ``python tests/support/bad_node.py WHAT URL``.
+
+It hears the huskies of the example of nodes and answers one of them, well until the fifth time.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+from websockets.sync.client import ClientConnection, connect
+
+HUSKY, STRANGER, TWIST = "/husky1/cmd_vel", "/husky9/cmd_vel", "geometry_msgs/Twist"
+
+
+def say(socket: ClientConnection, op: str, **values: object) -> None:
+    """Send an operation of the protocol."""
+    socket.send(json.dumps({"op": op, **values}))
+
+
+def drive(socket: ClientConnection, speed: object = 0.5, topic: str = HUSKY) -> None:
+    """Tell a husky to go ahead."""
+    say(socket, "publish", topic=topic, msg={"linear": {"x": speed}})
+
+
+def flood(socket: ClientConnection) -> None:
+    for _ in range(3000):
+        drive(socket)
+
+
+def command_a_stranger(socket: ClientConnection) -> None:
+    say(socket, "advertise", topic=STRANGER, type=TWIST)
+    drive(socket, topic=STRANGER)
+
+
+def say_another_type(socket: ClientConnection) -> None:
+    say(socket, "publish", topic=HUSKY, msg={"data": "ahead"})
+
+
+def leave(socket: ClientConnection) -> None:
+    socket.close()
+    time.sleep(600)
+
+
+def leave_a_child(_socket: ClientConnection) -> None:
+    with subprocess.Popen(["sleep", "600"]):
+        os._exit(3)
+
+
+WRONG: dict[str, Callable[[ClientConnection], object]] = {
+    "dies": lambda _: sys.exit("lost its way"),
+    "is killed": lambda _: os.kill(os.getpid(), signal.SIGKILL),
+    "leaves a child": leave_a_child,
+    "hangs": lambda _: os.kill(os.getpid(), signal.SIGSTOP),
+    "leaves": leave,
+    "floods": flood,
+    "commands a stranger": command_a_stranger,
+    "says no number": lambda socket: drive(socket, float("nan")),
+    "says a text": lambda socket: drive(socket, "fast"),
+    "says another type": say_another_type,
+    "says no JSON": lambda socket: socket.send("ahead!"),
+    "clings to life": lambda _: signal.signal(signal.SIGTERM, signal.SIG_IGN),
+}
+"""What a node does wrong when it hears for the fifth time."""
+
+
+def main() -> None:
+    """Do wrong."""
+    what, url = sys.argv[1:]
+    if what == "ends":
+        sys.exit("has no map")
+    with connect(url) as socket:
+        if what == "is deaf":
+            time.sleep(600)
+        say(socket, "advertise", topic=HUSKY, type=TWIST)
+        say(socket, "subscribe", topic="/husky1/odom", type="nav_msgs/Odometry")
+        for n_heard, _ in enumerate(socket):
+            if n_heard == 4:
+                WRONG[what](socket)
+            else:
+                drive(socket)
+
+
+if __name__ == "__main__":
+    main()
