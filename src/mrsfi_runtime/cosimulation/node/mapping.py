@@ -24,43 +24,24 @@ Path: TypeAlias = tuple[str | int, ...]
 
 Table: TypeAlias = Mapping[str, Any]
 
+
+def _each(topic: str, kind: str, **fields: str) -> Table:
+    return {"topic": topic, "type": kind, "fields": fields}
+
+
 GENERATED: Table = {
     "tells": [
-        {
-            "topic": "/{robot}/position",
-            "type": "geometry_msgs/Point",
-            "fields": {"x": "x", "y": "y", "z": "z"},
-        },
-        {"topic": "/{robot}/speed", "type": "std_msgs/Float64", "fields": {"data": "speed"}},
-        {"topic": "/{robot}/energy", "type": "std_msgs/Float64", "fields": {"data": "energy"}},
-        {"topic": "/{robot}/speed/sent", "type": "std_msgs/Float64", "fields": {"data": "sent"}},
-        {
-            "topic": "/{robot}/{sensor}/samples",
-            "type": "std_msgs/Int64",
-            "fields": {"data": "samples"},
-        },
-        {
-            "topic": "/{robot}/{sensor}/active",
-            "type": "std_msgs/Bool",
-            "fields": {"data": "active"},
-        },
+        _each("/{robot}/position", "geometry_msgs/Point", x="x", y="y", z="z"),
+        _each("/{robot}/speed", "std_msgs/Float64", data="speed"),
+        _each("/{robot}/energy", "std_msgs/Float64", data="energy"),
+        _each("/{robot}/speed/sent", "std_msgs/Float64", data="sent"),
+        _each("/{robot}/{sensor}/samples", "std_msgs/Int64", data="samples"),
+        _each("/{robot}/{sensor}/active", "std_msgs/Bool", data="active"),
     ],
     "obeys": [
-        {
-            "topic": "/{robot}/command/heading",
-            "type": "geometry_msgs/Vector3",
-            "fields": {"x": "heading_x", "y": "heading_y"},
-        },
-        {
-            "topic": "/{robot}/command/speed",
-            "type": "std_msgs/Float64",
-            "fields": {"data": "speed"},
-        },
-        {
-            "topic": "/{robot}/{sensor}/command/active",
-            "type": "std_msgs/Bool",
-            "fields": {"data": "active"},
-        },
+        _each("/{robot}/command/heading", "geometry_msgs/Vector3", x="heading_x", y="heading_y"),
+        _each("/{robot}/command/speed", "std_msgs/Float64", data="speed"),
+        _each("/{robot}/{sensor}/command/active", "std_msgs/Bool", data="active"),
     ],
 }
 """Of a node that speaks the topics of docs/bus.md, as generated code does."""
