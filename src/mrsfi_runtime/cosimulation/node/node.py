@@ -174,7 +174,8 @@ class Node(Mind):
     def end(self) -> None:
         """Leave a flight; commands of robots that the mission does not have are an error."""
         self._flight = self._then = None
-        if lost := (self._ready or frozenset()) - self._heard():
+        lost = (self._ready or frozenset()) - self._heard() if self._pace.is_free else None
+        if lost:  # where nobody waits for an answer
             raise self._wrong(
                 f"the node hears {', '.join(sorted(lost))} no more; expected one that stays "
                 "connected, and subscribed, until it is ended"
