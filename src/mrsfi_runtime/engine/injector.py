@@ -8,6 +8,7 @@ team's, and world, injector and node are on one server.
 import secrets
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
@@ -36,7 +37,9 @@ from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import NodeTransport, Transport
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.transport.topics import Transport
 
 
 class InjectorEngine(PlainEngine):
@@ -78,7 +81,9 @@ class InjectorEngine(PlainEngine):
             )
             transport.watch(self._lockstep.fail)
             if self._embedded is not None:
-                self._embedded.on_refusal(self._refuse)
+                self._embedded.on_refusal(
+                    lambda topic, why: self.node.refuse(transport.unnamed(topic), why)
+                )
             self._pass_on(settings)
             self._opened = opened.pop_all()
         self.interface = self._lockstep.interface
@@ -97,7 +102,9 @@ class InjectorEngine(PlainEngine):
                 )
         self.node.pass_on(self._lockstep.advertise)
 
-    def _join(self, settings: EngineSettings, types: TypeTable, opened: ExitStack) -> NodeTransport:
+    def _join(
+        self, settings: EngineSettings, types: TypeTable, opened: ExitStack
+    ) -> PrefixedTransport:
         """Return the transport of the node, after that of the world was made."""
         node, code = self._settings, self.code
         self._embedded: EmbeddedTransport | None = None
@@ -119,10 +126,6 @@ class InjectorEngine(PlainEngine):
         self._world = LocalBus()
         self._host = SimulationHost(self._world, code.simulation, code.mission, settings.patience)
         return PrefixedTransport(embedded, node.prefix)
-
-    def _refuse(self, topic: str, reason: str) -> None:
-        """Take what the embedded server refused of the node."""
-        self.node.refuse(topic.removeprefix(self._settings.prefix.rstrip("/")), reason)
 
     def _evaluate(
         self,

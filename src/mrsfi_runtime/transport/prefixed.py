@@ -42,14 +42,18 @@ class PrefixedTransport:
 
         def reply(told: Reply) -> None:
             if "topics" in told.values:
-                below = [name for name in told.values["topics"] if name.startswith(self._prefix)]
-                names = [name.removeprefix(self._prefix) for name in below]
+                topics = told.values["topics"]
+                names = [self.unnamed(name) for name in topics if name.startswith(self._prefix)]
                 told = told._replace(values={**told.values, "topics": names})
             on_reply(told)
 
         if service.name.startswith(_OF_SERVER) and "topic" in request:
             request = {**request, "topic": self._named(request["topic"])}
         self._transport.call(service._replace(name=self._named(service.name)), request, reply)
+
+    def unnamed(self, name: str) -> str:
+        """Return what a topic of the server is called here."""
+        return name.removeprefix(self._prefix)
 
     def _named(self, name: str) -> str:
         return name if name.startswith(_OF_SERVER) else f"{self._prefix}{name}"

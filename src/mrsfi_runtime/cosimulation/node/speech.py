@@ -98,17 +98,15 @@ class Speech:
             for filled, element in spread(rule, self._elements, mission)
             if element is not None
         )
+        self.obeyed = frozenset(
+            [each.topic.name for each in self.hearings] + [each.topic.name for each in self.relayed]
+        )
+        """The topics on which the node commands."""
 
     @property
     def told(self) -> frozenset[Target]:
         """Properties of which the node is told."""
         return frozenset(target for each in self.sayings for target in each.targets)
-
-    @property
-    def obeyed(self) -> frozenset[str]:
-        """The topics on which the node commands."""
-        fields, opaque = self.hearings, self.relayed
-        return frozenset(each.topic.name for some in (fields, opaque) for each in some)
 
     def _saying(self, rule: Rule, name: str, element: Element | None) -> Saying:
         reads: list[Callable[[State], Any]] = []
