@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
+from tests.independent.margins import Margins
 from tests.independent.simulation import Flight, Mission, Timed, read_faults
 
 MEASURES = ("believed", "true", "phantom", "masked", "missed")
@@ -47,10 +48,11 @@ class Twins:
         timed = self.timed(faults) if timed is None else timed
         flight = Flight(self.mission, timed, seed, self._regions)
         ticks = flight.fly()
-        differences = []
+        margins, differences = Margins(flight), []
 
         def watch(*moment):
             tick = next(ticks)
+            margins.see()
             if not differences:
                 found = theirs(self.mission.goals, *moment)
                 differences.extend(
@@ -67,6 +69,8 @@ class Twins:
         for name in MEASURES:
             assert tuple(flight.counts[name]) == getattr(outcome, name), f"{name}, {case}"
         assert tuple(notes.count for notes in flight.truth.notes) == outcome.samples, case
+        for goal, margin in zip(self.mission.goals, outcome.margins, strict=True):
+            assert margins.agree(goal, margin), f"margin {margin} of {goal.id}, {case}"
         assert tuple(each.applied for each in timed) == outcome.applied, case
         assert tuple(each.changed for each in timed) == outcome.changed, case
 

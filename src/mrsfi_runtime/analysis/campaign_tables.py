@@ -13,7 +13,7 @@ from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.table import Cell, Table, in_words
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Goal, GoalDisc, Mission
-from mrsfi_runtime.model.outcome import COUNTED, TOLD, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, TOLD, Margin, Outcome
 from mrsfi_runtime.record.measure import NONE, UNKNOWN, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -48,6 +48,9 @@ def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
     """Return what ``goal_table`` shows, for scripts."""
     told = outcome.told(mission.duration) | {"samples": outcome.samples}
+    margins = outcome.margins or [None] * len(mission.goals)
+    least, ticks = zip(*(each or (None, None) for each in margins), strict=True)
+    told |= {"margin": least, "nearest": ticks}
     return [
         {"id": goal.id, "task": goal.task.name, **dict(zip(told, counts, strict=True))}
         for goal, *counts in zip(mission.goals, *told.values(), strict=True)
@@ -57,6 +60,22 @@ def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
 def _missed_from(outcome: Outcome, duration: int) -> Sequence[Cell]:
     """Return from which tick on each goal was certain to be missed; an older record says ``?``."""
     return outcome.missed_since(duration) or [UNKNOWN] * len(outcome.true)
+
+
+def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
+    """Say of goals that held by how much, and when that was the least; empty if of none."""
+    found = zip(mission.goals, outcome.margins or (), outcome.true, strict=False)
+    told = [
+        f"{goal.id} by {nearness(goal, margin)} at tick {margin[1]}"
+        for goal, margin, n_violated in found
+        if margin is not None and not n_violated
+    ]
+    return f"Held: {', '.join(told)}" if told else ""
+
+
+def nearness(goal: Goal, margin: Margin) -> str:
+    """Return a goal's margin with its unit."""
+    return f"{margin[0]:.5g} {goal.task.spares}".rstrip()
 
 
 def _samples(goal: Goal, n_samples: int) -> str:

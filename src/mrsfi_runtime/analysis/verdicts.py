@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
 
+from mrsfi_runtime.analysis.campaign_tables import nearness
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.harvest import Harvest
+from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.errors import counted
@@ -75,7 +76,8 @@ class GoalVerdict:
 
     ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
     ``noticed`` how the CI notices; ``sure`` in how many mission seeds and forms, ``unknown`` how
-    seldom it may break otherwise; each is empty where there is nothing to say.
+    seldom it may break otherwise, ``nearest`` how near a goal ever came to it that never truly
+    breaks; each is empty where there is nothing to say.
     """
 
     goal: str
@@ -88,6 +90,7 @@ class GoalVerdict:
     noticed: str
     sure: tuple[str, ...]
     unknown: str
+    nearest: str = ""
 
     @property
     def words(self) -> str:
@@ -108,11 +111,12 @@ class GoalVerdict:
     @property
     def evidence(self) -> tuple[str, ...]:
         """The faults, how sure it is, what else breaks the goal, and what is unknown."""
+        near = (self.nearest,) if self.nearest else ()
         if self.way is None:
-            return (self.unknown,)
+            return (self.unknown, *near)
         number = f"weakness {self.way.number}: {' and '.join(self.way.faults)}"
         others = (f"{counted(self.n_others, 'ways')} more",) if self.n_others else ()
-        return (number, *self.sure, *others, self.unknown)
+        return (number, *self.sure, *others, self.unknown, *near)
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
@@ -150,8 +154,16 @@ def _verdict(
         cause=cause,
         noticed=heard,
         sure=sure,
+        nearest=_nearest_in_words(goal, known.nearest.get(goal.id)),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )
+
+
+def _nearest_in_words(goal: Goal, found: Nearest | None) -> str:
+    if found is None:
+        return ""
+    tick, evaluation = found.margin[1], found.evaluation
+    return f"came within {nearness(goal, found.margin)} at tick {tick} of evaluation {evaluation}"
 
 
 def _is_broken_anyway(known: Harvest, goal: str) -> bool:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from random import Random
+from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
@@ -20,6 +21,7 @@ from mrsfi_runtime.causes.mildest import Mildest, mildest
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
 from mrsfi_runtime.causes.ways import Way, least, ways
 from mrsfi_runtime.causes.weakness import (
+    MEASURES,
     Known,
     Weakness,
     Yardstick,
@@ -32,7 +34,7 @@ from mrsfi_runtime.causes.weakness import (
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Evaluated, Outcome
+from mrsfi_runtime.model.outcome import Evaluated, Margin, Outcome
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.settings import COVERING, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
@@ -49,13 +51,20 @@ _N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
 
+class Nearest(NamedTuple):
+    """How near a goal ever came to being truly violated, and in which evaluation."""
+
+    margin: Margin
+    evaluation: int
+
+
 @dataclass(frozen=True, slots=True)
 class Harvest:
     """What is known of a campaign, of its first mission seed.
 
     ``n_flights`` were taken for ``weaknesses`` after the search, beside those for the ``mildest``
     form of the least that breaks each goal. ``outcomes`` are of what did not fail; ``yardstick`` is
-    ``None`` if nothing is known yet.
+    ``None`` if nothing is known yet. ``nearest`` tells how near goals came that never truly broke.
     """
 
     known: Known
@@ -64,6 +73,7 @@ class Harvest:
     outcomes: Mapping[Specification, Outcome]
     yardstick: Yardstick | None
     mildest: tuple[Mildest, ...] = ()
+    nearest: Mapping[str, Nearest] = MappingProxyType({})
 
     @property
     def ways(self) -> tuple[Way, ...]:
@@ -91,7 +101,8 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     for specification, outcome in outcomes.items():
         known.learn(specification, yardstick.broken(outcome))
     known.restore(kept.weaknesses, kept.n_kept)
-    return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick, kept.mildest)
+    told = _nearest(mission, store, kept.weaknesses)
+    return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick, kept.mildest, told)
 
 
 def harvest(
@@ -202,7 +213,24 @@ def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
     searched = _searched(store)
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None
-    return Harvest(known, known.weaknesses(), 0, flown, yardstick)
+    found = known.weaknesses()
+    told = _nearest(space.gate.mission, store, found)
+    return Harvest(known, found, 0, flown, yardstick, nearest=told)
+
+
+def _nearest(
+    mission: Mission, store: CampaignStore, weaknesses: Sequence[Weakness]
+) -> Mapping[str, Nearest]:
+    """Return how near goals ever came that nothing truly breaks, in the search."""
+    broken = {each.column.goal for each in weaknesses if each.column.kind != MEASURES[0]}
+    places = [place for place, goal in enumerate(mission.goal_ids) if goal not in broken]
+    found: dict[str, Nearest] = {}
+    for evaluation, margins in store.margins() if places else ():
+        for place in places:
+            margin, goal = margins[place], mission.goal_ids[place]
+            if margin is not None and (goal not in found or margin < found[goal].margin):
+                found[goal] = Nearest(margin, evaluation)
+    return found
 
 
 def _affordable(known: Known, left: int) -> int:

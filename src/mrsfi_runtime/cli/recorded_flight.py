@@ -12,11 +12,12 @@ from mrsfi_runtime.analysis.campaign_tables import (
     faults_as_json,
     goal_table,
     goals_as_json,
+    nearest_in_words,
 )
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import FlightFiles
 from mrsfi_runtime.cli.progress import flight_progress
-from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.cli.terminal import print_table, print_words
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import whole_file, written_file
@@ -97,6 +98,8 @@ def print_flight(
         print_json({**head, "goals": goals, "faults": faults_as_json(faults, outcome)})
         return
     print_table(goal_table(title, mission, outcome))
+    print_words(nearest_in_words(mission, outcome))
+    print_words("")
     if faults:
         print_table(fault_table("Faults", faults, outcome))
 

@@ -39,6 +39,9 @@ def print_verdicts(
     for unknown in dict.fromkeys(each.unknown for each in held):
         some = ", ".join(each.label for each in held if each.unknown == unknown)
         print_words(("Nothing was found that breaks ", "bold"), f"{some} ({unknown})")
+    for each in held:
+        if each.nearest:
+            print_words(f"{each.label} {each.nearest}", indent=4)
     click.echo()
 
 

@@ -3,7 +3,7 @@
 import hashlib
 import traceback
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Self
 
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
@@ -12,13 +12,14 @@ from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.generated_code import MissionCode, failed
+from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Margin, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -158,7 +159,9 @@ class PlainEngine(Engine):
                 [tally.applied for tally in laid_out.tallies],
                 [tally.changed for tally in laid_out.tallies],
             )
-            return digested(counts, state_bytes(flight.world), state_bytes(flight.belief))
+            margins = zip(flight.verdicts.margin, flight.verdicts.nearest, strict=True)
+            states = state_bytes(flight.world), state_bytes(flight.belief)
+            return digested(counts, margins, *states)
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:
@@ -176,12 +179,16 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
 
 
 def digested(
-    counts: Sequence[Sequence[int]], world: bytes | memoryview, belief: bytes | memoryview
+    counts: Sequence[Sequence[int]],
+    margins: Iterable[Margin],
+    world: bytes | memoryview,
+    belief: bytes | memoryview,
 ) -> Outcome:
-    """Return an outcome of these counts, and its digest over them and the last states' bytes."""
+    """Return an outcome of counts and margins, and its digest over counts and last states."""
     believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
     listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())
     sha.update(world)
     sha.update(belief)
-    return Outcome(*listed, sha.hexdigest())
+    found = [each if each[0] != NO_MARGIN else None for each in margins]
+    return Outcome(*listed, sha.hexdigest(), tuple(found))

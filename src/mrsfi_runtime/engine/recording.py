@@ -32,7 +32,7 @@ _IN_MEMORY = 16 << 20  # bytes of what is compressed before it goes to a file
 SIDES = ("world", "belief")
 """The states of a tick: truth and belief."""
 
-VERDICTS = tuple(get_type_hints(Verdicts))
+VERDICTS = get_type_hints(Verdicts)
 """What is judged and counted for each goal."""
 
 KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("<f8", (N_MEMORY,))}
@@ -61,7 +61,7 @@ def moment_type(state: State) -> np.dtype[Any]:
     return np.dtype(
         [
             *((side, recorded) for side in SIDES),
-            *((name, "<i8", (n_goals,)) for name in VERDICTS),
+            *((name, KINDS[get_args(hint)[0]], (n_goals,)) for name, hint in VERDICTS.items()),
         ]
     )
 

@@ -12,7 +12,7 @@ Source paper, Figure 4. Its three unsynchronised threads (section V-D b) are one
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, get_type_hints
 
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.compiling import kernel
@@ -20,7 +20,9 @@ from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.effects.belief import falsify
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
+from mrsfi_runtime.kernel.goal_tasks.reference import margin
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.state import State
 
@@ -46,6 +48,9 @@ class Verdicts:
     Each list has an entry for each goal. ``phantom`` violations were believed and not true,
     ``masked`` ones true and not believed. ``missed`` counts from the tick on at which it was
     certain that the goal's purpose is not met.
+
+    ``margin`` is how far from being truly violated the goal was when it was nearest to it, up to
+    its first violation, ``nearest`` the tick of that, ``due`` the first at which it can be less.
     """
 
     is_true: list[int]
@@ -55,11 +60,15 @@ class Verdicts:
     phantom: list[int]
     masked: list[int]
     missed: list[int]
+    margin: list[float]
+    nearest: list[int]
+    due: list[int]
 
 
 def no_verdicts(n_goals: int) -> Verdicts:
     """Return verdicts before the first tick."""
-    return Verdicts(*([0] * n_goals for _ in range(7)))
+    counts = {name: [0] * n_goals for name in get_type_hints(Verdicts) if name != "margin"}
+    return Verdicts(**counts, margin=[0.0] * n_goals)
 
 
 @kernel
@@ -132,7 +141,11 @@ def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None
 
 @kernel
 def count(verdicts: Verdicts, world: State) -> None:
-    """Count the violations of a tick, once per goal, and a tick of what is missed for good."""
+    """Count the violations of a tick, once per goal, and a tick of what is missed for good.
+
+    Margins are looked at where they can be less than before.
+    """
+    tick = world.mission.tick
     for goal in range(len(verdicts.is_true)):
         true = verdicts.is_true[goal]
         believed = verdicts.is_believed[goal]
@@ -143,3 +156,23 @@ def count(verdicts: Verdicts, world: State) -> None:
             verdicts.masked[goal] += true and not believed
         if verdicts.missed[goal] > 0 or is_missed(world, goal, true):
             verdicts.missed[goal] += 1
+        if tick >= verdicts.due[goal]:
+            measure(verdicts, world, goal)
+
+
+@kernel
+def measure(verdicts: Verdicts, world: State, goal: int) -> None:
+    """Note how far a goal is from being violated, if it was never nearer.
+
+    Once it was violated, it is looked at no more.
+    """
+    if verdicts.true[goal] > verdicts.is_true[goal]:
+        verdicts.due[goal] = NEVER
+        return
+    tick = world.mission.tick
+    least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]
+    left, wait = margin(world, goal, world.goals[goal].task, least)
+    if left < least or verdicts.due[goal] == 0:
+        verdicts.margin[goal] = left
+        verdicts.nearest[goal] = tick
+    verdicts.due[goal] = tick + wait

@@ -190,10 +190,12 @@ class Terms:
 class GoalTask:
     """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind.
 
-    One that ``keeps_robots`` steers them into its area for ever.
+    One that ``keeps_robots`` steers them into its area for ever. ``spares`` is the unit of its
+    margin, by how much a goal is not violated, in words; distance units have none.
     """
 
     keeps_robots: ClassVar[bool] = False
+    spares: ClassVar[str] = ""
 
     @property
     def name(self) -> str:

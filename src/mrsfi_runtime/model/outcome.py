@@ -10,6 +10,10 @@ TOLD = (*COUNTED, "missed_since")
 """What is told of each goal: what is counted, and since when it was certain to be missed."""
 
 
+Margin: TypeAlias = tuple[float, int]
+"""By how much a goal was not violated when it was nearest to it, and the tick of that."""
+
+
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """Violations per goal, each of shape ``(n_goals,)`` in model order, and what faults did.
@@ -37,6 +41,10 @@ class Outcome:
         For each timed fault, at how many ticks it changed at least one value.
     digest
         SHA-256 over all of the above and the final true and believed states, as IEEE-754 bits.
+    margins
+        How far each goal was from being truly violated when it was nearest to it, in the unit of
+        its task, and the tick of that; ``None`` for a goal of which that cannot be said. ``None``
+        as a whole in a record of an earlier mrsfi.
     """
 
     believed: tuple[int, ...]
@@ -48,6 +56,7 @@ class Outcome:
     applied: tuple[int, ...]
     changed: tuple[int, ...]
     digest: str
+    margins: tuple[Margin | None, ...] | None = None
 
     def missed_since(self, duration: int) -> tuple[int | None, ...] | None:
         """Return from which tick on each goal was certain to be missed, ``None`` if it was met.

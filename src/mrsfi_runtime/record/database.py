@@ -5,7 +5,7 @@ a ``RecordError`` with the path, what was found and what was expected.
 """
 
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -14,13 +14,17 @@ from mrsfi_runtime.files import keep_names
 from mrsfi_runtime.record.encoding import COUNTS
 from mrsfi_runtime.record.folder import new_name
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the layout; a file of a newer one is refused, so that no earlier mrsfi flies it.
 
-In version 1 nothing says which semantics was flown, and outcomes may have fewer counts.
+In version 1 nothing says which semantics was flown, and outcomes may have fewer counts. Up to
+version 2 no outcome has margins.
 """
 
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
+MARGINS = "margins"
+"""The column that has them."""
+
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
 
@@ -29,8 +33,11 @@ def quoted(columns: Iterable[str]) -> str:
     return ", ".join(f'"{name}"' for name in columns)
 
 
-def _columns(counts: Iterable[str], specification: str = "specification") -> str:
-    return f"idx, generation, {specification}, fitness, fault_ticks, {quoted(counts)}, digest"
+def _columns(
+    counts: Iterable[str], specification: str = "specification", margins: str = MARGINS
+) -> str:
+    head = f"idx, generation, {specification}, fitness, fault_ticks"
+    return f"{head}, {quoted(counts)}, digest, {margins}"
 
 
 FLIGHT_TABLE = (
@@ -48,16 +55,24 @@ _TABLES = (
 )
 
 
-def stored_counts(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]:
-    """Return the names of the counts that a record has of an outcome; an older one has fewer."""
+def stored_columns(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]:
+    """Return what a record has of an outcome: counts, and margins; an older one has fewer."""
     with translated(path):
         columns = {row[1] for row in connection.execute("PRAGMA table_info(evaluation)")}
-    return tuple(name for name in COUNTS if name in columns)
+    return tuple(name for name in (*COUNTS, MARGINS) if name in columns)
 
 
-def select_evaluations(counts: Iterable[str], specification: str = "specification") -> str:
-    """Return the query for evaluations by their counts; something else may stand for faults."""
-    return f"SELECT {_columns(counts, specification)} FROM evaluation"
+def select_evaluations(stored: Sequence[str], specification: str = "specification") -> str:
+    """Return the query for evaluations by ``stored_columns``; something may stand for faults."""
+    counts = [name for name in stored if name != MARGINS]
+    margins = MARGINS if MARGINS in stored else "NULL"
+    return f"SELECT {_columns(counts, specification, margins)} FROM evaluation"
+
+
+def add_margins(connection: sqlite3.Connection) -> None:
+    """Make the column of margins, which a record of an earlier mrsfi lacks."""
+    connection.execute(f"ALTER TABLE evaluation ADD COLUMN {MARGINS}")
+    connection.execute(f"PRAGMA user_version = {SCHEMA}")
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:

@@ -11,9 +11,9 @@ from typing import Any
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.gate import plain
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Margin, Outcome
 
-COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
+COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name not in ("digest", "margins"))
 """Names of the count vectors of an outcome, in the order in which they are stored."""
 
 _ENCODER = json.JSONEncoder(
@@ -80,6 +80,21 @@ def integers(found: Sequence[Sequence[Any]]) -> tuple[tuple[int, ...], ...]:
     if not set(map(type, chain.from_iterable(found))) <= {int}:
         raise ValueError(f"found {str(found)[:60]}; expected lists of integers")
     return tuple(map(tuple, found))
+
+
+def margins(found: object) -> tuple[Margin | None, ...] | None:
+    """Return margins as they are in an outcome; a ValueError if they make no sense."""
+    if found is None:
+        return None
+    if not isinstance(found, list):
+        raise ValueError(f"found {str(found)[:60]}; expected a list of margins")  # noqa: TRY004 - the text is wrong
+    return tuple(None if each is None else _margin(*each) for each in found)
+
+
+def _margin(least: float, tick: int) -> Margin:
+    if type(tick) is not int:
+        raise ValueError(f"found tick {tick!r}; expected an integer")
+    return float(least), tick
 
 
 def object_from_text(text: str) -> dict[str, Any]:

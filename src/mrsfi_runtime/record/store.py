@@ -16,7 +16,7 @@ from typing import Any, Self, TypeVar
 
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Margin, Outcome
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -95,10 +95,11 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(seed, known, FailedFlight(found))
-        if rest or not isinstance(found, dict) or found.keys() != {*encoding.COUNTS, "digest"}:
+        if rest or not isinstance(found, dict) or {*encoding.COUNTS, "digest"} - found.keys():
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
-        return cls(seed, known, _outcome(encoding.COUNTS, counts, str(found["digest"])))
+        told = str(found["digest"]), found.get(database.MARGINS)
+        return cls(seed, known, _outcome(encoding.COUNTS, counts, *told))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -115,8 +116,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(database.damaged(path, str(error))) from error
         manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
-        self._counts = database.stored_counts(path, connection)
-        self._evaluations = database.select_evaluations(self._counts)
+        self._stored = database.stored_columns(path, connection)
+        self._counts = [name for name in self._stored if name != database.MARGINS]
+        self._evaluations = database.select_evaluations(self._stored)
 
     @classmethod
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
@@ -173,6 +175,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             ],
         }
         with database.transaction(self.path, self._connection) as connection:
+            if database.MARGINS not in self._stored:
+                database.add_margins(connection)
+                self._stored = (*self._stored, database.MARGINS)
             _require_next("evaluation", rows["evaluation"], self.n_evaluations)
             _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
@@ -194,7 +199,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
-        query = database.select_evaluations(self._counts, "NULL")
+        query = database.select_evaluations(self._stored, "NULL")
         for rows in self._batches(query, range(0, self.n_evaluations, step)):
             for row in rows:
                 yield self._decoded(lambda row: Flown(*_flown(self._counts, row)), row)
@@ -212,6 +217,17 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
                 raise RecordError(database.damaged(self.path, f"{found} in place of {n_expected}"))
             n_read += n_expected
             yield self._decoded(decode, list(zip(*rows, strict=True)))
+
+    def margins(self) -> Iterator[tuple[int, tuple[Margin | None, ...]]]:
+        """Yield evaluations with the margins of their goals; none from an older record."""
+        if database.MARGINS in self._stored:
+            query = f"SELECT idx, {database.MARGINS} FROM evaluation"
+            for rows in self._batches(query, range(self.n_evaluations)):
+                told = [row for row in rows if row[1] is not None]
+                found = self._decoded(encoding.lists, [text for _, text in told])
+                for (index, _), each in zip(told, found, strict=True):
+                    margins = self._decoded(encoding.margins, each)
+                    yield index, margins or ()
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation."""
@@ -332,6 +348,7 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
         int(evaluation.fault_ticks),
         *(encoding.canonical(getattr(outcome, name)) for name in encoding.COUNTS),
         outcome.digest,
+        None if outcome.margins is None else encoding.canonical(outcome.margins),
     )
 
 
@@ -344,9 +361,9 @@ def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
 def _flown(
     names: Sequence[str], row: tuple[Any, ...]
 ) -> tuple[int, int, Outcome, tuple[float, ...], int]:
-    index, generation, _, fitness_text, fault_ticks, *texts, digest = row
-    fitness, *found = encoding.lists([fitness_text, *texts])
-    outcome = _outcome(names, found, digest)
+    index, generation, _, fitness_text, fault_ticks, *texts, digest, margins = row
+    fitness, *found, margins = encoding.lists([fitness_text, *texts, margins or "[]"])
+    outcome = _outcome(names, found, digest, margins or None)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -373,8 +390,10 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
     return FailedEvaluation(number, generation, encoding.specification(specification), traceback)
 
 
-def _outcome(names: Sequence[str], found: Sequence[Sequence[Any]], digest: str) -> Outcome:
+def _outcome(
+    names: Sequence[str], found: Sequence[Sequence[Any]], digest: str, margins: object
+) -> Outcome:
     """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
     counts: dict[str, Any] = {"missed": None}
     counts.update(zip(names, encoding.integers(found), strict=True))
-    return Outcome(**counts, digest=digest)
+    return Outcome(**counts, digest=digest, margins=encoding.margins(margins))

@@ -89,8 +89,31 @@ def focused(findings: FitnessInput) -> float:
     return float(sum(findings.violations[goal] for goal in findings.goals))
 
 
+def nearest(findings: FitnessInput) -> float:
+    """Return the violations of the chosen goals; of one without any, how near it came to one.
+
+    That is 1 / (1 + margin), 0 if nothing can be said: less than any violation, and so a direction
+    for a search where all would be 0. Margins are of the truth.
+
+    Notes
+    -----
+    It is meant for one goal: units of margins differ, and so does how near is near.
+    """
+    margins = findings.outcome.margins or ()
+    near = 0.0
+    for goal in findings.goals:
+        margin = margins[goal] if margins and not findings.violations[goal] else None
+        near += 0.0 if margin is None else 1.0 / (1.0 + max(margin[0], 0.0))
+    return focused(findings) + near / max(len(findings.goals), 1)
+
+
 FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(
-    {"weighted": weighted, "weighted_normalised": weighted_normalised, "focused": focused}
+    {
+        "weighted": weighted,
+        "weighted_normalised": weighted_normalised,
+        "focused": focused,
+        "nearest": nearest,
+    }
 )
 """Fitness functions by their name in a campaign file."""
 

@@ -10,6 +10,7 @@ from mrsfi_runtime.analysis.campaign_tables import (
     COUNTS,
     fault_table,
     goal_table,
+    nearest_in_words,
     settings_table,
     short_evaluations_table,
 )
@@ -214,6 +215,7 @@ def told_content(
     if isinstance(flown, Flown):
         flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
     faults = fault_table("", told.faults, told.outcome)
+    nearest = nearest_in_words(mission, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
     return {
         "title": told.title,
@@ -225,7 +227,7 @@ def told_content(
                 rows=[(*row, did) for row, did in zip(faults.rows, sentences, strict=True)],
             )
         ),
-        "counts": to_page(goal_table(COUNTS, mission, told.outcome)),
+        "counts": to_page(goal_table(f"{COUNTS} {nearest}".rstrip(), mission, told.outcome)),
         "command": shlex.join(told.command),
         "xmi": told.xmi,
         "flight": flight,

@@ -100,7 +100,8 @@ class Batch:
         of_goals, of_faults = self._counts
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
-        return digested(counts, *(rows[k] for rows in self._packed))
+        margins = zip(*(column[k] for column in self._margins), strict=True)
+        return digested(counts, margins, *(rows[k] for rows in self._packed))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
@@ -112,6 +113,10 @@ class Batch:
         goals = [*(self.results[name] for name in COUNTED), self.results["world"]["goals"]["count"]]
         faults = [self._tallies["applied"], self._tallies["changed"]]
         return [column.tolist() for column in goals], [column.tolist() for column in faults]
+
+    @cached_property
+    def _margins(self) -> list[Any]:
+        return [self.results[name].tolist() for name in ("margin", "nearest")]
 
     @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from mrsfi_runtime.engine.compiled.layout import ALLOWED, CALLS, N_ALLOWED, OWN, RECORDED
 from mrsfi_runtime.engine.compiled.views import call, call_effect, seen_as, word_of
-from mrsfi_runtime.engine.recording import record_type
+from mrsfi_runtime.engine.recording import VERDICTS, record_type
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import send
 from mrsfi_runtime.kernel.effects.commands import issue
@@ -22,6 +22,7 @@ from mrsfi_runtime.kernel.state import MapState, MissionState, State
 
 _N_CONSTANT = OWN.fields["memory"][1] // 8  # type: ignore[index]
 _N_MISSION, _N_MAP = (record_type(kind).itemsize // 8 for kind in (MissionState, MapState))
+_N_VERDICTS = len(VERDICTS)
 _ODD = -7046029254386353131
 
 
@@ -170,7 +171,7 @@ def fly_many(flights: Flights, first: int, last: int) -> int:
     inbox = _state(flights.states[2])
     n_sensors = len(world.sensors)
     n_recorded = len(getattr(world, RECORDED))
-    n_words = 2 * n_recorded + 7 * len(world.goals)
+    n_words = 2 * n_recorded + _N_VERDICTS * len(world.goals)
     begin, end = flights.at[1], flights.at[2]
     for k in range(first, last):
         flights.at[0] = k

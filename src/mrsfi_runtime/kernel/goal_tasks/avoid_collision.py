@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import overlap, well_inside
+from mrsfi_runtime.kernel.geometry import distance, overlap, well_inside
+from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN, patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.neighbours import FEW, chart, fastest, gather
 from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
@@ -18,6 +19,9 @@ LOOK_AHEAD = 10
 
 MARGIN = 1.0
 """Clearance below which a meeting counts as a coming collision, in distance units."""
+
+HORIZON = 4
+"""Ticks for which none of many robots needs to be looked at, if it is so far from all others."""
 
 CANDIDATE_STEP = 15
 """Degrees between the headings among which a robot chooses when it evades."""
@@ -103,6 +107,87 @@ def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
             if overlap(other.x - robot.x, other.y - robot.y, both):
                 return True
     return False
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return the least gap between two discs, and when there can be one less than ``least``."""
+    goal = world.goals[g]
+    to_obstacle = gap_to_obstacles(world, goal)
+    speed = top_speed(world, goal)
+    to_robot = gap_between_robots(world, goal, max(least, 0.0) + HORIZON * speed)
+    left = min(to_obstacle, to_robot)
+    if left <= least:
+        return left, 1
+    return left, min(patience(to_obstacle, least, speed), patience(to_robot, least, 2.0 * speed))
+
+
+@kernel
+def gap_to_obstacles(world: State, goal: GoalState) -> float:
+    """Return the least gap between robots and obstacles of a goal, where the model puts them."""
+    least = NO_MARGIN
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        robot = world.robots[world.members[m].robot]
+        cell = cell_at(world, robot.x, robot.y)
+        for k in range(world.cells[cell], world.cells[cell + 1]):
+            mapped = world.mapped[k]
+            if mapped.gap - ROBOT_RADIUS >= least:
+                break
+            gap = gap_to(world, robot.x, robot.y, mapped.obstacle, least)
+            if gap < least and is_listed(world, goal, mapped.obstacle):
+                least = gap
+        if least > world.map.reach - ROBOT_RADIUS:  # what is farther is on no cell
+            for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+                least = gap_to(world, robot.x, robot.y, world.hazards[h], least)
+    return least
+
+
+@kernel
+def gap_to(view: State, x: float, y: float, index: int, limit: float) -> float:
+    """Return the gap between a robot's disc at a point and an obstacle's, ``limit`` at most."""
+    obstacle = view.obstacles[index]
+    dx = obstacle.x - x
+    dy = obstacle.y - y
+    square = dx * dx + dy * dy
+    both = obstacle.radius + ROBOT_RADIUS
+    if square >= (limit + both) * (limit + both):
+        return limit
+    return math.sqrt(square) - both
+
+
+@kernel
+def gap_between_robots(world: State, goal: GoalState, limit: float) -> float:
+    """Return the least gap between two robots of a goal; of many robots ``limit`` at most."""
+    both = 2.0 * ROBOT_RADIUS
+    last = goal.first_member + goal.n_members
+    if goal.n_members > FEW:
+        return gap_between_neighbours(world, goal, limit)
+    square = NO_MARGIN
+    for m in range(goal.first_member, last):
+        robot = world.robots[world.members[m].robot]
+        x = robot.x
+        y = robot.y
+        for other in range(m + 1, last):
+            second = world.robots[world.members[other].robot]
+            dx = second.x - x
+            dy = second.y - y
+            square = min(square, dx * dx + dy * dy)
+    return math.sqrt(square) - both
+
+
+@kernel
+def gap_between_neighbours(world: State, goal: GoalState, limit: float) -> float:
+    """Return the least gap between two of many robots, ``limit`` at most."""
+    both = 2.0 * ROBOT_RADIUS
+    least = limit
+    chart(world, goal, both)
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = world.members[m].robot
+        robot = world.robots[index]
+        for k in range(gather(world, goal, index, both + least)):
+            second = world.robots[world.lookup.nearby[k]]
+            least = min(least, distance(robot.x, robot.y, second.x, second.y) - both)
+    return least
 
 
 @kernel

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.goal_tasks.margins import patience, top_speed
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.mission import GoalTask
@@ -32,6 +33,24 @@ def violated(view: State, g: int) -> bool:
             if excess(abs(gap - goal.distance), goal.tolerance) > 0.0:
                 return True
     return False
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return how much less than the tolerance the pair differs that differs most."""
+    goal = world.goals[g]
+    last = goal.first_member + goal.n_members
+    most = 0.0
+    for m in range(goal.first_member, last):
+        robot = world.robots[world.members[m].robot]
+        for other in range(m + 1, last):
+            second = world.robots[world.members[other].robot]
+            gap = distance(robot.x, robot.y, second.x, second.y)
+            most = max(most, abs(gap - goal.distance))
+    left = goal.tolerance - most
+    if left <= least:
+        return left, 1
+    return left, patience(left, least, 2.0 * top_speed(world, goal))
 
 
 @kernel

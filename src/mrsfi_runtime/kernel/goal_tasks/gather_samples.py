@@ -7,6 +7,7 @@ from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import sample_reserve, ticks_left
 from mrsfi_runtime.kernel.geometry import inside
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
@@ -17,6 +18,7 @@ class GatherSamples(GoalTask):
     """Gather samples with one sensor (by ID) inside the goal's area."""
 
     keeps_robots: ClassVar[bool] = True
+    spares: ClassVar[str] = "ticks"
     target_sample_number: int
     sensor: str
 
@@ -56,6 +58,19 @@ def violated(view: State, g: int) -> bool:
     if sensor.active == 0 or not inside(robot.x, robot.y, goal):
         return True
     return sample_reserve(view, goal) < 0.0
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+    """Return the ticks to spare when the target is reached; nothing can be said before.
+
+    That takes at least as long as if all samples were valid.
+    """
+    goal = world.goals[g]
+    missing = goal.target - goal.count
+    if missing > 0:
+        return NO_MARGIN, max(int(missing / world.sensors[goal.sensor].nominal_rate), 1)
+    return float(ticks_left(world)), NEVER
 
 
 @kernel

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.goal_tasks.margins import patience
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, GoalTask
@@ -14,12 +15,24 @@ class Patrol(GoalTask):
     """Have every member inside the area at least once in each period of ticks."""
 
     keeps_robots: ClassVar[bool] = True
+    spares: ClassVar[str] = "ticks"
     area: Area
     period: int
 
 
 progress = note_presence
 react = roam_area
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return the ticks to spare of the member that has been outside the area for longest."""
+    goal = world.goals[g]
+    first = world.mission.tick
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        first = min(first, world.members[m].since)
+    left = float(goal.period - 1 - (world.mission.tick - first))
+    return left, 1 if left <= least else patience(left, least, 1.0)
 
 
 @kernel

@@ -1,10 +1,12 @@
 """StayWithinMissionArea: every member stays inside the mission area."""
 
+import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, well_inside
+from mrsfi_runtime.kernel.goal_tasks.margins import patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
@@ -27,6 +29,23 @@ def violated(view: State, g: int) -> bool:
         if excess(out, mission.radius) > 0.0:
             return True
     return False
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return how far inside the outermost member is, and when that can be below ``least``."""
+    goal = world.goals[g]
+    mission = world.mission
+    square = 0.0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        robot = world.robots[world.members[m].robot]
+        dx = robot.x - mission.x
+        dy = robot.y - mission.y
+        square = max(square, dx * dx + dy * dy)
+    left = mission.radius - math.sqrt(square)
+    if left <= least:
+        return left, 1
+    return left, patience(left, least, top_speed(world, goal))
 
 
 @kernel

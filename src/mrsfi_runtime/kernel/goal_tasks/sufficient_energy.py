@@ -1,10 +1,12 @@
 """SufficientEnergy: every member has the energy to complete the mission."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import energy_reserve, sensor_power, ticks_left
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import RESERVE
 from mrsfi_runtime.model.mission import GoalTask
@@ -13,6 +15,8 @@ from mrsfi_runtime.model.mission import GoalTask
 @dataclass(frozen=True, slots=True)
 class SufficientEnergy(GoalTask):
     """Keep enough energy in every member to complete the mission."""
+
+    spares: ClassVar[str] = "energy units"
 
 
 @kernel
@@ -33,6 +37,19 @@ def is_exhausted(world: State, g: int) -> bool:
         if world.robots[world.members[m].robot].energy <= 0.0:
             return True
     return False
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+    """Return the energy that a member has left when the mission ends, the least of all members."""
+    goal = world.goals[g]
+    wait = ticks_left(world)
+    if wait > 0:
+        return NO_MARGIN, wait
+    left = NO_MARGIN
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        left = min(left, world.robots[world.members[m].robot].energy)
+    return left, NEVER
 
 
 @kernel

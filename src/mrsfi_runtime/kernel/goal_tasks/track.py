@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, off_segment
+from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
@@ -39,19 +40,30 @@ def violated(view: State, g: int) -> bool:
 
     Before the first waypoint and after the last there is no current segment.
     """
+    return excess(off_track(view, g), view.goals[g].tolerance) > 0.0
+
+
+@kernel
+def off_track(view: State, g: int) -> float:
+    """Return the distance of the member that is farthest off its current segment; -1 if none is."""
     goal = view.goals[g]
+    off = -1.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
         if 0 < member.waypoint < goal.n_waypoints:
             robot = view.robots[member.robot]
             start = view.waypoints[goal.first_waypoint + member.waypoint - 1]
             end = view.waypoints[goal.first_waypoint + member.waypoint]
-            off = off_segment(
-                robot.x - start.x, robot.y - start.y, end.x - start.x, end.y - start.y
-            )
-            if excess(off, goal.tolerance) > 0.0:
-                return True
-    return False
+            x, y = robot.x - start.x, robot.y - start.y
+            off = max(off, off_segment(x, y, end.x - start.x, end.y - start.y))
+    return off
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+    """Return how much less than the tolerance the member is off its segment that is most."""
+    off = off_track(world, g)
+    return (NO_MARGIN if off < 0.0 else world.goals[g].tolerance - off), 1
 
 
 @kernel

@@ -1,9 +1,11 @@
 """Visit: every member reaches a point no later than a deadline."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
@@ -14,6 +16,7 @@ from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
 class Visit(GoalTask):
     """Have every member within tolerance of a point no later than the deadline tick."""
 
+    spares: ClassVar[str] = "ticks"
     coordinates: Coordinates
     tolerance: float
     deadline: int
@@ -30,6 +33,18 @@ progress = note_presence
 def violated(view: State, g: int) -> bool:
     """Return whether a member has not been at the point by the deadline."""
     return view.mission.tick >= view.goals[g].deadline and is_awaited(view, g)
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+    """Return the ticks to spare when the last member has arrived; fewer with each tick it is late.
+
+    Nothing can be said before.
+    """
+    left = float(world.goals[g].deadline - world.mission.tick)
+    if not is_awaited(world, g):
+        return left, NEVER
+    return (NO_MARGIN if left > 0.0 else left - 1.0), 1
 
 
 @kernel

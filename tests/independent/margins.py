@@ -1,0 +1,87 @@
+"""How near goals came to being violated, looked at in every tick, by [S Margins]."""
+
+import math
+from itertools import combinations
+
+from tests.independent.simulation import Flight, Goal, View, distance, within
+
+ARRIVALS = ("GatherSamples", "Visit")
+"""Of them "the ticks that are left" are the margin when that is first known."""
+
+
+class Margins:
+    """The least margin of each goal of a flight until now, and at which tick it was."""
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self.seen: list[list[float]] = [[] for _ in flight.mission.goals]
+
+    def see(self) -> None:
+        """Look at the present tick; "a goal that was violated is not looked at any more"."""
+        for goal in self._flight.mission.goals:
+            seen = self.seen[goal.index]
+            before = self._flight.counts["true"][goal.index] - self._flight.true[goal.index]
+            has_arrived = goal.task in ARRIVALS and seen and seen[-1] != math.inf
+            if not before and not has_arrived:
+                seen.append(margin(goal, self._flight.truth))
+
+    def agree(self, goal: Goal, found: tuple[float, int] | None) -> bool:
+        """Return whether a margin that was found is the least, and was there at its tick."""
+        seen = self.seen[goal.index]
+        if found is None or min(seen) == math.inf:
+            return found is None and min(seen) == math.inf
+        least, tick = found
+        near = [math.isclose(each, least, rel_tol=1e-12, abs_tol=1e-6) for each in seen]
+        return near[tick] and math.isclose(min(seen), least, rel_tol=1e-12, abs_tol=1e-6)
+
+
+def margin(goal: Goal, truth: View) -> float:
+    """Return the margin of a goal at a tick: the table of [S Margins]; infinite if it has none."""
+    notes = truth.notes[goal.index]
+    places = [truth.position[robot] for robot in goal.robots or goal.members]
+    match goal.task:
+        case "AvoidCollision":
+            gaps = [distance(a, b) - 2 for a, b in combinations(places, 2)]
+            discs = [truth.mission.obstacles[k] for k in goal.obstacles]
+            gaps += [distance(a, disc.center) - disc.radius - 1 for a in places for disc in discs]
+            found = min(gaps, default=math.inf)
+        case "StayWithinMissionArea":
+            area = truth.mission.area
+            found = area.radius - max(distance(place, area.center) for place in places)
+        case "SufficientEnergy":
+            energies = [truth.energy[robot] for robot in goal.members]
+            found = math.inf if truth.left else min(energies)
+        case "GatherSamples":
+            found = truth.left if notes.count >= goal.target else math.inf
+        case "Patrol":
+            found = min(goal.period - 1 - truth.tick + since for since in notes.since.values())
+        case "Visit" if all(notes.reached.values()):
+            found = goal.deadline - truth.tick
+        case "Visit":
+            found = goal.deadline - truth.tick - 1 if truth.tick >= goal.deadline else math.inf
+        case "Track":
+            off = [off_track(goal, truth, robot) for robot in goal.members]
+            found = min((goal.tolerance - each for each in off if each >= 0), default=math.inf)
+        case "Stay":
+            entered = [robot for robot in goal.members if notes.reached[robot]]
+            ways = [distance(truth.position[robot], goal.area.center) for robot in entered]
+            found = min((goal.area.radius - way for way in ways), default=math.inf)
+        case "FixedDistanceBetweenRobots":
+            off = [abs(distance(a, b) - goal.distance) for a, b in combinations(places, 2)]
+            found = goal.tolerance - max(off, default=0.0)
+        case _:
+            found = math.inf
+    return found
+
+
+def off_track(goal: Goal, view: View, robot: int) -> float:
+    """Return how far off its segment a member is; -1 "before the first waypoint"."""
+    place, n = view.position[robot], view.notes[goal.index].waypoint[robot]
+    if not 0 < n < len(goal.trajectory):
+        return -1.0
+    one, two = goal.trajectory[n - 1 : n + 1]
+    dx, dy = two[0] - one[0], two[1] - one[1]
+    square = dx * dx + dy * dy
+    along = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / square if square else 0
+    along = within(along, 0, 1)
+    return distance(place, (one[0] + along * dx, one[1] + along * dy))
