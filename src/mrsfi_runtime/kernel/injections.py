@@ -219,14 +219,17 @@ class FaultShapes(dict[str, FaultShape]):
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
     """Lay a fault specification that the gate admitted out for the kernel."""
     rows = plan_rows(FaultShapes(mission, pool), specification)
+    messages, reports, commands = ([InjectionState(*row) for row in some] for some in rows.lists)
     return Plan(
-        *([InjectionState(*row) for row in listed] for listed in rows.lists),
-        held=[0.0] * rows.n_held,
-        tallies=[FaultTally() for _ in range(rows.n_faults)],
-        own=[OwnFault(*row) for row in rows.own],
-        triggers=[TriggerState(*row) for row in rows.triggers],
-        waiting=[WaitingState(*row) for row in rows.waiting],
-        sources=[*rows.sources],
+        messages,
+        reports,
+        commands,
+        [0.0] * rows.n_held,
+        [FaultTally() for _ in range(rows.n_faults)],
+        [OwnFault(*row) for row in rows.own],
+        [TriggerState(*row) for row in rows.triggers],
+        [WaitingState(*row) for row in rows.waiting],
+        [*rows.sources],
     )
 
 
@@ -276,14 +279,18 @@ def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) 
             fault, start, finish, values, trigger_id = specification[row[0]]
             if not trigger_id:
                 continue
-            most = shapes.pool.triggers_by_id[trigger_id].duration or LAST
-            if shapes[fault].kind.mode is Mode.BLOCK:
-                most = min(most, int(values[0]))
-            else:
-                finish = row[_FINISH]
+            kind = shapes[fault].kind
+            finish = finish if kind.mode is Mode.BLOCK else row[_FINISH]
+            most = longest(kind, values, shapes.pool.triggers_by_id[trigger_id])
             waiting.append((numbers[trigger_id], number, place, start, finish, most))
             listed[place] = (*row[:_FINISH], -1, *row[_FINISH + 1 :])
     return rows._replace(triggers=triggers, waiting=waiting, sources=sources)
+
+
+def longest(kind: FaultType, values: Sequence[float], trigger: Trigger) -> int:
+    """Return for how many ticks a fault acts at most that a trigger has set off."""
+    most = LAST if trigger.duration is None else trigger.duration
+    return min(most, int(values[0])) if kind.mode is Mode.BLOCK else most
 
 
 def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, float]:
@@ -305,11 +312,12 @@ def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple
     active between them, from the second tick on.
     """
     rows = plan_rows(FaultShapes(mission, pool), (timed,))
-    windows = [row[_START : _FINISH + 1] for listed in (*rows.lists, rows.own) for row in listed]
+    lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
+    windows = [(row[_START], row[_FINISH]) for listed in lists for row in listed]
     if rows.waiting:
         windows = [(max(start, 1), finish) for *_, start, finish, _ in rows.waiting]
-    for first, last in windows:
-        last = min(last, mission.duration - 1)
+    for first, finish in windows:
+        last = min(finish, mission.duration - 1)
         return (first, last) if first <= last else None
     return None
 

@@ -48,9 +48,7 @@ def plain(timed: TimedFault) -> TimedFault:
         raise _misfit(fault, f"window {start!r} … {finish!r}", wanted)
     if not _are(Real, *values) or not all(-MOST <= value <= MOST for value in values):
         raise _misfit(fault, f"values {values!r}", f"numbers from {-MOST:.0f} to {MOST:.0f}")
-    return TimedFault(
-        str(fault), int(start), int(finish), tuple(map(float, values)), str(trigger)
-    )
+    return TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)), str(trigger))
 
 
 def _is_plain(
