@@ -81,7 +81,7 @@ ResolvedReference (mission): references lead to an element
 ReferenceType (refused): references lead to an element of the declared class
 UniqueReference (dropped): a list of references names each element once
 LocalReference (file): references between files lead to files of the mission, in its project
-DurationInRange (mission): a mission lasts 1 to 10,000,000 ticks
+DurationInRange (mission): a mission, or what a trigger sets off, lasts 1 to 10,000,000 ticks
 RadiusPositive (mission): an area has a radius above 0
 SpeedNotNegative (mission): a speed is not below 0
 EnergyNotNegative (mission): energies and energy costs are not below 0
@@ -91,7 +91,7 @@ PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is at least tick 1
 TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
-DelayNotNegative (faults): delays and block durations are 0 to 2,147,483,647
+DelayNotNegative (faults): delays, also of triggers, and block durations are 0 to 2,147,483,647
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
 LikelihoodInRange (faults): the likelihood of a fault is 0 to 1
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
@@ -109,6 +109,9 @@ SearchBoundsOrdered (faults): the lowest value of a parameter is not above its h
 WholeTicks (faults): delays and block durations are whole numbers of ticks
 WindowComplete (faults): a fault has both start and finish, or neither
 WindowOrdered (faults): a fault does not finish before it starts
+TriggerInWindow (faults): a fault that waits for a trigger has a window
+TriggerOfEvent (faults): a trigger refers to what its event is about, and to nothing else
+ReachableGoal (faults): a goal that a trigger waits for to be reached has something to reach
 """
 
 _WARNINGS = """
@@ -126,6 +129,7 @@ FigureInsideMission (mission): speeds, distances and tolerances are no longer th
     is wide, periods no longer than the mission lasts
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
+TriggerCanHappen (faults): a trigger waits for the effect of a fault that does not wait for it
 """
 
 _CONSTRAINT = re.compile(r"^(\w+) \((\w+)\): (.*(?:\n    .*)*)", re.MULTILINE)

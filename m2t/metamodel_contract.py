@@ -68,8 +68,11 @@ FixedDistanceBetweenRobots extends GoalTask: attr EDouble[1] fixedDistance,
 """
 
 _FAULTS = f"""
-FaultSpecification: {_IDENTIFIED}, val Fault[*] faults
-Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish, attr EDouble[?] likelihood
+FaultSpecification: {_IDENTIFIED}, val Fault[*] faults, val Trigger[*] triggers
+Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish, attr EDouble[?] likelihood,
+    ref Trigger[?] trigger
+Trigger: {_IDENTIFIED}, attr TriggerEvent[1] event, ref Goal[?] goal, ref Robot[?] robot,
+    val Area[?] area, ref Fault[*] faults, attr EInt[?] delay, attr EInt[?] duration
 FaultType:
 MessageFault extends FaultType: ref Message[1] affectedMessage
 RobotFault extends FaultType: ref Robot[1] affectedRobot

@@ -5,8 +5,8 @@ from functools import partial
 
 from pyecore import ecore
 
-from .elements import Element, Values, annotated, described
-from .mission import Identified, Message, Obstacle, Robot, Sensor
+from .elements import Element, Values, annotated, described, enumeration
+from .mission import Area, Goal, Identified, Message, Obstacle, Robot, Sensor
 
 name = "faults"
 nsURI = "http://mrsfi.org/faults/1.0"
@@ -20,6 +20,31 @@ getEClassifier = partial(ecore.getEClassifier, searchspace=eClassifiers)
 eSubpackages = []
 eSuperPackage = None
 
+TriggerEvent = annotated(
+    enumeration(
+        "TriggerEvent",
+        annotated(
+            ecore.EEnumLiteral("VIOLATED", 0),
+            "The goal is violated.",
+        ),
+        annotated(
+            ecore.EEnumLiteral("REACHED", 1),
+            "The goal has its target number of samples, all its members were at the point to visit, or at the last of their trajectory.",
+        ),
+        annotated(
+            ecore.EEnumLiteral("ENTERED", 2),
+            "The robot is in the area.",
+        ),
+        annotated(
+            ecore.EEnumLiteral("EFFECT", 3),
+            "One of the faults has changed something.",
+        ),
+    ),
+    "What can set faults off.",
+)
+eClassifiers["TriggerEvent"] = TriggerEvent
+eClass.eClassifiers.append(TriggerEvent)
+
 
 @described(
     "A set of faults. As the model of a mission it is the pool of faults that could strike it; with start and finish it is a fault specification that can be flown, such as search finds.",
@@ -28,6 +53,10 @@ class FaultSpecification(Identified):
     faults = annotated(
         ecore.EReference(upper=-1, derived_class=Values, containment=True),
         "The faults of the specification.",
+    )
+    triggers = annotated(
+        ecore.EReference(upper=-1, derived_class=Values, containment=True),
+        "What can set faults off; search chooses among those of a pool.",
     )
 
 
@@ -50,6 +79,10 @@ class Fault(Identified):
     likelihood = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
         "The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows.",
+    )
+    trigger = annotated(
+        ecore.EReference(),
+        "What the fault waits for within its window, if anything; unset in a pool.",
     )
     delayMessage = annotated(
         ecore.EReference(containment=True),
@@ -170,6 +203,40 @@ class Fault(Identified):
     activateSensor = annotated(
         ecore.EReference(containment=True),
         "Set if the fault is of type ActivateSensor.",
+    )
+
+
+@described(
+    "An event of a mission that sets faults off. It is judged in truth at the end of a tick, and happens once in a flight; the faults that wait for it are active from then on, within their windows.",
+)
+class Trigger(Identified):
+    event = annotated(
+        ecore.EAttribute(eType=TriggerEvent, lower=1, unsettable=True),
+        "What happens; it says which of the following are needed, and the others stay unset.",
+    )
+    goal = annotated(
+        ecore.EReference(),
+        "The goal that is violated or reached.",
+    )
+    robot = annotated(
+        ecore.EReference(),
+        "The robot that enters the area.",
+    )
+    area = annotated(
+        ecore.EReference(containment=True),
+        "The area that the robot enters.",
+    )
+    faults = annotated(
+        ecore.EReference(upper=-1, derived_class=Values),
+        "The faults of which any is to change something.",
+    )
+    delay = annotated(
+        ecore.EAttribute(eType=ecore.EInt),
+        "How many ticks later than the tick after the event faults become active, not below 0.",
+    )
+    duration = annotated(
+        ecore.EAttribute(eType=ecore.EInt, unsettable=True),
+        "For how many ticks faults are active then, at least 1; unset: to the end of their windows.",
     )
 
 
@@ -730,6 +797,8 @@ class ActivateSensor(SensorFault):
 
 
 FaultSpecification.faults.eType = Fault.eClass
+FaultSpecification.triggers.eType = Trigger.eClass
+Fault.trigger.eType = Trigger.eClass
 Fault.delayMessage.eType = DelayMessage.eClass
 Fault.blockMessage.eType = BlockMessage.eClass
 Fault.randomRemainingEnergyCapacityReport.eType = RandomRemainingEnergyCapacityReport.eClass
@@ -760,6 +829,10 @@ Fault.stopRobot.eType = StopRobot.eClass
 Fault.startRobot.eType = StartRobot.eClass
 Fault.deactivateSensor.eType = DeactivateSensor.eClass
 Fault.activateSensor.eType = ActivateSensor.eClass
+Trigger.goal.eType = Goal.eClass
+Trigger.robot.eType = Robot.eClass
+Trigger.area.eType = Area.eClass
+Trigger.faults.eType = Fault.eClass
 MessageFault.affectedMessage.eType = Message.eClass
 RobotFault.affectedRobot.eType = Robot.eClass
 SensorFault.affectedSensor.eType = Sensor.eClass

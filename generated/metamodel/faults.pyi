@@ -2,10 +2,10 @@
 """Classes of metamodel faults."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, ClassVar
 
-from .elements import Element, EList
-from .mission import Identified, Message, Obstacle, Robot, Sensor
+from .elements import EEnumLiteral, Element, EList
+from .mission import Area, Goal, Identified, Message, Obstacle, Robot, Sensor
 
 name: str
 nsURI: str
@@ -13,16 +13,31 @@ nsPrefix: str
 eClass: Any
 eClassifiers: dict[str, Any]
 
+class TriggerEvent(EEnumLiteral):
+    """What can set faults off."""
+
+    VIOLATED: ClassVar[TriggerEvent]
+    """The goal is violated."""
+    REACHED: ClassVar[TriggerEvent]
+    """The goal has its target number of samples, all its members were at the point to visit, or at the last of their trajectory."""
+    ENTERED: ClassVar[TriggerEvent]
+    """The robot is in the area."""
+    EFFECT: ClassVar[TriggerEvent]
+    """One of the faults has changed something."""
+
 class FaultSpecification(Identified):
     """A set of faults. As the model of a mission it is the pool of faults that could strike it; with start and finish it is a fault specification that can be flown, such as search finds."""
 
     faults: EList[Fault]
     """The faults of the specification."""
+    triggers: EList[Trigger]
+    """What can set faults off; search chooses among those of a pool."""
     def __init__(
         self,
         *,
         ID: str | None = ...,
         faults: Iterable[Fault] = ...,
+        triggers: Iterable[Trigger] = ...,
     ) -> None: ...
 
 class Fault(Identified):
@@ -36,6 +51,8 @@ class Fault(Identified):
     """The last tick at which the fault is active; unset in a pool."""
     likelihood: float
     """The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows."""
+    trigger: Trigger | None
+    """What the fault waits for within its window, if anything; unset in a pool."""
     delayMessage: DelayMessage | None
     """Set if the fault is of type DelayMessage."""
     blockMessage: BlockMessage | None
@@ -104,6 +121,7 @@ class Fault(Identified):
         start: int | None = ...,
         finish: int | None = ...,
         likelihood: float | None = ...,
+        trigger: Trigger | None = ...,
         delayMessage: DelayMessage | None = ...,
         blockMessage: BlockMessage | None = ...,
         randomRemainingEnergyCapacityReport: RandomRemainingEnergyCapacityReport | None = ...,
@@ -134,6 +152,36 @@ class Fault(Identified):
         startRobot: StartRobot | None = ...,
         deactivateSensor: DeactivateSensor | None = ...,
         activateSensor: ActivateSensor | None = ...,
+    ) -> None: ...
+
+class Trigger(Identified):
+    """An event of a mission that sets faults off. It is judged in truth at the end of a tick, and happens once in a flight; the faults that wait for it are active from then on, within their windows."""
+
+    event: TriggerEvent
+    """What happens; it says which of the following are needed, and the others stay unset."""
+    goal: Goal | None
+    """The goal that is violated or reached."""
+    robot: Robot | None
+    """The robot that enters the area."""
+    area: Area | None
+    """The area that the robot enters."""
+    faults: EList[Fault]
+    """The faults of which any is to change something."""
+    delay: int
+    """How many ticks later than the tick after the event faults become active, not below 0."""
+    duration: int
+    """For how many ticks faults are active then, at least 1; unset: to the end of their windows."""
+    def __init__(
+        self,
+        *,
+        ID: str | None = ...,
+        event: TriggerEvent | None = ...,
+        goal: Goal | None = ...,
+        robot: Robot | None = ...,
+        area: Area | None = ...,
+        faults: Iterable[Fault] = ...,
+        delay: int | None = ...,
+        duration: int | None = ...,
     ) -> None: ...
 
 class FaultType(Element):

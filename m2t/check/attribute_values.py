@@ -59,6 +59,7 @@ RANGES: Mapping[str, Range] = {
     "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
     **dict.fromkeys(("start", "finish"), Range("WindowNotNegative", 0)),
     "likelihood": Range("LikelihoodInRange", 0, 1),
+    "delay": _TICKS,
 }
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
 

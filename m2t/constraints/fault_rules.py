@@ -5,7 +5,7 @@ References
 Source paper, section III-B b).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 from m2t.constraints.mission_rules import number
@@ -35,6 +35,8 @@ def check_faults(specification: Any, duration: int, report: Report) -> None:
             f"contains {len(kinds)} fault types ({found}); expected exactly one; "
             + ("delete the others" if kinds else "add one"),
         )
+    for trigger in specification.triggers:
+        _check_trigger(trigger, report)
 
 
 def fault_types(fault: Any) -> tuple[Any, ...]:
@@ -91,6 +93,12 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
             f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}"
         )
         report.add(fault, "WindowComplete", finding)
+    if fault.trigger is not None and not has_start:
+        finding = (
+            f"waits for trigger '{fault.trigger.ID}' and has no window in which to act; expected "
+            "start and finish, or no trigger in a pool; correct one of them"
+        )
+        report.add(fault, "TriggerInWindow", finding)
     if not (has_start and has_finish):
         return
     if exchanged_window(fault):
@@ -105,6 +113,43 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
             "an earlier start; correct one of them"
         )
         report.add(fault, "WindowInsideMission", finding)
+
+
+_EVENTS: Mapping[str, tuple[str, ...]] = {
+    "VIOLATED": ("goal",),
+    "REACHED": ("goal",),
+    "ENTERED": ("robot", "area"),
+    "EFFECT": ("faults",),
+}
+"""What a trigger of each event refers to; one of an effect may be about no fault, but never is."""
+
+_REACHABLE = ("GatherSamples", "Visit", "Track")
+
+
+def _check_trigger(trigger: Any, report: Report) -> None:
+    event = trigger.event.name
+    wanted = _EVENTS.get(event, ())
+    given = tuple(name for name in ("goal", "robot", "area", "faults") if getattr(trigger, name))
+    if given != wanted and (given or event != "EFFECT"):
+        finding = (
+            f"is {event} and has {' and '.join(given) or 'nothing'}; expected "
+            f"{' and '.join(wanted) or 'another event'}, and nothing else; correct it"
+        )
+        report.add(trigger, "TriggerOfEvent", finding)
+    elif event == "REACHED":
+        task = trigger.goal.task.eClass
+        if not any(is_kind(task, name) for name in _REACHABLE):
+            finding = (
+                f"waits until goal '{trigger.goal.ID}' is reached, and {task.name} has nothing to "
+                f"reach; expected a goal of {', '.join(_REACHABLE)}; choose another"
+            )
+            report.add(trigger, "ReachableGoal", finding)
+    elif event == "EFFECT" and all(fault.trigger is trigger for fault in trigger.faults):
+        finding = (
+            "waits for no fault but those that wait for it, and never happens; expected another "
+            "fault; add one"
+        )
+        report.add(trigger, "TriggerCanHappen", finding)
 
 
 def _check_parameters(kind: Any, report: Report) -> None:

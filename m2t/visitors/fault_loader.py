@@ -9,7 +9,7 @@ from m2t.load import LoadedModels
 from m2t.metaclasses import is_set, slots
 from m2t.metamodel_contract import BOUNDS, CONTRACT
 from m2t.metamodels import load_metamodels, meaning
-from m2t.visitors.mission_loader import functions, held
+from m2t.visitors.mission_loader import call, functions, held
 from mrsfi_runtime.model.fault_types import FaultType, Parameter
 
 Entry: TypeAlias = tuple[str, Expression]
@@ -24,6 +24,7 @@ def visit(models: LoadedModels) -> Mapping[str, Any]:
     without a fault model has an empty pool.
     """
     own: tuple[Entry, ...] = ()
+    triggers = () if models.faults is None else models.faults.triggers
     if models.faults is not None:
         own = _features(models.faults, CONTRACT["faults"]["FaultSpecification"])
     pool = Call(
@@ -32,6 +33,7 @@ def visit(models: LoadedModels) -> Mapping[str, Any]:
             ("id", "" if models.faults is None else models.faults.ID),
             ("faults", tuple(_fault(fault) for fault in models.pool)),
             *_given("own", Table(own)),
+            *_given("triggers", tuple(map(_trigger, triggers))),
         ),
     )
     types = tuple(_type(kind) for kind in types_in_use(models))
@@ -61,12 +63,32 @@ def _fault(fault: Any) -> Call:
             *_given("bounds", _bounds(fault_type, kind)),
             *((name, getattr(fault, name)) for name in _OPTIONAL if is_set(fault, name)),
             *_given("own", _own(fault, fault_type, kind, reference)),
+            *_given("trigger", "" if fault.trigger is None else str(fault.trigger.ID)),
         ),
     )
 
 
-def _given(name: str, value: tuple[Expression, ...] | Table) -> tuple[Entry, ...]:
-    return () if value in ((), Table(())) else ((name, value),)
+def _trigger(trigger: Any) -> Call:
+    of = (trigger.goal, trigger.robot, *trigger.faults)
+    area = trigger.area
+    return Call(
+        "Trigger",
+        (
+            ("id", trigger.ID),
+            ("event", Name(f"Event.{trigger.event.name}")),
+            ("of", tuple(str(each.ID) for each in of if each is not None)),
+            *(() if area is None else (("area", call(area)),)),
+            *(
+                (name, getattr(trigger, name))
+                for name in ("delay", "duration")
+                if is_set(trigger, name)
+            ),
+        ),
+    )
+
+
+def _given(name: str, value: str | tuple[Expression, ...] | Table) -> tuple[Entry, ...]:
+    return () if value in ("", (), Table(())) else ((name, value),)
 
 
 def _type(kind: FaultType) -> Call:

@@ -22,11 +22,11 @@ def visit(models: LoadedModels) -> Mapping[str, Any]:
     order of the metamodel and without those that are unset; a team's own go to
     ``collective_intelligence.py``.
     """
-    mission = _call(models.mission)
+    mission = call(models.mission)
     return {"imports": functions(mission), "result": mission}
 
 
-def _call(element: Any) -> Call:
+def call(element: Any) -> Call:
     """Return an element; one without an identity is short enough for one line."""
     metaclass = base_class(element.eClass)
     if not is_read(metaclass):
@@ -43,7 +43,7 @@ def _call(element: Any) -> Call:
 
 def _value(element: Any, slot: Slot) -> Expression:
     """Return what an element holds in a feature; where it gives no point, it means the origin."""
-    value = held(element, slot, _call)
+    value = held(element, slot, call)
     return _ORIGIN if value is None and slot.type.name == "Coordinates" else value
 
 

@@ -24,6 +24,8 @@ from mrsfi_runtime.record.named_faults import named_faults
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from mrsfi_runtime.kernel.injections import FaultTally
+
 Numbers: TypeAlias = NDArray[np.float64]
 
 
@@ -173,8 +175,9 @@ def fly(engine: Engine, pool: FaultPool, specification: Specification, seed: int
     """Fly once on an engine, and record every tick."""
     mission = engine.code.mission
     recorder = Recorder(initial_state(mission, seed))
-    outcome = engine.evaluate(specification, seed, pool=pool, observer=recorder)
-    return Flight(mission, specification, pool, seed, outcome, recorder.recording())
+    tallies: list[FaultTally] = []
+    outcome = engine.evaluate(specification, seed, pool=pool, observer=recorder, tallies=tallies)
+    return Flight(mission, specification, pool, seed, outcome, recorder.recording(tallies))
 
 
 def frame(table: Table) -> "DataFrame":

@@ -159,7 +159,9 @@ class Mission:
         self.__dict__.pop("code", None)
         return renamed.paths
 
-    def timed(self, fault: str, start: int, finish: int, **values: float) -> TimedFault:
+    def timed(
+        self, fault: str, start: int, finish: int, *, trigger: str = "", **values: float
+    ) -> TimedFault:
         """Return a fault of the pool at work.
 
         Parameters
@@ -168,6 +170,8 @@ class Mission:
             Its ID.
         start, finish
             First and last tick at which it is active.
+        trigger
+            ID of the trigger of the pool that it waits for in between, if any.
         values
             What replaces parameters of the pool's fault, such as ``VAL=3``.
 
@@ -178,7 +182,8 @@ class Mission:
         """
         found = self.pool[fault]
         usual = found.kind.named(found.values)
-        return at_work(fault, found.kind, start, finish, usual | values)
+        timed = at_work(fault, found.kind, start, finish, usual | values)
+        return timed._replace(trigger=trigger)
 
     def fly(
         self,

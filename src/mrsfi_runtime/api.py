@@ -19,7 +19,7 @@ from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
-from mrsfi_runtime.model.faults import Fault, FaultPool
+from mrsfi_runtime.model.faults import Event, Fault, FaultPool, Trigger
 from mrsfi_runtime.model.mission import (
     Area,
     Battery,
@@ -45,6 +45,7 @@ __all__ = [
     "Battery",
     "Coordinates",
     "DoubleProperty",
+    "Event",
     "Fault",
     "FaultPool",
     "FaultType",
@@ -81,6 +82,7 @@ __all__ = [
     "Struck",
     "SufficientEnergy",
     "Track",
+    "Trigger",
     "Visit",
     "commands",
     "forecast",

@@ -21,6 +21,7 @@ from tests.support.edits import EDITS, NUMBA_REFUSES, REFUSED, write_team
 from tests.support.models.shapes import small_mission
 from tests.support.trace import traced
 from tests.support.tree import ROOT
+from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specifications
 from tests.tiers import in_turn, seeds, slow
 
@@ -29,9 +30,10 @@ N_SPECIFICATIONS = 1000
 COMPILED = EngineSettings("compiled")
 
 
+@pytest.mark.parametrize("declare", [lambda code: code, with_triggers], ids=["plain", "triggers"])
 @pytest.mark.parametrize("n", [60, *in_turn([1000], 1)])
-def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n):
-    code = paper_code(120)
+def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, declare):
+    code = declare(paper_code(120))
     reference = ReferenceEngine(code, SEED)
     drawn = specifications(code, n)
 

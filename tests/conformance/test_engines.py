@@ -13,12 +13,13 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.kernel.packing import COLUMNS
-from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.faults import Event, TimedFault
 from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support.bags import bagged
-from tests.support.trace import columns, traced
+from tests.support.trace import TraceDigest, columns, traced
+from tests.support.triggers import with_triggers
 from tests.support.world import code_of, paper_code, specifications
 from tests.tiers import slow
 
@@ -43,6 +44,26 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
 
     for specification in ((), *specifications(engine.code, 5)):
         assert traced(engine, specification) == traced(reference, specification)
+
+
+def test_faults_that_wait_fly_as_on_the_reference(engine):
+    """No goal is reached so soon; in whole flights below, some are."""
+    code = with_triggers(engine.code)
+    reference = ReferenceEngine(engine.code, SEED)
+    happened = set()
+
+    for specification in specifications(code, 8):
+        told, expected = ([], []), ([], [])
+        for each, tallies in ((engine, told), (reference, expected)):
+            digest = TraceDigest()
+            options = {"pool": code.pool, "observer": digest, "tallies": tallies[0]}
+            tallies[1].extend((each.evaluate(specification, **options), digest.hexdigest()))
+        assert told == expected
+        for timed, tally in zip(specification, told[0], strict=True):
+            if timed.trigger and tally.applied:
+                happened.add(code.pool.triggers_by_id[timed.trigger].event)
+
+    assert happened == {*Event} - {Event.REACHED}
 
 
 def test_values_at_their_limits_lead_to_the_same_bits(engine):
@@ -96,14 +117,18 @@ def test_a_recording_has_every_field_of_the_reference(engine):
     ],
 )
 def test_flights_of_every_mission_have_the_recordings_of_the_reference(engine_name, mission):
-    code = code_of(mission)
+    plain = code_of(mission)
+    code = with_triggers(plain)
     reference = ReferenceEngine(code, SEED)
+    flown = [*specifications(plain, 2), *specifications(code, 2)]
 
     with ENGINES[engine_name].open(code, SEED) as engine:
-        for seed, specification in enumerate(specifications(code, 2)):
-            recording = dict(columns(engine.record(specification, seed)))
+        for seed, specification in enumerate(flown):
+            recording = engine.record(specification, seed)
 
-            assert recording == dict(columns(reference.record(specification, seed)))
+            expected = reference.record(specification, seed)
+            assert dict(columns(recording)) == dict(columns(expected))
+            assert recording.tallies == expected.tallies
 
 
 def test_a_recording_has_what_an_observer_sees(engine):

@@ -493,6 +493,7 @@ class Fault:
         self.mode, self.property, parameters = TYPES[self.type]
         self.values = [float(content.get(name, 0)) for name in parameters]
         self.start, self.finish = (int(element.get(name, 0)) for name in ("start", "finish"))
+        self.trigger = element.get("trigger")
         touched = self._targets(mission, struck.tag, struck.get("href").split("#")[1])
         once = dict.fromkeys(touched)  # "Each target is touched once"
         # of types of mode OWN, "a message that does not carry all of it is left alone"
@@ -523,19 +524,72 @@ class Fault:
             yield from (each for each in reported if not props or each[0] in props)
 
 
+class Trigger:
+    """What faults wait for: [F Triggers]."""
+
+    def __init__(self, mission: Mission, element: Any) -> None:
+        parts = {each.tag: each for each in element.iterchildren("*")}
+        self.id, self.event = element.get("ID"), element.get("event")
+        self.faults = element.get("faults", "").split()
+        self.delay, self.duration = int(element.get("delay", 0)), element.get("duration")
+        names = [parts[tag].get("href").split("#")[1] for tag in parts if tag != "area"]
+        self.goal = next((each for each in mission.goals if [each.id] == names), None)
+        self.robot = mission.number[names[0]] if self.event == "ENTERED" else -1
+        self.area = disc_of(parts["area"]) if "area" in parts else None
+
+    def happens(self, flight: "Flight") -> bool:
+        """The third column of the table."""
+        goal = self.goal
+        match self.event:
+            case "VIOLATED":
+                return flight.true[goal.index]
+            case "ENTERED":
+                return self.area.has(flight.truth.position[self.robot])
+            case "EFFECT":
+                return any(each.changed for each in flight.faults if each.id in self.faults)
+        notes = flight.truth.notes[goal.index]
+        return {
+            "GatherSamples": notes.count >= goal.target,
+            "Visit": all(notes.reached.values()),
+            "Track": all(n == len(goal.trajectory) for n in notes.waypoint.values()),
+        }[goal.task]
+
+
 class Timed:
     """A timed fault with its values, and at how many ticks it was applied and changed something."""
 
-    def __init__(self, fault: Fault, start: int, finish: int, values: Sequence[float]) -> None:
-        self.type, self.mode, self.targets = fault.type, fault.mode, fault.targets
+    def __init__(
+        self,
+        fault: Fault,
+        start: int,
+        finish: int,
+        values: Sequence[float],
+        trigger: Trigger | None = None,
+    ) -> None:
+        self.id, self.type, self.mode, self.targets = (
+            fault.id,
+            fault.type,
+            fault.mode,
+            fault.targets,
+        )
+        self.window, self.trigger = (start, finish), trigger
         self.memory = {k: [0.0] * 8 for _, k in self.targets}
         self.is_forged = fault.property in ("MOTION", "ACTIVATION")
-        self.start, self.finish, self.values = start, finish, values
+        self.values = values
         self.applied = self.changed = 0
+        self.begin(start)
+        if trigger is not None:
+            self.finish = -1  # "If that is no tick, or nothing happens, it is never active"
+
+    def begin(self, start: int) -> None:
+        """Be active from a tick on, as far as that is in the window."""
+        self.start, self.finish = start, self.window[1]
+        if self.trigger is not None and self.trigger.duration is not None:
+            self.finish = min(self.finish, start + int(self.trigger.duration) - 1)
         if self.mode in ("DELAY", "BLOCK"):
-            self.late = int(values[0])  # "Numbers of ticks are whole"
+            self.late = int(self.values[0])  # "Numbers of ticks are whole"
             if self.late < 1 or self.mode == "BLOCK":
-                self.finish = min(finish, start + self.late - 1)
+                self.finish = min(self.finish, start + self.late - 1)
 
     def count(self, delivered: list[Any], found: list[Any]) -> None:
         """Count a tick: [F Windows, repetition, conflicts, "What it did"]."""
@@ -549,9 +603,17 @@ def read_faults(mission: Mission, path: Path) -> dict[str, Fault]:
     return {fault.id: fault for fault in faults}
 
 
+def read_triggers(mission: Mission, path: Path) -> dict[str, Trigger]:
+    found = (Trigger(mission, each) for each in etree.parse(path).getroot().findall("triggers"))
+    return {trigger.id: trigger for trigger in found}
+
+
 def read_specification(mission: Mission, path: Path) -> list[Timed]:
-    faults = read_faults(mission, path).values()
-    return [Timed(fault, fault.start, fault.finish, fault.values) for fault in faults]
+    triggers = read_triggers(mission, path)
+    return [
+        Timed(fault, fault.start, fault.finish, fault.values, triggers.get(fault.trigger))
+        for fault in read_faults(mission, path).values()
+    ]
 
 
 class Flight:
@@ -566,6 +628,7 @@ class Flight:
         self.weather = Weather(seed)
         self.truth = View(mission)
         self.belief = Intelligence(mission, self.weather)
+        self.happened: dict[Trigger, int] = {}
         self.published = [self.truth.reports()]  # "as if every message had arrived once"
         measures = ("believed", "true", "phantom", "masked", "missed")
         self.counts = {name: [0 for _ in mission.goals] for name in measures}
@@ -582,12 +645,25 @@ class Flight:
             self.true = self.judge(self.truth)
             self.deliver()
             self.believed = self.judge(self.belief)
+            self.set_off(tick)
             self.belief.taken = set()
             for goal in self.mission.goals:
                 self.regions.get(goal.id, react)(goal, self.belief)
             self.send(tick + 1)
             self.tally()
             yield tick
+
+    def set_off(self, tick: int) -> None:
+        """ "active from the largest of `start` and `e + 1 + delay`" [F Triggers]."""
+        for fault in self.faults:
+            trigger = fault.trigger
+            if trigger is None:
+                continue
+            if trigger not in self.happened and trigger.happens(self):
+                self.happened[trigger] = tick
+            due = max(fault.window[0], self.happened.get(trigger, tick) + 1 + trigger.delay)
+            if trigger in self.happened and due == tick + 1:
+                fault.begin(due)
 
     def move(self, robot: Robot) -> None:
         """[S Motion, energy and samples]"""
@@ -630,7 +706,7 @@ class Flight:
             self.belief.of(prop)[:] = values
         self.belief.forget()
         # "after all reports were falsified, by start and then in the order of the specification"
-        for fault in sorted(self.faults, key=lambda each: (each.mode == "OWN", each.start)):
+        for fault in sorted(self.faults, key=lambda each: (each.mode == "OWN", each.window[0])):
             if fault.start <= self.belief.tick <= fault.finish and not fault.is_forged:
                 delivered = [self.belief.of(prop)[k] for prop, k in fault.targets]
                 for k in {k: 0 for _, k in fault.targets} if fault.mode == "OWN" else ():

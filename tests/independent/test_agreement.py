@@ -18,6 +18,7 @@ import pytest
 
 from m2t.generate import generate
 from m2t.specification import write_specification
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.independent import simulation
 from tests.independent.crowd import draw_crowd
@@ -25,9 +26,11 @@ from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
 from tests.support.edited import write_body
+from tests.support.models.copies import edit
 from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
+from tests.support.triggers import drawn_triggers, in_xmi, waiting
 from tests.support.world import specification
 from tests.tiers import in_turn, slow
 
@@ -78,6 +81,41 @@ def test_each_fault_alone_flies_alike(twins):
     n_ticks = twins.code.mission.duration
     for fault in twins.code.pool:
         twins.fly((TimedFault(fault.id, n_ticks // 6, n_ticks // 2, fault.values),), 1)
+
+
+def with_triggers(name, folder, seed):
+    """Return a mission twice whose pool declares triggers."""
+    source = HARBOUR if name == "harbour" else ROOT / "models" / name
+    models = shutil.copytree(source, folder / name)
+    if name != "harbour":
+        shutil.copytree(ROOT / "generated" / name, folder / "generated")
+    else:
+        generate(models, folder / "generated")
+    code = load_code(folder / "generated")
+    declared = in_xmi(drawn_triggers(Random(seed), code.mission, code.pool))
+    edit(
+        models / "faults.xmi",
+        "</faults:FaultSpecification>",
+        f"{declared}</faults:FaultSpecification>",
+    )
+    generate(models, folder / "generated")
+    return Twins(models, folder / "generated")
+
+
+@pytest.mark.parametrize("seed", in_turn(range(6), 1))
+@pytest.mark.parametrize("name", MISSIONS)
+def test_faults_that_wait_for_triggers_fly_alike(tmp_path, name, seed):
+    """Some wait, and of what is waited for something happens in every mission."""
+    twins, rng = with_triggers(name, tmp_path, seed), Random(seed)
+    n_set_off = 0
+
+    for n in range(2):
+        faults = waiting(rng, specification(twins.code, 10 * seed + n), twins.code.pool)
+        outcome = twins.fly(faults, SEEDS[n])
+        told = zip(faults, outcome.applied, strict=True)
+        n_set_off += sum(timed.trigger != "" and applied > 0 for timed, applied in told)
+
+    assert n_set_off > 0
 
 
 @pytest.mark.parametrize("n_ticks", [0.0, 1.0, 3.0, 1e6])
@@ -133,7 +171,7 @@ def test_the_simulation_imports_nothing_of_the_product_and_is_short():
     names |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
 
     assert {name.split(".")[0] for name in names} - sys.stdlib_module_names == {"lxml"}
-    assert len(text.splitlines()) < 700
+    assert len(text.splitlines()) < 800
 
 
 def test_the_simulation_quotes_the_pages_as_they_are():

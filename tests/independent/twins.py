@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from tests.independent.margins import Margins
-from tests.independent.simulation import Flight, Mission, Timed, read_faults
+from tests.independent.simulation import Flight, Mission, Timed, read_faults, read_triggers
 
 MEASURES = ("believed", "true", "phantom", "masked", "missed")
 NOTED = {"Patrol": "since", "Visit": "reached", "Track": "waypoint", "Stay": "reached"}
@@ -32,15 +32,16 @@ class Twins:
     def __init__(self, models, generated, regions=None):
         self.mission = Mission(models / "mission.xmi")
         self.pool = read_faults(self.mission, models / "faults.xmi")
+        self.triggers = read_triggers(self.mission, models / "faults.xmi")
         self.code = load_code(generated)
         self._regions = REACTIONS.get(models.name, {}) | (regions or {})
 
     def timed(self, faults):
         """Return timed faults of the engine as those of the independent simulation."""
-        pool = self.code.pool
+        pool, triggers = self.code.pool, self.triggers
         return [
-            Timed(self.pool[pool[each.fault].id], each.start, each.finish, each.values)
-            for each in faults
+            Timed(self.pool[pool[name].id], *window, values, triggers.get(trigger))
+            for name, *window, values, trigger in faults
         ]
 
     def fly(self, faults, seed, timed=None):
@@ -73,6 +74,7 @@ class Twins:
             assert margins.agree(goal, margin), f"margin {margin} of {goal.id}, {case}"
         assert tuple(each.applied for each in timed) == outcome.applied, case
         assert tuple(each.changed for each in timed) == outcome.changed, case
+        return outcome
 
 
 def ours(flight: Flight) -> Iterator[tuple[str, object]]:

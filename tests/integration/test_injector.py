@@ -23,6 +23,7 @@ from tests.support.cli import mrsfi
 from tests.support.interrupted import digest
 from tests.support.rosbridge import process
 from tests.support.tree import ROOT, UNDRAWN
+from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
 from tests.tiers import is_due, slow
 
@@ -76,6 +77,15 @@ def test_a_node_that_reacts_as_generated_flies_as_generated(way, ros):
     specifications = [specification(REACHED, seed) for seed in (100, 101)]
 
     assert flown(way, ros, specifications) == in_process(specifications)
+
+
+def test_faults_that_wait_fly_as_generated_too():
+    code = with_triggers(REACHED)
+    specifications = [specification(code, seed) for seed in (100, 101, 102)]
+
+    with ReferenceEngine(code, 1) as engine:
+        expected = [engine.evaluate(each) for each in specifications]
+    assert flown(EMBEDDED, 2, specifications, code=code) == expected
 
 
 @slow

@@ -1,15 +1,26 @@
 """Specifications that search found are written as models that load and validate again."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from m2t.generate import rendered_file
-from m2t.load import inspect_specification, load_mission_folder, load_specification
+from m2t.load import (
+    inspect_folder,
+    inspect_specification,
+    load_mission_folder,
+    load_specification,
+)
 from m2t.specification import SpecificationRow, write_specification
+from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import pool_from_text
+from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from tests.support.models.copies import FAULTS, copy_models, edit
+from tests.support.triggers import in_xmi, with_triggers
+from tests.support.world import paper_code
 
 ROWS: list[SpecificationRow] = [
     ("f9", 0, 10, {"NEW_X": 1.5, "NEW_Y": -3.0}),
@@ -65,6 +76,40 @@ def test_the_likelihood_of_the_pool_reaches_code_and_what_is_written(tmp_path):
     assert [fault.likelihood for fault in written] == [1e-4, None]
 
 
+def test_what_waits_is_written_with_its_triggers_and_flies_as_in_the_pool(tmp_path):
+    """An effect is that of all timed copies; what nothing waits for is left out."""
+    folder = copy_models(tmp_path)
+    code = with_triggers(paper_code())
+    struck = Trigger("struck", Event.EFFECT, ("f9", "f5"), None, 2)
+    triggers = (struck, *code.pool.triggers)
+    pool = replace(code.pool, triggers=triggers)
+    edit(folder / FAULTS, "</faults:F", f"{in_xmi(triggers)}</faults:F")
+    waits = [trigger.id for trigger in triggers]
+    faults = ("f9", "f9", "f14", "f30", "f2", "f8", "f28", "f29", "f21", "f26", "f1", "f5", "f20")
+    timed = [
+        TimedFault(fault, 80 * n, 80 * n + 79, pool[fault].values, trigger)
+        for n, (fault, trigger) in enumerate(zip(faults, ["", *waits], strict=False))
+    ]
+    path = _target(tmp_path)
+
+    rows = specification_rows(pool, tuple(timed))
+    write_specification(folder, rows, path, identifier="s")
+
+    assert inspect_folder(folder).diagnostics == ()
+    assert pool_from_text(rendered_file("fault_loader.py", load_mission_folder(folder))) == pool
+    models = load_specification(path)
+    written = pool_from_text(rendered_file("fault_loader.py", models))
+    assert [each.trigger for each in written.faults] == [each.trigger for each in timed]
+    used = {each.trigger for each in timed}
+    assert [each.id for each in written.triggers] == [each for each in waits if each in used]
+    assert len(used) < len(triggers) + 1
+    assert written.triggers_by_id["struck"].of == ("f9.1", "f9.2", "f5.1")
+    engine = ReferenceEngine(code, 1)
+    as_written = engine.evaluate(written.written_specification(), pool=written)
+    assert as_written == engine.evaluate(timed, pool=pool)
+    assert sum(applied > 0 for applied in as_written.applied) > 4
+
+
 def test_empty_specification_loads_with_the_mission_beside_it(folder):
 
     write_specification(folder, [], folder / "empty.xmi", identifier="none")
@@ -89,6 +134,7 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path):
         (("f99", 0, 1, {}), "fault 'f99' is not in the pool"),
         (("f9", 0, 1, {"NEW_W": 1.0}), "has no parameter 'NEW_W'"),
         (("f9", 2, 1, {}), "expected whole numbers, 0 <= start <= finish"),
+        (("f9", 1, 2, {}, "low"), "trigger 'low' is not in the pool .*; expected one of .there is"),
     ],
 )
 def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, message):

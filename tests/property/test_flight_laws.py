@@ -1,5 +1,6 @@
 """Laws of every flight, over random fault specifications."""
 
+from dataclasses import replace
 from functools import cache
 
 from hypothesis import given
@@ -8,8 +9,9 @@ from hypothesis import strategies as st
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.model.targets import touched
 from tests.support.trace import TraceDigest, fields_of
 from tests.support.world import paper_code
@@ -18,6 +20,7 @@ from tests.tiers import law, slow
 DURATION = 60
 CODE = paper_code(DURATION)
 POOL = tuple(CODE.pool)
+EVERYWHERE = Area("e", Coordinates(), 1e9)
 
 
 @st.composite
@@ -63,6 +66,44 @@ def test_the_same_seed_flies_the_same_and_one_engine_forgets_its_last_flight(spe
 
     assert engine.evaluate(specification) == first
     assert ReferenceEngine(CODE, seed).evaluate(specification) == first
+
+
+@law(40)
+@given(specifications(), st.integers(0, 3), st.randoms(use_true_random=False))
+def test_what_nothing_sets_off_flies_as_if_the_faults_were_not_there(specification, seed, rng):
+    """Of triggers one is never entered, one is the effect of no fault, one comes too late."""
+    late = Trigger("late", Event.ENTERED, ("r1",), EVERYWHERE, DURATION)
+    nowhere = Trigger("nowhere", Event.ENTERED, ("r1",), Area("n", Coordinates(1e9), 1.0))
+    never = (late, nowhere, Trigger("nothing", Event.EFFECT, ()))
+    waiting = tuple(each._replace(trigger=rng.choice(never).id) for each in specification)
+
+    digest = TraceDigest()
+    pool = replace(CODE.pool, triggers=never)
+    outcome = ReferenceEngine(CODE, seed).evaluate(waiting, pool=pool, observer=digest)
+
+    assert digest.hexdigest() == free_trace(seed)
+    assert not any(outcome.applied)
+
+
+@law(40)
+@given(specifications(), st.integers(0, 2**40))
+def test_what_happens_at_tick_0_sets_off_from_tick_1_on(specification, seed):
+    pool = replace(CODE.pool, triggers=(Trigger("begun", Event.ENTERED, ("r1",), EVERYWHERE),))
+    waiting = tuple(each._replace(trigger="begun") for each in specification)
+    later = [(each, each._replace(start=max(each.start, 1))) for each in specification]
+    engine = ReferenceEngine(CODE, seed)
+
+    found = engine.evaluate(waiting, pool=pool)
+
+    expected = engine.evaluate([new for old, new in later if new.finish >= 1])
+    kept = [new.finish >= 1 for _, new in later]
+    assert found.true == expected.true
+    assert found.believed == expected.believed
+    for counted in ("applied", "changed"):
+        counts = zip(getattr(found, counted), kept, strict=True)
+        assert [count for count, is_kept in counts if is_kept] == [*getattr(expected, counted)]
+    if all(kept):
+        assert found == expected
 
 
 @law(60)

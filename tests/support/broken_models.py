@@ -221,6 +221,25 @@ FaultFieldCarried | #m8 | #m10 | decrementRemaining
     falsifies ENERGY, but message 'm10' carries TEMPERATURE
 WindowInsideMission | ID="f2" | ID="f2" start="1000" finish="1001" | ID="f2"
     faults 'f2' | starts at 1000 in a mission of 1000 ticks and never acts
+DelayNotNegative | </faults:F | <triggers ID="t" event="EFFECT" delay="-1"/></faults:F | ID="t"
+    triggers 't' | has delay '-1'; expected 0 to 2,147,483,647
+DurationInRange | </faults:F | <triggers ID="t" event="EFFECT" duration="0"/></faults:F | ID="t"
+    triggers 't' | has duration '0'; expected 1 to 10,000,000
+EnumLiteral | </faults:F | <triggers ID="t" event="HEARD"/></faults:F | ID="t"
+    triggers 't' | one of VIOLATED, REACHED, ENTERED, EFFECT
+RequiredFeature | </faults:F | <triggers ID="t"/></faults:F | ID="t" | triggers 't' | has no event
+TriggerInWindow | <faults ID="f1"
+    <triggers ID="t" event="EFFECT" faults="f2"/>\n<faults trigger="t" ID="f1" | ID="f1"
+    faults 'f1' | waits for trigger 't' and has no window in which to act
+TriggerOfEvent | </faults:F | <triggers ID="t" event="REACHED" faults="f1"/></faults:F | ID="t"
+    triggers 't' | is REACHED and has faults; expected goal, and nothing else; correct it
+TriggerOfEvent | </faults:F | <triggers ID="t" event="ENTERED"/></faults:F | ID="t"
+    triggers 't' | is ENTERED and has nothing; expected robot and area, and nothing else
+ReachableGoal | </faults:F
+    <triggers ID="t" event="REACHED"><goal href="mission.xmi#g3"/></triggers></faults:F | ID="t"
+    triggers 't' | until goal 'g3' is reached, and SufficientEnergy has nothing to reach; expected
+TriggerCanHappen | </faults:F | <triggers ID="t" event="EFFECT"/></faults:F | ID="t"
+    triggers 't' | waits for no fault but those that wait for it, and never happens; expected
 """
 
 

@@ -90,8 +90,8 @@ def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> T
     for each, n_applied, n_changed in zip(faults, outcome.applied, outcome.changed, strict=True):
         window = (each.timed.start, each.timed.finish)
         head = (each.name, each.fault.type, *window, n_applied, n_changed)
-        rows.append((*head, each.target, each.values or NONE))
-        stacked.append((*head, "\n".join(filter(None, (each.target, each.values)))))
+        rows.append((*head, each.target, each.told or NONE))
+        stacked.append((*head, "\n".join(filter(None, (each.target, each.told)))))
     words, told = (*names[:2], *texts), "\n".join(texts)
     narrow = Table(title, (*names, told), stacked, words, (told,), is_compact=True)
     return Table(title, (*names, *texts), rows, words, is_compact=True, narrow=narrow)

@@ -49,6 +49,7 @@ _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_LABELS = 12  # of the map of a flight
 _MOST_ROUNDS = 60  # of parting labels
+_WAITING, _ACTIVE = 0.15, 0.75  # how dark the windows of faults are
 _N_FRAMES = 100
 _PER_SECOND = 12
 _GIF_DPI = 72
@@ -173,15 +174,16 @@ def _said(story: Story, tick: int) -> str:
 
 def flight_timeline(story: Story) -> Figure:
     """Draw when faults were active, and goals violated, on one axis of ticks."""
-    faults = [fault for fault in story.faults if fault.window is not None]
+    faults = [fault for fault in story.faults if fault.window or fault.trigger]
     names = [f"{fault.name} {fault.fault.type}" for fault in faults]
     names += [goal.id for goal in story.mission.goals]
     with drawing((10.4, 1.9 + 0.36 * len(names))) as figure:
         axes = figure.add_subplot()
         for row, fault in enumerate(faults):
-            assert fault.window is not None
-            first, last = fault.window
-            axes.barh(row, last - first + 1, left=first, height=0.62, color=INK, alpha=0.75)
+            drawn = [(fault.timed[1:3], _WAITING)] if fault.trigger else []
+            drawn += [(fault.window, _ACTIVE)] if fault.window else []
+            for (first, last), alpha in drawn:
+                axes.barh(row, last - first + 1, left=first, height=0.62, color=INK, alpha=alpha)
         for row, said in enumerate(story.goals, len(faults)):
             for windows, place, colour in ((said.believed, -0.2, BELIEVED), (said.true, 0.2, TRUE)):
                 bars = [(first, last - first + 1) for first, last in windows]
@@ -192,11 +194,13 @@ def flight_timeline(story: Story) -> Figure:
         axes.axhline(len(faults) - 0.5, color=GRID, lw=1.4)
         name_rows(axes, names)
         keys: list[Line2D | Patch] = [
-            Patch(fc=INK, alpha=0.75, label="fault active"),
+            Patch(fc=INK, alpha=_ACTIVE, label="fault active"),
             Patch(fc=BELIEVED, label="believed violated"),
             Patch(fc=TRUE, label="truly violated"),
             _key("|", "missed from", ms=12, mew=2.2, color=INK),
         ]
+        if any(fault.trigger for fault in faults):
+            keys.insert(1, Patch(fc=INK, alpha=_WAITING, label="may be set off"))
         legend_below(figure, handles=keys)
     return figure
 

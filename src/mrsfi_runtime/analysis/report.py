@@ -34,8 +34,8 @@ from mrsfi_runtime.record.store import CampaignStore
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.page.flight import Flown
 
-SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
-"""Pool fault ID, start, finish, and values by parameter name."""
+SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float], str]
+"""Pool fault ID, start, finish, values by parameter name, and the ID of a trigger or nothing."""
 
 SpecificationWriter: TypeAlias = Callable[
     [Sequence[SpecificationRow], Path, str, Sequence[str]], None
@@ -204,8 +204,8 @@ def specification_rows(
 ) -> tuple[SpecificationRow, ...]:
     """Return a specification with its values by name."""
     return tuple(
-        (timed.fault, timed.start, timed.finish, pool[timed.fault].kind.named(timed.values))
-        for timed in specification
+        (fault, start, finish, pool[fault].kind.named(values), trigger)
+        for fault, start, finish, values, trigger in specification
     )
 
 

@@ -1,7 +1,7 @@
 """A flight as a story in space and time: who was where, what was active, what was violated."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -10,10 +10,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.table import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
-from mrsfi_runtime.record.named_faults import NamedFault
-
-Window: TypeAlias = tuple[int, int]
-"""First and last tick."""
+from mrsfi_runtime.record.named_faults import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
 """Points of the plane, in distance units; the last axis has x and y."""
@@ -44,6 +41,7 @@ class Collision:
 class Story:
     """What figures tell of a flight.
 
+    The ``window`` of a fault is that in which it was active, also if it waited for a trigger.
     Goals stand in model order; ``collisions`` are true ones; ``true`` and ``believed`` say where
     robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
     """
@@ -71,7 +69,11 @@ def story_of(
         for side in SIDES
     )
     met = tuple(collisions(mission, true))
-    return Story(title, mission, tuple(faults), judged(recording), met, true, believed)
+    flown = tuple(
+        replace(fault, window=fault.active(recording.tallies[place])) if fault.trigger else fault
+        for place, fault in enumerate(faults)
+    )
+    return Story(title, mission, flown, judged(recording), met, true, believed)
 
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:

@@ -75,7 +75,7 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
         head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
-            told = named.target, named.values
+            told = named.target, named.told
             rows.append((*head, named.name, named.fault.type, window, *told))
             how = f"{named.fault.type}\n{window}: {'; '.join(filter(None, told))}"
             stacked.append((*head, named.name, how))
@@ -191,7 +191,7 @@ def failure_modes(
 
 def _mode(named: NamedFault) -> str:
     window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
-    return ", ".join(filter(None, (window, named.values)))
+    return ", ".join(filter(None, (window, named.told)))
 
 
 def _chance(chances: Sequence[float | None]) -> float | None:

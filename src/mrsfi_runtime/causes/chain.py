@@ -240,7 +240,8 @@ def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:
 def sentence(fault: NamedFault, chain: Chain) -> str:
     """Say what a fault did, what was believed and sent then, what happened, and what was missed."""
     parts = [*(words for _, words in _differences(chain)), *map(_verdict, chain.verdicts)]
-    window = f"from tick {fault.timed.start} to {fault.timed.finish}"
+    waits = "" if fault.trigger is None else f", {fault.trigger.words}"
+    window = f"from tick {fault.timed.start} to {fault.timed.finish}{waits}"
     done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
     return f"{done}: {'; '.join(parts) or 'nothing differs at any tick'}."
 

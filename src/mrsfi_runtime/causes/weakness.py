@@ -16,7 +16,7 @@ from typing import Any, Self, TypeAlias
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record import encoding
@@ -245,7 +245,7 @@ class Weakness:
             "goal": self.column.goal,
             "measure": self.column.kind,
             "faults": list(self.faults),
-            "witness": [timed._asdict() | {"values": [*timed.values]} for timed in self.witness],
+            "witness": [*map(_as_json, self.witness)],
             "share": self.share,
             "tried": self.n_tried,
             "since": self.since,
@@ -258,12 +258,12 @@ class Weakness:
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
         """Return that of plain values; a Value-, Type- or KeyError if they make no sense."""
-        wanted = itemgetter("fault", "start", "finish", "values")
+        wanted = itemgetter(*TimedFault._fields)
         n_tried, seeds = int(row["tried"]), row["seeds"]
         return cls(
             Column(str(row["goal"]), str(row["measure"])),
             tuple(map(str, row["faults"])),
-            encoding.specification(map(wanted, row["witness"])),
+            encoding.specification(wanted({"trigger": "", **each}) for each in row["witness"]),
             n_tried,
             round(float(row["share"]) * n_tried),
             bool(row["masked"]),
@@ -271,6 +271,12 @@ class Weakness:
             int(seeds["of"]),
             *(None if row.get(key) is None else int(row[key]) for key in ("since", "noticed")),
         )
+
+
+def _as_json(timed: TimedFault) -> dict[str, Any]:
+    """Return a timed fault as plain values, with its trigger only if it has one."""
+    row = timed._asdict() | {"values": [*timed.values]}
+    return row if timed.trigger else {name: row[name] for name in row if name != "trigger"}
 
 
 def flown_with(found: Iterable[Weakness]) -> tuple[Specification, ...]:

@@ -75,7 +75,7 @@ def fly_recorded(
         observer = observe if observers else None
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
         if drawn:
-            recording = recorder.recording()
+            recording = recorder.recording(tallies)
             for stream, draw in drawn:
                 stream.write(draw(engine, faults, subject, outcome, recording))
     for path in files.wanted:

@@ -112,8 +112,9 @@ class Engine(Evaluator):
         from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415 - brings numpy
 
         recorder = Recorder(initial_state(self.code.mission, seed))
-        self._evaluate(specification, seed, self.code.pool, recorder, [])
-        return recorder.recording()
+        tallies: list[FaultTally] = []
+        self._evaluate(specification, seed, self.code.pool, recorder, tallies)
+        return recorder.recording(tallies)
 
 
 class PlainEngine(Engine):

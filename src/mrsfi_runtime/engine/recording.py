@@ -7,7 +7,7 @@ are not kept at all.
 
 import weakref
 import zlib
-from collections.abc import Callable, Iterator, Mapping, MutableSequence
+from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from functools import cached_property
 from tempfile import SpooledTemporaryFile
 from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import N_MEMORY, State
 from mrsfi_runtime.model.faults import Specification
@@ -81,11 +82,13 @@ class Recording:
     remember is in ``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals,
     N_MEMORY)``. The verdicts are named as those of ``Verdicts``; ``recording["is_true"]`` has shape
     ``(n_ticks, n_goals)``. An array is read anew when it is asked for; a number in place of a name
-    asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``.
+    asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``; ``tallies`` say what
+    each timed fault did.
     """
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
         self.dtype = dtype
+        self.tallies: list[FaultTally] = []
         self.chunk = max(_FEWEST, CHUNK // dtype.itemsize)
         self._last: Records = np.zeros(0, dtype)
         self._n_before = 0
@@ -234,9 +237,10 @@ class Recorder:
             self._moments[name][self._n_seen] = getattr(verdicts, name)
         self._n_seen += 1
 
-    def recording(self) -> Recording:
-        """Return what was seen."""
+    def recording(self, tallies: Sequence[FaultTally] = ()) -> Recording:
+        """Return what was seen, with what each timed fault did."""
         self._flush()
+        self._recording.tallies = [*tallies]
         return self._recording
 
     def _flush(self) -> None:

@@ -20,6 +20,7 @@ from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.effects.belief import falsify
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
+from mrsfi_runtime.kernel.effects.triggers import arm
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
 from mrsfi_runtime.kernel.goal_tasks.reference import margin
@@ -102,10 +103,15 @@ def hear(
     verdicts: Verdicts,
     tick: int,
 ) -> None:
-    """Judge the truth of a tick, turn its messages into belief, and judge that."""
+    """Judge the truth of a tick, turn its messages into belief, and judge that.
+
+    What an event of the tick sets off begins with the next one: commands that are issued now.
+    """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
     judge(functions, ci, verdicts.is_believed)
+    if len(plan.triggers) > 0:
+        arm(world, plan, verdicts.is_true, tick)
 
 
 @kernel

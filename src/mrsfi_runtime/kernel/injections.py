@@ -9,11 +9,12 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
-from typing import Final, NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.state import State, no_memory
 from mrsfi_runtime.model.fault_types import ELEMENTS, FaultType, Field, Mode
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault, Trigger
+from mrsfi_runtime.model.gate import LAST
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, touched
 
@@ -67,6 +68,42 @@ class OwnFault:
     memory: MutableSequence[float] = field(default_factory=no_memory)
 
 
+@dataclass(slots=True)
+class TriggerState:
+    """What faults wait for, and at the end of which tick it was first so; -1: not yet.
+
+    ``event`` is a number of ``Event``, ``of`` the index of a goal, or of a robot that enters the
+    area of ``x``, ``y`` and ``radius``, or -1; its faults are timed ones, ``n_sources`` numbers of
+    ``Plan.sources`` from ``first_source`` on.
+    """
+
+    event: int
+    of: int
+    x: float
+    y: float
+    radius: float
+    first_source: int
+    n_sources: int
+    delay: int
+    fired: int = -1
+
+
+@dataclass(slots=True)
+class WaitingState:
+    """An injection that is active at no tick until its trigger sets it off.
+
+    It stands at ``place`` of a list of the plan: ``messages``, ``reports``, ``commands``, ``own``
+    by ``listed``. Then it is active from within ``start … finish``, ``most`` ticks at most.
+    """
+
+    trigger: int
+    listed: int
+    place: int
+    start: int
+    finish: int
+    most: int
+
+
 OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
 """Changes the local state, the first argument; the second holds the newest messages."""
 
@@ -91,7 +128,8 @@ class Plan:
 
     ``messages`` are delayed and blocked ones, ``reports`` falsify what is believed,
     ``commands`` are forged, ``own`` are those of a team's own types. ``held`` is room for delayed
-    messages; ``tallies`` has one entry for each timed fault.
+    messages; ``tallies`` has one entry for each timed fault. If any faults wait, ``triggers`` are
+    those of the pool, and ``waiting`` what they set off; until then its ``finish`` is -1.
     """
 
     messages: list[InjectionState]
@@ -100,6 +138,9 @@ class Plan:
     held: list[float]
     tallies: list[FaultTally]
     own: list[OwnFault]
+    triggers: list[TriggerState]
+    waiting: list[WaitingState]
+    sources: list[int]
 
 
 InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, float, int, int]
@@ -108,20 +149,31 @@ InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, floa
 OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
 """What a fault of a team's own type is before its run: the first attributes of ``OwnFault``."""
 
+TriggerRow: TypeAlias = tuple[int, int, float, float, float, int, int, int]
+"""What a trigger is before its run: the first attributes of ``TriggerState``."""
+
+WaitingRow: TypeAlias = tuple[int, int, int, int, int, int]
+"""What a ``WaitingState`` is, which does not change."""
+
 _START: Final = 4
 _FINISH: Final = 5  # where a row has the first and the last tick at which it is active
+_TRIGGER = itemgetter(TimedFault._fields.index("trigger"))
 
 
 class PlanRows(NamedTuple):
     """A plan before its run: messages, reports and commands, and own faults, each list by start.
 
-    ``n_held`` are the numbers that delays hold back, ``n_faults`` the timed faults.
+    ``n_held`` are the numbers that delays hold back, ``n_faults`` the timed faults. Triggers, what
+    waits for them, and faults whose effects they are, only if anything waits.
     """
 
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]]
     own: list[OwnRow]
     n_held: int
     n_faults: int
+    triggers: Sequence[TriggerRow] = ()
+    waiting: Sequence[WaitingRow] = ()
+    sources: Sequence[int] = ()
 
 
 class FaultShape(NamedTuple):
@@ -145,12 +197,12 @@ class FaultShapes(dict[str, FaultShape]):
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
         self.last = mission.duration - 1
-        self._mission = mission
-        self._pool = pool
+        self.mission = mission
+        self.pool = pool
 
     def __missing__(self, fault_id: str) -> FaultShape:
-        fault = self._pool[fault_id]
-        targets = touched(self._mission, fault)
+        fault = self.pool[fault_id]
+        targets = touched(self.mission, fault)
         mode = fault.kind.mode
         is_held_back = mode in _HELD_BACK
         places = tuple(
@@ -166,11 +218,19 @@ class FaultShapes(dict[str, FaultShape]):
 
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
     """Lay a fault specification that the gate admitted out for the kernel."""
-    lists, own, n_held, n_faults = plan_rows(FaultShapes(mission, pool), specification)
-    messages, reports, commands = ([InjectionState(*row) for row in rows] for rows in lists)
-    tallies = [FaultTally() for _ in range(n_faults)]
-    own_faults = [OwnFault(*row) for row in own]
-    return Plan(messages, reports, commands, [0.0] * n_held, tallies, own_faults)
+    rows = plan_rows(FaultShapes(mission, pool), specification)
+    messages, reports, commands = ([InjectionState(*row) for row in some] for some in rows.lists)
+    return Plan(
+        messages,
+        reports,
+        commands,
+        [0.0] * rows.n_held,
+        [FaultTally() for _ in range(rows.n_faults)],
+        [OwnFault(*row) for row in rows.own],
+        [TriggerState(*row) for row in rows.triggers],
+        [WaitingState(*row) for row in rows.waiting],
+        [*rows.sources],
+    )
 
 
 def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
@@ -179,7 +239,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     own: list[OwnRow] = []
     n_held = 0
     for number, timed in enumerate(specification):
-        fault, start, finish, values = timed
+        fault, start, finish, values, _ = timed
         kind, change, is_random, is_held_back, targets, places = shapes[fault]
         if kind.mode is Mode.OWN:
             own += _own_rows(number, timed, kind, targets)
@@ -196,20 +256,69 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
             n_held += 3 * delay
     for listed in (*lists, own):
         listed.sort(key=itemgetter(_START))
-    return PlanRows(lists, own, n_held, len(specification))
+    rows = PlanRows(lists, own, n_held, len(specification))
+    return _waiting(shapes, specification, rows) if any(map(_TRIGGER, specification)) else rows
+
+
+def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) -> PlanRows:
+    """Return a plan whose triggered faults wait."""
+    numbers = {trigger: number for number, trigger in enumerate(shapes.pool.triggers_by_id)}
+    triggers: list[TriggerRow] = []
+    sources: list[int] = []
+    for trigger in shapes.pool.triggers:
+        of, x, y, radius = _happens(shapes.mission, trigger)
+        found = [n for n, timed in enumerate(specification) if of < 0 and timed.fault in trigger.of]
+        triggers.append(
+            (int(trigger.event), of, x, y, radius, len(sources), len(found), trigger.delay)
+        )
+        sources += found
+    waiting: list[WaitingRow] = []
+    lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
+    for number, listed in enumerate(lists):
+        for place, row in enumerate(listed):
+            fault, start, finish, values, trigger_id = specification[row[0]]
+            if not trigger_id:
+                continue
+            kind = shapes[fault].kind
+            finish = finish if kind.mode is Mode.BLOCK else row[_FINISH]
+            most = longest(kind, values, shapes.pool.triggers_by_id[trigger_id])
+            waiting.append((numbers[trigger_id], number, place, start, finish, most))
+            listed[place] = (*row[:_FINISH], -1, *row[_FINISH + 1 :])
+    return rows._replace(triggers=triggers, waiting=waiting, sources=sources)
+
+
+def longest(kind: FaultType, values: Sequence[float], trigger: Trigger) -> int:
+    """Return for how many ticks a fault acts at most that a trigger has set off."""
+    most = LAST if trigger.duration is None else trigger.duration
+    return min(most, int(values[0])) if kind.mode is Mode.BLOCK else most
+
+
+def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, float]:
+    """Return the goal or robot that an event happens to, -1 for faults, and the area entered."""
+    if trigger.event is Event.EFFECT:
+        return -1, 0.0, 0.0, 0.0
+    (of,) = trigger.of
+    if trigger.area is None:
+        return mission.goal_ids.index(of), 0.0, 0.0, 0.0
+    center = trigger.area.center
+    return mission.robot_index[of], center.x, center.y, trigger.area.radius
 
 
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
     """Return the first and the last tick at which a fault is active; ``None`` if it never is.
 
     They are those of its window, but for blocks that end before it, for delays of no tick, for
-    what no message carries, and for what lies behind the mission's end.
+    what no message carries, and for what lies behind the mission's end. One with a trigger may be
+    active between them, from the second tick on.
     """
-    lists, own, *_ = plan_rows(FaultShapes(mission, pool), (timed,))
-    for rows in (*lists, own):
-        for row in rows:
-            first, last = row[_START], min(row[_FINISH], mission.duration - 1)
-            return (first, last) if first <= last else None
+    rows = plan_rows(FaultShapes(mission, pool), (timed,))
+    lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
+    windows = [(row[_START], row[_FINISH]) for listed in lists for row in listed]
+    if rows.waiting:
+        windows = [(max(start, 1), finish) for *_, start, finish, _ in rows.waiting]
+    for first, finish in windows:
+        last = min(finish, mission.duration - 1)
+        return (first, last) if first <= last else None
     return None
 
 

@@ -8,15 +8,52 @@ Source paper, sections III-B b) and III-E a).
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from functools import cached_property
 from itertools import count
 from typing import NamedTuple, Self, TypeAlias
 
-from mrsfi_runtime.errors import SpecificationError, expected
+from mrsfi_runtime.errors import SpecificationError, counted, expected
 from mrsfi_runtime.model.fault_types import FaultType
+from mrsfi_runtime.model.mission import Area
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
 """Value of a feature that a team has added to a metamodel; a mapping is a part."""
+
+
+class Event(IntEnum):
+    """What can set faults off, judged in truth at the end of a tick."""
+
+    VIOLATED = 0  # a goal is violated
+    REACHED = 1  # a goal has all its samples, or its robots were where they were to go
+    ENTERED = 2  # a robot is in an area
+    EFFECT = 3  # a fault has changed something
+
+
+@dataclass(frozen=True, slots=True)
+class Trigger:
+    """An event that sets faults off, when it first happens in a flight.
+
+    ``of`` are the IDs of what it happens to: a goal, a robot that enters the ``area``, or faults,
+    any of which will do. A fault that waits for it acts ``delay`` ticks after the tick that
+    follows, for ``duration`` ticks at most; ``None`` is to the end of its window.
+    """
+
+    id: str
+    event: Event
+    of: tuple[str, ...]
+    area: Area | None = None
+    delay: int = 0
+    duration: int | None = None
+
+    @property
+    def words(self) -> str:
+        """When faults begin that wait for it: ``when g4 is reached, 5 ticks later``."""
+        area = self.area.id if self.area else "no area"
+        happens = ("is violated", "is reached", f"enters {area}", "changes something")[self.event]
+        later = f", {counted(self.delay, 'ticks')} later" if self.delay else ""
+        lasts = "" if self.duration is None else f", for {counted(self.duration, 'ticks')}"
+        return f"when {' or '.join(self.of) or 'nothing'} {happens}{later}{lasts}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +63,8 @@ class Fault:
     ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.struck`` says.
     ``values`` follow ``kind.parameters``. ``bounds`` holds what the model says about the
     range of an evolving parameter: name to (lowest, highest), ``None`` where it is silent.
-    ``start`` and ``finish`` are set in a written fault specification, not in a pool.
+    ``start`` and ``finish``, and the ID of a ``trigger`` that it waits for, are set in a written
+    fault specification, not in a pool.
     ``likelihood`` is the chance that it occurs in a mission, 0 … 1, ``None`` if nobody knows.
     ``own`` holds what a team has added to the class of faults, or to that of their type.
     """
@@ -41,6 +79,7 @@ class Fault:
     finish: int | None = None
     likelihood: float | None = None
     own: Mapping[str, OwnValue] = field(default_factory=dict)
+    trigger: str = ""
 
     @property
     def type(self) -> str:
@@ -56,13 +95,15 @@ class Fault:
 class TimedFault(NamedTuple):
     """A pool fault at work: active for ``start <= tick <= finish``.
 
-    ``fault`` is the ID of the pool fault; ``values`` replace those of the pool.
+    ``fault`` is the ID of the pool fault; ``values`` replace those of the pool. One with a
+    ``trigger``, by its ID, is active in that window from when its trigger sets it off.
     """
 
     fault: str
     start: int
     finish: int
     values: tuple[float, ...] = ()
+    trigger: str = ""
 
 
 Specification: TypeAlias = tuple[TimedFault, ...]
@@ -89,16 +130,25 @@ COSTS: Mapping[str, Callable[[Specification, int], int]] = {
 
 @dataclass(frozen=True)
 class FaultPool:
-    """The faults that could strike a mission, in model order; ``own`` as for a fault."""
+    """The faults that could strike a mission, and what could set them off, both in model order.
+
+    ``own`` is as for a fault.
+    """
 
     id: str
     faults: tuple[Fault, ...]
     own: Mapping[str, OwnValue] = field(default_factory=dict)
+    triggers: tuple[Trigger, ...] = ()
 
     @cached_property
     def by_id(self) -> dict[str, Fault]:
         """Faults by ID."""
         return {fault.id: fault for fault in self.faults}
+
+    @cached_property
+    def triggers_by_id(self) -> dict[str, Trigger]:
+        """Triggers by ID."""
+        return {trigger.id: trigger for trigger in self.triggers}
 
     def __getitem__(self, fault_id: str) -> Fault:
         try:
@@ -130,5 +180,7 @@ class FaultPool:
                     "a specification that is to be flown needs both",
                     (fault.id,),
                 )
-            timed.append(TimedFault(fault.id, fault.start, fault.finish, fault.values))
+            timed.append(
+                TimedFault(fault.id, fault.start, fault.finish, fault.values, fault.trigger)
+            )
         return tuple(timed)

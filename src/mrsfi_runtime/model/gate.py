@@ -19,7 +19,7 @@ from typing import Any
 
 from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.fault_types import FaultType, Mode, Parameter, Range
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, describe, touched
 
@@ -35,24 +35,29 @@ def plain(timed: TimedFault) -> TimedFault:
     if type(timed) is TimedFault and _is_plain(*timed):
         return timed
     try:
-        fault, start, finish, values = timed
-        values = tuple(values)
+        fault, start, finish, values, *more = timed
+        values, (trigger,) = tuple(values), more or [""]
     except (TypeError, ValueError):
-        wanted = "a timed fault: its ID, start, finish and values"
+        wanted = "a timed fault: its ID, start, finish, values, and its trigger if it has one"
         raise SpecificationError(f"found {timed!r}; expected {wanted}") from None
-    if not isinstance(fault, str):
-        raise SpecificationError(f"found fault {fault!r}; expected its ID, as text")
+    for name, found in (("fault", fault), ("trigger", trigger)):
+        if not isinstance(found, str):
+            raise SpecificationError(f"found {name} {found!r}; expected its ID, as text")
     if not _are(Integral, start, finish) or not 0 <= start <= finish <= LAST:
         wanted = f"whole numbers, 0 <= start <= finish <= {LAST}"
         raise _misfit(fault, f"window {start!r} … {finish!r}", wanted)
     if not _are(Real, *values) or not all(-MOST <= value <= MOST for value in values):
         raise _misfit(fault, f"values {values!r}", f"numbers from {-MOST:.0f} to {MOST:.0f}")
-    return TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
+    return TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)), str(trigger))
 
 
-def _is_plain(fault: object, start: int, finish: int, values: Sequence[float]) -> bool:
+def _is_plain(
+    fault: object, start: int, finish: int, values: Sequence[float], trigger: object
+) -> bool:
     """Return whether nothing is to be done, quickly: search has timed faults by the million."""
-    if not (type(start) is type(finish) is int and type(fault) is str and type(values) is tuple):
+    if not (type(start) is type(finish) is int and type(fault) is type(trigger) is str):
+        return False
+    if type(values) is not tuple:
         return False
     for value in values:
         if type(value) is not float or not -MOST <= value <= MOST:
@@ -130,8 +135,9 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def admitted(self, specification: Iterable[TimedFault]) -> Specification:
         """Return a specification in Python's own numbers.
 
-        A fault that is unknown, strikes what the mission has not, or has a window or values that
-        make no sense, or two that conflict and overlap, are a ``SpecificationError``.
+        A fault or a trigger that is unknown, or about what the mission has not, a fault whose
+        window or values make no sense, or two that conflict and overlap, are a
+        ``SpecificationError``.
         """
         try:
             asked = tuple(specification)
@@ -143,6 +149,8 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             kind, n_values, _ = self[timed.fault]
             if len(timed.values) != n_values:
                 fitting(kind, timed)
+            if timed.trigger:
+                self._require_trigger(timed)
         newest: dict[Target | str, TimedFault] = {}
         for timed in sorted(found, key=attrgetter("start")):
             for key in self[timed.fault][2]:
@@ -162,6 +170,19 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             fault_id: frozenset(other for other, others in keys.items() if key & others)
             for fault_id, key in keys.items()
         }
+
+    def _require_trigger(self, timed: TimedFault) -> None:
+        """Refuse a trigger that the pool does not have, or the mission nothing for."""
+        known, mission = self.pool.triggers_by_id, self.mission
+        what, found, there = "trigger", timed.trigger, tuple(known)
+        if found in known and known[found].event is not Event.EFFECT:
+            what = f"trigger '{found}', which is about"
+            (found,) = known[found].of
+            is_robot = known[timed.trigger].area is not None
+            there = tuple(mission.robot_index) if is_robot else mission.goal_ids
+        if found not in there:
+            text = f"fault '{timed.fault}' has {what} '{found}'; {expected(found, there)}"
+            raise SpecificationError(text, (timed.fault,))
 
     def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
         others = {*self[second.fault][2]}

@@ -9,7 +9,7 @@ https://docs.ros.org/en/humble/p/visualization_msgs/msg/Marker.html.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 from typing import IO, Any, TypeAlias
@@ -26,7 +26,7 @@ from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.named_faults import NamedFault, Window
 from mrsfi_runtime.record.observers import Events
 from mrsfi_runtime.transport.dialect import time_of, type_name
 from mrsfi_runtime.transport.topics import Topic
@@ -128,7 +128,9 @@ class Bag:
         for kind, said in self._events.at(world, verdicts):
             yield LOG, {"stamp": time, "level": _LEVELS[kind], "name": kind, "msg": said}
         yield TRANSFORMS, self._transforms(world, belief)
-        yield ROBOTS, robot_markers(self._mission, self._faults, world, belief)
+        told = zip(self._faults, self._events.tallies, strict=True)
+        active = [(fault.robots, fault.active(tally)) for fault, tally in told]
+        yield ROBOTS, robot_markers(self._mission, active, world, belief)
 
     def _numbers(self, state: State) -> Iterator[Said]:
         for robot, of_robot in zip(state.robots, self._robots, strict=True):
@@ -204,14 +206,18 @@ def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
 
 
 def robot_markers(
-    mission: Mission, faults: Sequence[NamedFault], world: State, belief: State
+    mission: Mission,
+    active: Iterable[tuple[Collection[int], Window | None]],
+    world: State,
+    belief: State,
 ) -> Message:
     """Return robots where they are and are believed to be, and misplaced obstacles, at a tick.
 
-    Robots that an active fault touches have another colour. It replaces what was drawn before.
+    Robots that an active fault touches have another colour, by their places and when it is active.
+    It replaces what was drawn before.
     """
     tick, wide = world.mission.tick, 2.0 * ROBOT_RADIUS
-    windows = ((fault.robots, fault.window or (0, -1)) for fault in faults)
+    windows = ((robots, window or (0, -1)) for robots, window in active)
     struck = {each for robots, (first, last) in windows if first <= tick <= last for each in robots}
     true, believed = ([_of(robot) for robot in side.robots] for side in (world, belief))
     colours = [_STRUCK if index in struck else _TRUE for index in range(len(true))]

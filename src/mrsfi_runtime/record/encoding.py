@@ -30,16 +30,17 @@ def canonical(value: Any) -> str:
 
 
 def specification_text(specification: Specification) -> str:
-    """Return ``[["f9",100,900,[200.0,-450.0]],…]``."""
-    return canonical([plain(timed) for timed in specification])
+    """Return ``[["f9",100,900,[200.0,-450.0]],…]``; a trigger stands last, where there is one."""
+    rows = map(plain, specification)
+    return canonical([timed if timed.trigger else timed[:-1] for timed in rows])
 
 
 def specification(rows: Iterable[Any]) -> Specification:
     """Return the specification whose text has such rows; a ValueError if none."""
     try:
         return tuple(
-            plain(TimedFault(fault, start, finish, tuple(values)))
-            for fault, start, finish, values in rows
+            plain(TimedFault(fault, start, finish, tuple(values), *trigger))
+            for fault, start, finish, values, *trigger in rows
         )
     except (SpecificationError, TypeError) as error:
         raise ValueError(f"{error}") from error

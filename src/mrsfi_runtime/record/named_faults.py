@@ -2,12 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
-from mrsfi_runtime.kernel.injections import active_window
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault, Trigger
+from mrsfi_runtime.model.gate import LAST
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import describe, robots_of, touched
+
+Window: TypeAlias = tuple[int, int]
+"""First and last tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +20,7 @@ class NamedFault:
 
     ``touched`` is in words, ``robots`` are the places of the robots that have it or carry the
     sensors that do; ``window`` has the first and last tick at which it is active, ``None`` if it
-    never is.
+    never is. One with a ``trigger`` is active at ``most`` ticks of it.
     """
 
     name: str
@@ -24,7 +28,9 @@ class NamedFault:
     fault: Fault
     touched: tuple[str, ...]
     robots: frozenset[int]
-    window: tuple[int, int] | None
+    window: Window | None
+    trigger: Trigger | None = None
+    most: int = LAST
 
     @property
     def target(self) -> str:
@@ -44,8 +50,25 @@ class NamedFault:
         """Its values with names and units; empty if its type has no parameters."""
         return self.fault.kind.in_words(self.timed.values)
 
+    @property
+    def told(self) -> str:
+        """Its values, and what it waits for; empty if it has neither."""
+        waits = "" if self.trigger is None else self.trigger.words
+        return "; ".join(filter(None, (self.values, waits)))
+
+    def active(self, tally: FaultTally) -> Window | None:
+        """Return when it is active in a flight, as far as that is known from what it did until now.
+
+        A fault that waits for a trigger was active at all ticks from its first one on.
+        """
+        if self.trigger is None or self.window is None or not tally.applied:
+            return self.window if self.trigger is None else None
+        first = tally.last_applied - tally.applied + 1
+        return first, min(self.window[1], first + self.most - 1)
+
     def as_json(self) -> dict[str, Any]:
         """Return all of it but its ID as plain values."""
+        waits = {"trigger": self.trigger.id} if self.trigger is not None else {}
         return {
             "type": self.fault.type,
             "target": self.fault.target,
@@ -54,6 +77,7 @@ class NamedFault:
             "finish": self.timed.finish,
             "window": None if self.window is None else list(self.window),
             "values": self.fault.kind.named(self.timed.values),
+            **waits,
         }
 
 
@@ -72,5 +96,7 @@ def named_faults(
         targets = touched(mission, fault)
         words = tuple(describe(mission, target) for target in targets)
         window = active_window(mission, pool, timed)
-        found.append(NamedFault(name, timed, fault, words, robots_of(mission, targets), window))
+        robots, trigger = robots_of(mission, targets), pool.triggers_by_id.get(timed.trigger)
+        most = LAST if trigger is None else longest(fault.kind, timed.values, trigger)
+        found.append(NamedFault(name, timed, fault, words, robots, window, trigger, most))
     return tuple(found)

@@ -26,7 +26,7 @@ class Events:
     ) -> None:
         self._mission = mission
         self._faults = faults
-        self._tallies = tallies
+        self.tallies = tallies
         self._known = {
             subject: fact for _, subject, fact in self._judged(no_verdicts(len(mission.goals)))
         }
@@ -41,15 +41,17 @@ class Events:
                 yield kind, f"{subject}: {before} -> {fact}"
 
     def _of_faults(self, tick: int) -> Iterator[tuple[str, str]]:
-        for fault, tally in zip(self._faults, self._tallies, strict=True):
+        for fault, tally in zip(self._faults, self.tallies, strict=True):
             what = f"fault {fault.fault.id} {fault.words}"
             if fault.window is None:
                 if tick == fault.timed.start:
                     yield "fault", f"{what}: is active at no tick"
                 continue
-            first, last = fault.window
+            values = f" with {fault.values}" if fault.values else ""
+            if fault.trigger is not None and tick == fault.window[0]:
+                yield "fault", f"{what}: may start from now on, {fault.trigger.words}"
+            first, last = fault.active(tally) or (-1, -1)
             if tick == first:
-                values = f" with {fault.values}" if fault.values else ""
                 yield "fault", f"{what}: starts ({first} … {last}){values}"
             if tick == tally.first_changed:
                 yield "fault", f"{what}: first changes something"

@@ -72,7 +72,8 @@ class FaultModel:
             drawn[2:],
             lambda value, _low, _high, is_whole: float(round(value)) if is_whole else value,
         )
-        return TimedFault(fault, start, finish, values)
+        trigger = self._space.candidates[fault].drawn_trigger(self._rng)
+        return TimedFault(fault, start, finish, values, trigger)
 
     def update(self, population: Sequence[Individual]) -> None:
         """Learn from how the best of a generation differ from all.

@@ -149,9 +149,10 @@ class _Guide:
     def _key(self, specification: Specification) -> bytes:
         """Return 16 bytes that tell a specification: it would take thousands to keep."""
         numbers = array("d")
-        for fault, start, finish, values in specification:
-            index = self._space.candidates[fault].index
-            numbers.extend((index, start, finish, len(values)))
+        for fault, start, finish, values, trigger in specification:
+            candidate = self._space.candidates[fault]
+            set_off = candidate.triggers.index(trigger)
+            numbers.extend((candidate.index, start, finish, len(values), set_off))
             numbers.extend(value + 0.0 for value in values)  # 0 equals -0
         return blake2b(numbers, digest_size=16).digest()
 

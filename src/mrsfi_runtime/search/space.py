@@ -72,7 +72,8 @@ class Candidate:
     each, ``(n_parameters, 2)``, equal if it is fixed. ``conflicts`` are IDs of the faults that it
     may not overlap, its own included. ``landmarks`` are values within the bounds that mean
     something in the mission, the pool's own first, ``(n_landmarks, n_parameters)``. ``is_place``
-    says whether the values are coordinates.
+    says whether the values are coordinates. ``triggers`` are what it may wait for: nothing first,
+    then all triggers of the pool but for those of its own effect.
     """
 
     index: int
@@ -82,6 +83,11 @@ class Candidate:
     conflicts: frozenset[str]
     landmarks: tuple[tuple[float, ...], ...] = ()
     is_place: bool = False
+    triggers: tuple[str, ...] = ("",)
+
+    def drawn_trigger(self, rng: Random) -> str:
+        """Draw what it waits for, each as often; where no trigger is declared, nothing is drawn."""
+        return rng.choice(self.triggers) if len(self.triggers) > 1 else ""
 
     def changed(
         self, values: Sequence[float], change: Callable[[float, float, float, bool], float]
@@ -121,6 +127,7 @@ class SearchSpace:
                 conflicts=excluded[fault.id],
                 landmarks=landmarks(mission, fault),
                 is_place=fault.kind.is_place,
+                triggers=("", *(each.id for each in pool.triggers if each.of != (fault.id,))),
             )
             for index, fault in enumerate(pool)
         }

@@ -25,10 +25,11 @@ def first_size(settings: CampaignSettings, rng: Random) -> int:
 def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Specification:
     """Draw timed faults from the pool, no two conflicting ones overlapping.
 
-    Each fault is drawn with replacement, its window among those that earlier ones leave free; it
-    keeps the pool's values. The paper's lists always hold 20; so that there are as many as wanted,
-    at least one, a window drawn earlier is cut short when no fault has a free tick left. Fewer come
-    only if the mission is too short: every window is then one tick.
+    Each fault is drawn with replacement, its window among those that earlier ones leave free, and
+    its trigger, if the pool has any; it keeps the pool's values. The paper's lists always hold 20;
+    so that there are as many as wanted, at least one, a window drawn earlier is cut short when no
+    fault has a free tick left. Fewer come only if the mission is too short: every window is then
+    one tick.
     """
     placed: list[TimedFault] = []
     candidates = list(space.candidates)
@@ -41,19 +42,24 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
         free = space.free_windows(fault, placed)
         if free:
             start, finish = random_window(free, rng)
-            placed.append(TimedFault(fault, start, finish, space.candidates[fault].values))
+            candidate = space.candidates[fault]
+            trigger = candidate.drawn_trigger(rng)
+            placed.append(TimedFault(fault, start, finish, candidate.values, trigger))
         else:
             candidates.remove(fault)
     return space.ordered(placed)
 
 
 def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Random) -> TimedFault:
-    """Draw a form of a fault: values of one of three kinds, in the widest or a random window."""
+    """Draw a form of a fault: values of one of three kinds, in the widest or a random window.
+
+    What it waits for is drawn last, if the pool has triggers.
+    """
     candidate = space.candidates[fault]
     values = rng.choice(_VALUES)(candidate, rng)
     is_wide = rng.random() < 0.5
     window = max(free, key=lambda each: each[1] - each[0]) if is_wide else random_window(free, rng)
-    return TimedFault(fault, *window, values)
+    return TimedFault(fault, *window, values, candidate.drawn_trigger(rng))
 
 
 _VALUES: tuple[Callable[[Candidate, Random], tuple[float, ...]], ...] = (

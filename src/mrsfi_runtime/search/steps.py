@@ -34,7 +34,9 @@ def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Sp
 def forced(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
     """Have a fault of the pool active all the time; what conflicts with it leaves."""
     fault = rng.choice(tuple(space.candidates))
-    timed = TimedFault(fault, 0, space.duration - 1, _landmark(space, fault, specification, rng))
+    values = _landmark(space, fault, specification, rng)
+    trigger = space.candidates[fault].drawn_trigger(rng)
+    timed = TimedFault(fault, 0, space.duration - 1, values, trigger)
     kept = [other for other in specification if not space.clash(timed, other)]
     if len(kept) == len(specification) and kept:
         kept.pop(rng.randrange(len(kept)))
@@ -100,7 +102,8 @@ def filled(
         if free:
             start, finish = max(free, key=lambda window: window[1] - window[0])
             values = _landmark(space, fault, tuple(placed), rng)
-            placed.append(TimedFault(fault, start, finish, values))
+            trigger = space.candidates[fault].drawn_trigger(rng)
+            placed.append(TimedFault(fault, start, finish, values, trigger))
     return space.ordered(placed)
 
 
@@ -161,20 +164,22 @@ def _shifted(
         return min(high, max(low, float(round(step)) if is_integer else step))
 
     values = space.candidates[timed.fault].changed(timed.values, stepped)
-    return TimedFault(timed.fault, start, finish, values)
+    return timed._replace(start=start, finish=finish, values=values)
 
 
 def _redrawn(
     space: SearchSpace, timed: TimedFault, others: Specification, rng: Random
 ) -> TimedFault:
     start, finish = random_window(space.free_windows(timed.fault, others), rng)
-    return timed._replace(start=start, finish=finish)
+    trigger = space.candidates[timed.fault].drawn_trigger(rng)
+    return timed._replace(start=start, finish=finish, trigger=trigger)
 
 
 def _jumped(
     space: SearchSpace, timed: TimedFault, others: Specification, rng: Random
 ) -> TimedFault:
-    return timed._replace(values=_landmark(space, timed.fault, others, rng))
+    values = _landmark(space, timed.fault, others, rng)
+    return timed._replace(values=values, trigger=space.candidates[timed.fault].drawn_trigger(rng))
 
 
 def _landmark(
@@ -201,10 +206,11 @@ shifted: Step = partial(_changed, _shifted)
 """Move the window and values of one fault by a Gaussian step."""
 
 redrawn: Step = partial(_changed, _redrawn)
-"""Draw the window of one fault anew."""
+"""Draw the window of one fault anew, and its trigger."""
 
 jumped: Step = partial(_changed, _jumped)
-"""Let the values of one fault jump to a landmark, or to the place of another fault."""
+"""Let the values of one fault jump to a landmark, or to the place of another fault, and its trigger
+to any."""
 
 STEPS: tuple[Step, ...] = (widened, shifted, redrawn, jumped, swapped, forced, dropped)
 """All steps."""

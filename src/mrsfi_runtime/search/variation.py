@@ -31,7 +31,7 @@ Block: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 def mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw start, finish and values of timed faults anew, each with a chance of ``share``.
+    """Draw start, finish, values and trigger of timed faults anew, each with a chance of ``share``.
 
     The paper names no chance per fault; one half is ours. A new window is drawn among those that
     the other faults leave free, new values within the bounds of the model.
@@ -41,8 +41,10 @@ def mutated(
         if rng.random() < share:
             free = space.free_windows(timed.fault, faults[:place] + faults[place + 1 :])
             start, finish = random_window(free, rng)
-            values = random_values(space.candidates[timed.fault], timed.values, rng)
-            faults[place] = TimedFault(timed.fault, start, finish, values)
+            candidate = space.candidates[timed.fault]
+            values = random_values(candidate, timed.values, rng)
+            trigger = candidate.drawn_trigger(rng)
+            faults[place] = TimedFault(timed.fault, start, finish, values, trigger)
     return space.ordered(faults)
 
 

@@ -66,9 +66,9 @@ def test_floats_survive_bit_for_bit(values):
     specification = (TimedFault("f9", 1, 2, tuple(values)),)
 
     (rows,) = encoding.lists([encoding.specification_text(specification)])
-    ((*_, back),) = encoding.specification(rows)
+    (back,) = encoding.specification(rows)
 
-    assert [bits(value) for value in back] == [bits(value) for value in values]
+    assert [bits(value) for value in back.values] == [bits(value) for value in values]
 
 
 def test_fitness_survives_bit_for_bit(store):

@@ -56,6 +56,7 @@ def draw(seed: int) -> Drawn:
     _make_sense(mission, rng)
     faults = drawer.element(load_metamodels().faults.getEClassifier("FaultSpecification"))
     drawer.refer()
+    _make_triggers_sense(faults, mission, rng)
     return Drawn(mission, faults)
 
 
@@ -260,3 +261,33 @@ def _make_sense(mission: Any, rng: random.Random) -> None:
             if goal.area is None:
                 goal.area = metaclasses.getEClassifier("Area")()
                 goal.area.ID, goal.area.radius = f"area-of-{goal.ID}", 2.5
+
+
+_REFERRED = {"VIOLATED": ("goal",), "REACHED": ("goal",), "ENTERED": ("robot", "area")}
+_REACHABLE = ("GatherSamples", "Visit", "Track")
+
+
+def _make_triggers_sense(faults: Any, mission: Any, rng: random.Random) -> None:
+    """Have triggers refer to what their events are about, and some timed faults wait for them."""
+    metaclasses = load_metamodels()
+    for trigger in faults.triggers:
+        goals = [*mission.goals]
+        if trigger.event.name == "REACHED":
+            goals = [each for each in goals if each.task.eClass.name in _REACHABLE]
+            if not goals:
+                trigger.event = metaclasses.faults.getEClassifier("TriggerEvent").eLiterals[0]
+                goals = [*mission.goals]
+        wanted = _REFERRED.get(trigger.event.name, ("faults",))
+        area = trigger.area or metaclasses.mission.getEClassifier("Area")()
+        area.ID, area.radius = area.ID or f"area-of-{trigger.ID}", area.radius or 2.5
+        for name, value in (
+            ("goal", rng.choice(goals)),
+            ("robot", rng.choice(mission.robots)),
+            ("area", area),
+        ):
+            trigger.eSet(name, value if name in wanted else None)
+        if "faults" not in wanted:
+            trigger.faults.clear()
+    for fault in faults.faults:
+        if faults.triggers and fault.eIsSet("start") and rng.random() < 0.5:
+            fault.trigger = rng.choice(faults.triggers)

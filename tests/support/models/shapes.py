@@ -17,6 +17,7 @@ from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import Gate
 from tests.support.fault_types import FAULT_TYPES
+from tests.support.triggers import REACHABLE, waiting
 
 TASKS = (
     "AvoidCollision",
@@ -125,7 +126,7 @@ def draw_mission(rng: Random, of: Shape, longest: int, shortest: int = 1) -> str
 
 
 def draw_pool(rng: Random, of: Shape) -> str:
-    """Draw a pool with one fault of every type, as the text of its model."""
+    """Draw a pool with one fault of every type, and triggers of every event, in XMI."""
     targets = {
         "message": [f"m{n}" for n in range(N_MESSAGES * len(of.goals))],
         "robot": of.robots,
@@ -144,11 +145,34 @@ def draw_pool(rng: Random, of: Shape) -> str:
             f'<faults ID="f{n}" name=""><{tag}{values}>'
             f'<affected{kind.struck.value.title()} href="mission.xmi#{target}"/></{tag}></faults>\n'
         )
-    return _FAULTS.format("".join(parts))
+    return _FAULTS.format("".join((*parts, *_triggers(rng, of))))
+
+
+def _triggers(rng: Random, of: Shape) -> Iterator[str]:
+    reachable = [n for n, goal in enumerate(of.goals) if goal.task in REACHABLE]
+    robots = rng.sample(of.robots, min(3, len(of.robots)))
+    some = rng.sample(range(len(of.goals)), min(3, len(of.goals)))
+    found = [("VIOLATED", f'<goal href="mission.xmi#g{n}"/>', "") for n in some]
+    found += [("REACHED", f'<goal href="mission.xmi#g{n}"/>', "") for n in reachable]
+    for n, robot in enumerate(robots):
+        x, y = rng.uniform(-60.0, 60.0), rng.uniform(-60.0, 60.0)
+        area = f'<area ID="e{n}" radius="{rng.uniform(1.0, 80.0)!r}"><center x="{x!r}" y="{y!r}"/>'
+        found.append(("ENTERED", f'<robot href="mission.xmi#{robot}"/>{area}</area>', ""))
+    for _ in range(3):
+        faults = " ".join(f"f{n}" for n in rng.sample(range(len(FAULT_TYPES)), 5))
+        found.append(("EFFECT", "", f' faults="{faults}"'))
+    for n, (event, content, more) in enumerate(found):
+        lasts = rng.choice(("", "", ' duration="1"', f' duration="{rng.randint(2, 30)}"'))
+        delay = rng.choice((0, 0, 1, 7))
+        head = f'<triggers ID="t{n}" event="{event}" delay="{delay}"{lasts}{more}>'
+        yield f"{head}{content}</triggers>\n"
 
 
 def draw_specification(rng: Random, code: MissionCode) -> tuple[TimedFault, ...]:
-    """Draw timed faults of a pool, no two conflicting ones overlapping; at best twenty."""
+    """Draw timed faults of a pool, no two conflicting ones overlapping; at best twenty.
+
+    Where the pool has triggers, about half of them wait for one.
+    """
     last = code.mission.duration
     chosen: tuple[TimedFault, ...] = ()
     for _ in range(rng.randint(0, 20)):
@@ -162,7 +186,7 @@ def draw_specification(rng: Random, code: MissionCode) -> tuple[TimedFault, ...]
         except SpecificationError:
             continue
         chosen = longer
-    return chosen
+    return waiting(rng, chosen, code.pool)
 
 
 def _is_whole(kind: FaultType) -> bool:

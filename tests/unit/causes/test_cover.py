@@ -158,6 +158,7 @@ def test_what_it_flies_for_a_seed_changes_with_intent_only():
 
     flown_again = [*turns(search)]
 
-    assert sha256(repr(flown_again).encode()).hexdigest()[:16] == "7db93d206ab51bc6"
+    text = repr(flown_again).replace(", trigger=''", "")
+    assert sha256(text.encode()).hexdigest()[:16] == "7db93d206ab51bc6"
     assert [each.index for each in summaries] == [*range(len(flown_again))]
     assert [each.statistics["n_evaluations"] for each in summaries] == [*map(len, flown_again)]

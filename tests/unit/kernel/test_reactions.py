@@ -52,7 +52,7 @@ def test_commanded_speeds_stay_within_twice_nominal_if_a_region_writes_them_too(
 
     assert ci.commands[0].speed == expected
     ci.commands[0].speed = speed
-    issue(ci, orders, Plan([], [], [], [], [], []), 1)
+    issue(ci, orders, Plan([], [], [], [], [], [], [], [], []), 1)
     assert (orders.commands[0].speed, ci.commands[0].sent_speed) == (expected, expected)
 
 

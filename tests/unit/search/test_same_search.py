@@ -35,4 +35,5 @@ def test_what_a_search_flies_changes_with_intent_only(search):
     run_campaign(settings, paper_mission(), pool_of(), evaluate_stand_in, store)
 
     flown = [each.specification for each in content(store)[0]]
-    assert sha256(repr(flown).encode()).hexdigest()[:16] == FLOWN[search]
+    text = repr(flown).replace(", trigger=''", "")
+    assert sha256(text.encode()).hexdigest()[:16] == FLOWN[search]

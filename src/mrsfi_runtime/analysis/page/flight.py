@@ -85,10 +85,11 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
                 "name": fault.name,
                 "type": fault.fault.type,
                 "target": fault.target,
-                "values": fault.values,
+                "values": fault.told,
                 "window": fault.window,
+                **({"waits": fault.timed[1:3]} if fault.trigger else {}),
             }
-            for fault in flown.faults
+            for fault in story.faults
         ],
         "flights": [
             {"without": place, **_flight(mission, recording, steps, stride)}

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from mrsfi_runtime.kernel.effects.belief import note
-from mrsfi_runtime.kernel.injections import Plan
+from mrsfi_runtime.kernel.injections import Plan, longest
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import LAST
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Payload, Publisher
 
@@ -18,13 +19,26 @@ if TYPE_CHECKING:
 
 
 class Held(NamedTuple):
-    """A timed fault that holds back the commands of a robot: ``delay`` ticks, or for good at 0."""
+    """A timed fault that holds back the commands of a robot: ``delay`` ticks, or for good at 0.
+
+    One with a ``trigger``, by its place in the pool, does so at ``most`` ticks of its window.
+    """
 
     fault: int
     robot: int
     start: int
     finish: int
     delay: int
+    trigger: int
+    most: int
+
+    def window(self, plan: Plan) -> tuple[int, int]:
+        """Return when it is active, as far as a flight has come."""
+        if self.trigger < 0:
+            return self.start, min(self.finish, self.start + self.most - 1)
+        trigger = plan.triggers[self.trigger]
+        begin = max(self.start, trigger.fired + 1 + trigger.delay)
+        return begin, min(self.finish, begin + self.most - 1) if trigger.fired >= 0 else -1
 
 
 def robot_held(mission: Mission, pool: FaultPool, fault: str) -> int | None:
@@ -44,12 +58,14 @@ def held_commands(
     for number, timed in enumerate(specification):
         robot = robot_held(mission, pool, timed.fault)
         if robot is not None:
-            ticks = int(timed.values[0])
-            if pool[timed.fault].kind.mode is Mode.BLOCK:
-                finish = min(timed.finish, timed.start + ticks - 1)
-                yield Held(number, robot, timed.start, finish, 0)
-            elif ticks > 0:
-                yield Held(number, robot, timed.start, timed.finish, ticks)
+            kind, ticks = pool[timed.fault].kind, int(timed.values[0])
+            delay = 0 if kind.mode is Mode.BLOCK else ticks
+            place, most = -1, ticks if kind.mode is Mode.BLOCK else LAST
+            if timed.trigger:
+                place = [*pool.triggers_by_id].index(timed.trigger)
+                most = longest(kind, timed.values, pool.triggers[place])
+            if ticks > 0:
+                yield Held(number, robot, timed.start, timed.finish, delay, place, most)
 
 
 class Relay:
@@ -78,13 +94,15 @@ class Relay:
         due = {name: message for when, name, message in self._under_way if when == tick}
         self._under_way = [each for each in self._under_way if each[0] > tick]
         said, self._said = self._said, {}
-        active = [each for each in self._held if each.start <= tick <= each.finish]
-        for held in active:
+        for held in self._held:
+            first, last = held.window(plan)
+            if not first <= tick <= last:
+                continue
             names = [name for name in said if self._publishers[name][0] == held.robot]
             note(plan, cast("InjectionState", held), tick, bool(names))
             for name in names:
                 message = said.pop(name)
-                if held.delay and tick + held.delay <= held.finish:
+                if held.delay and tick + held.delay <= last:
                     self._under_way.append((tick + held.delay, name, message))
         for name, message in {**due, **said}.items():
             self._publishers[name][1](message)

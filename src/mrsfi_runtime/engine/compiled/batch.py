@@ -30,11 +30,14 @@ from mrsfi_runtime.kernel.injections import (
     OwnRow,
     Plan,
     PlanRows,
+    TriggerState,
+    WaitingState,
 )
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)
+_TRIGGERS = {"triggers": record_type(TriggerState), "waiting": record_type(WaitingState)}
 _PLACES = {name: entry.place for name, entry in entries(Plan).items()}
 
 
@@ -65,6 +68,7 @@ class Batch:
         tallies: Records = np.zeros(sum(one.n_faults for one in plans), _TALLY)
         tallies[:] = astuple(FaultTally())
         self._tallies = self._listed("tallies", tallies, [range(one.n_faults) for one in plans])
+        self._triggers = self._triggered(plans) if any(one.triggers for one in plans) else ()
         ends = accumulate(one.n_faults for one in plans)
         self._tallied = [(end - one.n_faults, end) for end, one in zip(ends, plans, strict=True)]
         self.results: Records = np.zeros(len(plans), result_type)
@@ -76,6 +80,18 @@ class Batch:
         self._plans[:, _PLACES[name], 0] = records.ctypes.data + begins * records.itemsize
         self._plans[:, _PLACES[name], 1] = sizes
         return records
+
+    def _triggered(self, plans: Sequence[PlanRows]) -> tuple[Records, ...]:
+        """Return the records of what sets faults off, which plans without any do not have."""
+        sources = np.array([number for one in plans for number in one.sources], np.int64)
+        found = [self._listed("sources", sources, [one.sources for one in plans])]
+        for name, layout in _TRIGGERS.items():
+            lists = [getattr(one, name) for one in plans]
+            records = _records(layout, lists)
+            if name == "triggers":
+                records["fired"] = -1
+            found.append(self._listed(name, records, lists))
+        return tuple(found)
 
     def plans(self, first: int, last: int) -> tuple[Words, Any]:
         """Return the directories of some plans, and the room in which they hold messages back."""

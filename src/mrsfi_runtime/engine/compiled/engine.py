@@ -96,6 +96,7 @@ class CompiledEngine(Engine):
             if self._fly(frame, 0, 1):
                 return None
             recording.append(moments)
+        recording.tallies = batch.tallies_of(0)
         return recording
 
     def _evaluate(

@@ -2,7 +2,7 @@
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track
+from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track, visit
 from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.state import State
@@ -11,6 +11,7 @@ ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
 SAMPLES = TASKS.index(gather_samples.GatherSamples)
 TRACK = TASKS.index(track.Track)
 STAY = TASKS.index(stay.Stay)
+VISIT = TASKS.index(visit.Visit)
 
 
 @kernel
@@ -33,3 +34,14 @@ def is_missed(world: State, g: int, violated: int) -> bool:
         if task == STAY:
             return is_awaited(world, g)
     return violated == 1
+
+
+@kernel
+def is_reached(world: State, g: int) -> bool:
+    """Return whether a goal has its samples, or its robots were at its point, or at the last."""
+    goal = world.goals[g]
+    if goal.task == SAMPLES:
+        return goal.count >= goal.target
+    if goal.task == VISIT:
+        return not is_awaited(world, g)
+    return goal.task == TRACK and not track.is_unfinished(world, g)

@@ -129,7 +129,7 @@ class FlightView {
         title: can ? "show or hide the flight without this fault" : null,
         on: { click: () => this.show(this.data, this.without === k ? null : k) } }, said(`${fault.name} ${fault.type}`));
       const title = `${fault.name} ${fault.type} on ${fault.target}${fault.values ? ` with ${fault.values}` : ""}`;
-      return make("div", { class: "row" }, label, track(...(fault.window ? [bar("fault", ...fault.window, title)] : [])));
+      return make("div", { class: "row" }, label, track(...(fault.waits ? [bar("fault waiting", ...fault.waits, title)] : []), ...(fault.window ? [bar("fault", ...fault.window, title)] : [])));
     });
     const concerned = this.mission.goals.map((goal, k) => [goal, k]).filter(([goal, k]) => {
       const judged = this.flight.goals[k];
