@@ -97,6 +97,8 @@ class Robot:
     """A robot with its nominal speed in distance units per tick.
 
     ``max_speed`` is the greatest speed that the model names, in the same unit; most name none.
+    ``turn_rate`` is how far it turns in a tick, in degrees; 180 are at once.
+    ``position_noise`` is how far off the position may be that it reports, in distance units.
     """
 
     id: str
@@ -110,6 +112,8 @@ class Robot:
     string_properties: tuple[StringProperty, ...] = ()
     double_properties: tuple[DoubleProperty, ...] = ()
     max_speed: float | None = None
+    turn_rate: float = 180.0
+    position_noise: float = 0.0
 
     @property
     def fastest(self) -> float:
@@ -245,6 +249,9 @@ class Mission:
     goals: tuple[Goal, ...]
     servers: tuple[Server, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    distance_unit: str = ""
+    time_unit: str = ""
+    energy_unit: str = ""
 
     @cached_property
     def robot_index(self) -> dict[str, int]:
