@@ -170,7 +170,9 @@ def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
         "faults": (f"{each.id} {each.type}" for each in pool),
     }
     rows = [(what, ", ".join(some) or NONE) for what, some in parts.items()]
-    return Table(f"Mission {name}, {mission.duration} ticks", ("what", "which"), rows)
+    return Table(
+        f"Mission {name}, {mission.units.ticks(mission.duration)}", ("what", "which"), rows
+    )
 
 
 def settings_table(settings: CampaignSettings) -> Table:

@@ -11,7 +11,6 @@ Source paper, section III-G.
 import math
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import RobotState, State, TraitState
 from mrsfi_runtime.kernel.tolerance import TOLERANCE
 
@@ -28,15 +27,13 @@ def turned(trait: TraitState, x: float, y: float, to_x: float, to_y: float) -> t
 
     Where the wanted one is straight behind, to within ``TOLERANCE``, it turns to the left.
     """
-    if trait.turn_x <= -1.0:
-        return to_x, to_y
     aside = x * to_y - y * to_x
     ahead = x * to_x + y * to_y
+    if trait.turn_y == 0.0 or abs(aside) * trait.turn_x <= ahead * trait.turn_y:
+        return to_x, to_y
     sin = -trait.turn_y if aside < TOLERANCE * min(ahead, 0.0) else trait.turn_y
     near_x = x * trait.turn_x - y * sin
     near_y = y * trait.turn_x + x * sin
-    if distance(x, y, to_x, to_y) <= distance(x, y, near_x, near_y):
-        return to_x, to_y
     length = math.sqrt(near_x * near_x + near_y * near_y)
     return near_x / length, near_y / length
 

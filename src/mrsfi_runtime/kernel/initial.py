@@ -144,7 +144,8 @@ def _add_robot(state: State, robot: Robot) -> None:
 
 def _traits(robot: Robot) -> TraitState:
     turn = math.radians(robot.turn_rate)
-    return TraitState(math.cos(turn), math.sin(turn), float(robot.position_noise))
+    turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # no last bit is left of it
+    return TraitState(math.cos(turn), turn_y, float(robot.position_noise))
 
 
 def _obstacle(area: Area) -> ObstacleState:

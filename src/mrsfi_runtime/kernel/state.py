@@ -56,8 +56,8 @@ class RobotState:
 class TraitState:
     """What else a robot is like: how far it turns in a tick, how far it misjudges its position.
 
-    ``turn_x`` and ``turn_y`` are the direction to which it can turn from that of 0 degrees;
-    ``turn_x`` is -1 if it turns at once. ``position_noise`` is a distance.
+    ``turn_x`` and ``turn_y`` are the direction to which it can turn from that of 0 degrees, to the
+    left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance.
     """
 
     turn_x: float

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
-from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.fault_types import Field, Units
 
 ROBOT_RADIUS = 1.0
 """Robots are discs of this radius, in distance units."""
@@ -252,6 +252,11 @@ class Mission:
     distance_unit: str = ""
     time_unit: str = ""
     energy_unit: str = ""
+
+    @cached_property
+    def units(self) -> Units:
+        """The units that its model names."""
+        return Units(self.distance_unit, self.time_unit, self.energy_unit)
 
     @cached_property
     def robot_index(self) -> dict[str, int]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mrsfi_runtime.kernel.injections import active_window
+from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import describe, robots_of, touched
@@ -16,7 +17,7 @@ class NamedFault:
 
     ``touched`` is in words, ``robots`` are the places of the robots that have it or carry the
     sensors that do; ``window`` has the first and last tick at which it is active, ``None`` if it
-    never is.
+    never is; ``units`` are those of the mission.
     """
 
     name: str
@@ -25,6 +26,7 @@ class NamedFault:
     touched: tuple[str, ...]
     robots: frozenset[int]
     window: tuple[int, int] | None
+    units: Units
 
     @property
     def target(self) -> str:
@@ -42,7 +44,7 @@ class NamedFault:
     @property
     def values(self) -> str:
         """Its values with names and units; empty if its type has no parameters."""
-        return self.fault.kind.in_words(self.timed.values)
+        return self.fault.kind.in_words(self.timed.values, self.units)
 
     def as_json(self) -> dict[str, Any]:
         """Return all of it but its ID as plain values."""
@@ -72,5 +74,6 @@ def named_faults(
         targets = touched(mission, fault)
         words = tuple(describe(mission, target) for target in targets)
         window = active_window(mission, pool, timed)
-        found.append(NamedFault(name, timed, fault, words, robots_of(mission, targets), window))
+        robots = robots_of(mission, targets)
+        found.append(NamedFault(name, timed, fault, words, robots, window, mission.units))
     return tuple(found)
