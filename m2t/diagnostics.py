@@ -84,6 +84,8 @@ LocalReference (file): references between files lead to files of the mission, in
 DurationInRange (mission): a mission, or what a trigger sets off, lasts 1 to 10,000,000 ticks
 RadiusPositive (mission): an area has a radius above 0
 SpeedNotNegative (mission): a speed is not below 0
+TurnRateInRange (mission): a robot turns by more than 0 and up to 180 degrees a tick
+NoiseNotNegative (mission): a noise is not below 0
 EnergyNotNegative (mission): energies and energy costs are not below 0
 SamplesPerSecondPositive (mission): a sensor takes at least 1 sample a tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
@@ -125,8 +127,8 @@ UniqueMessageField (mission): a message reports a field once
 FieldOfSender (mission): a message reports what its sender has
 AvoidCollisionMembers (mission): robots that avoid collisions are members of their goal
 DeadlineInsideMission (mission): a deadline lies inside the mission
-FigureInsideMission (mission): speeds, distances and tolerances are no longer than the mission area
-    is wide, periods no longer than the mission lasts
+FigureInsideMission (mission): speeds, distances, noises and tolerances are no longer than the
+    mission area is wide, periods no longer than the mission lasts
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
 TriggerCanHappen (faults): a trigger waits for the effect of a fault that does not wait for it

@@ -33,9 +33,11 @@ _STATION = (
 )
 
 _MISSION = f"""
-Mission: attr EString[1] name, attr EInt[1] duration, val Area[1] missionArea, val Robot[+] robots,
-    val Server[*] servers, val Obstacle[*] obstacles, val Goal[+] goals
+Mission: attr EString[1] name, attr EInt[1] duration, attr EString[?] distanceUnit,
+    attr EString[?] timeUnit, attr EString[?] energyUnit, val Area[1] missionArea,
+    val Robot[+] robots, val Server[*] servers, val Obstacle[*] obstacles, val Goal[+] goals
 Robot extends Station: {_STATION}, attr EDouble[1] speed, attr EDouble[?] maxSpeed,
+    attr EDouble[?] turnRate, attr EDouble[?] positionNoise,
     val Coordinates[?] position, val Sensor[*] sensors, val Battery[*] batteries,
     val MotionSource[*] motionSources
 Server extends Station: {_STATION}

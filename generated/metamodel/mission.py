@@ -68,6 +68,18 @@ class Mission(Element, ecore.EObject, metaclass=ecore.MetaEClass):
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "The number of time intervals (ticks) that the mission lasts, at least 1.",
     )
+    distanceUnit = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "The unit of distances, such as m, as it is printed; nothing is reckoned with it.",
+    )
+    timeUnit = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "The unit of time, such as s, that one tick lasts, as it is printed; nothing is reckoned with it.",
+    )
+    energyUnit = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "The unit of energies, such as J, as it is printed; nothing is reckoned with it.",
+    )
     missionArea = annotated(
         ecore.EReference(lower=1, containment=True),
         "The area that the robots must not leave.",
@@ -124,6 +136,14 @@ class Robot(Station):
     maxSpeed = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
         "The greatest speed that the robot can be commanded to, by a fault too, in distance units per tick, not below the nominal speed; twice the nominal speed if unset.",
+    )
+    turnRate = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "The greatest turn of the robot in one tick, in degrees, above 0 and up to 180; it turns at once if unset.",
+    )
+    positionNoise = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "How far the position that the robot reports may be from the true one, in distance units, not below 0; drawn anew in every tick, uniform in a disc. It reports the true one if unset.",
     )
     position = annotated(
         ecore.EReference(containment=True),

@@ -42,6 +42,12 @@ class Mission(Element):
     """The display name of the mission."""
     duration: int
     """The number of time intervals (ticks) that the mission lasts, at least 1."""
+    distanceUnit: str | None
+    """The unit of distances, such as m, as it is printed; nothing is reckoned with it."""
+    timeUnit: str | None
+    """The unit of time, such as s, that one tick lasts, as it is printed; nothing is reckoned with it."""
+    energyUnit: str | None
+    """The unit of energies, such as J, as it is printed; nothing is reckoned with it."""
     missionArea: Area
     """The area that the robots must not leave."""
     robots: EList[Robot]
@@ -57,6 +63,9 @@ class Mission(Element):
         *,
         name: str | None = ...,
         duration: int | None = ...,
+        distanceUnit: str | None = ...,
+        timeUnit: str | None = ...,
+        energyUnit: str | None = ...,
         missionArea: Area | None = ...,
         robots: Iterable[Robot] = ...,
         servers: Iterable[Server] = ...,
@@ -92,6 +101,10 @@ class Robot(Station):
     """The nominal speed in distance units per tick, not below 0."""
     maxSpeed: float
     """The greatest speed that the robot can be commanded to, by a fault too, in distance units per tick, not below the nominal speed; twice the nominal speed if unset."""
+    turnRate: float
+    """The greatest turn of the robot in one tick, in degrees, above 0 and up to 180; it turns at once if unset."""
+    positionNoise: float
+    """How far the position that the robot reports may be from the true one, in distance units, not below 0; drawn anew in every tick, uniform in a disc. It reports the true one if unset."""
     position: Coordinates | None
     """The position at tick 0; the origin if absent."""
     sensors: EList[Sensor]
@@ -110,6 +123,8 @@ class Robot(Station):
         doubleProperties: Iterable[DoubleProperty] = ...,
         speed: float | None = ...,
         maxSpeed: float | None = ...,
+        turnRate: float | None = ...,
+        positionNoise: float | None = ...,
         position: Coordinates | None = ...,
         sensors: Iterable[Sensor] = ...,
         batteries: Iterable[Battery] = ...,

@@ -39,7 +39,8 @@ class Range:
 
     def __str__(self) -> str:
         if self.highest < math.inf:
-            return f"{self.lowest:,} to {self.highest:,}"
+            above = "above " * self.is_open
+            return f"{above}{self.lowest:,} to {self.highest:,}"
         return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
 
 
@@ -50,6 +51,8 @@ RANGES: Mapping[str, Range] = {
     "duration": Range("DurationInRange", 1, 10_000_000),
     "radius": Range("RadiusPositive", 0, is_open=True),
     **dict.fromkeys(("speed", "maxSpeed"), Range("SpeedNotNegative", 0)),
+    "turnRate": Range("TurnRateInRange", 0, 180, is_open=True),
+    "positionNoise": Range("NoiseNotNegative", 0),
     **dict.fromkeys(("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), _ENERGY),
     "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
     "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),

@@ -21,7 +21,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 _LENGTHS = {
-    "Robot": ("speed", "maxSpeed"),
+    "Robot": ("speed", "maxSpeed", "positionNoise"),
     "Visit": ("tolerance",),
     "Track": ("tolerance",),
     "FixedDistanceBetweenRobots": ("fixedDistance", "tolerance"),

@@ -35,7 +35,10 @@ BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
 ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
 """Attributes of the old Zero types, whose value can only be zero."""
 
-OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish", "likelihood"})
+OPTIONAL = frozenset(
+    {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
+    | {"distanceUnit", "timeUnit", "energyUnit"}
+)
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
 USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}

@@ -3,6 +3,7 @@
 What a look-up leaves out that is near, or puts where it is not, shows in a crowd at once.
 """
 
+from itertools import cycle
 from random import Random
 
 _XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
@@ -35,8 +36,10 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[str, str]:
         return f'x="{x - 40:.3f}" y="{y + 25:.3f}"'
 
     robots, hazards = [f"r{n}" for n in range(n_robots)], [f"o{n}" for n in range(20)]
+    turns = cycle((' turnRate="12.5" positionNoise="0.8"', "", ' turnRate="90.0"', ""))
     text = "".join(
-        f'<robots ID="{robot}" name="" speed="{rng.choice((0.0, 1.0, 2.5, 4.0))}" maxSpeed="6.0">'
+        f'<robots ID="{robot}" name="" speed="{rng.choice((0.0, 1.0, 2.5, 4.0))}" maxSpeed="6.0"'
+        f"{next(turns)}>"
         f'<position {place()}/><batteries ID="{robot}b" name="" totalEnergy="900.0"/>'
         f'<motionSources ID="{robot}d" name="" energyPerDistanceUnit="1.0"/></robots>\n'
         for robot in robots

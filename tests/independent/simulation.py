@@ -17,7 +17,7 @@ from lxml import etree
 METAMODEL = Path(__file__).parents[2] / "metamodels" / "faults.ecore"
 WORD = 0xFFFFFFFF
 DIRECTIONS = [(math.cos(math.radians(d)), math.sin(math.radians(d))) for d in range(360)]
-FIRST_HEADING, SAMPLES, ROAMING = 1, 2, 3
+FIRST_HEADING, SAMPLES, ROAMING, NOISE = 1, 2, 3, 13
 PURPOSES = {"ENERGY": 4, "COST": 5, "SPEED": 6, "RATE": 7, "POSITION": 8, "OBSTACLE": 10}
 PURPOSES["COUNT"] = 12
 """By the table of all draws in [S Randomness]; directions of places have the number after."""
@@ -61,6 +61,11 @@ class Weather:
 
     def direction(self, *key: int) -> Direction:
         return DIRECTIONS[self.choice(360, *key)]
+
+    def scattered(self, place: Place, far: float, tick: int, entity: int, purpose: int) -> Place:
+        """Return where something is put: "position + noise × √u × direction", and likewise."""
+        far *= math.sqrt(self.uniform(tick, entity, purpose))
+        return ahead(place, far, self.direction(tick, entity, purpose + 1))
 
 
 def bounds_of_samples(n: int) -> list[int]:
@@ -121,6 +126,8 @@ class Robot:  # [S What the model says]
         self.id, self.index = element.get("ID"), index
         self.speed = float(element.get("speed", 0))
         self.max_speed = float(element.get("maxSpeed", 2 * self.speed))
+        self.turn_rate = float(element.get("turnRate", 180))
+        self.noise = float(element.get("positionNoise", 0))
         self.position = place_of(element.find("position"))
         self.energy = sum(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
         drives = element.iter("motionSources")
@@ -128,6 +135,18 @@ class Robot:  # [S What the model says]
         sensors = enumerate(element.iter("sensors"), first_sensor)
         self.sensors = [Sensor(each, k, index) for k, each in sensors]
         self.gps = next((each for each in self.sensors if each.type == "GPS_POSITION"), None)
+
+
+def turned(last: Direction, wanted: Direction, rate: float) -> Direction:
+    """ "turned towards it by as much", and to the left for what is "straight behind"."""
+    sine = last[0] * wanted[1] - last[1] * wanted[0]
+    cosine = last[0] * wanted[0] + last[1] * wanted[1]
+    angle = math.degrees(math.atan2(sine, cosine))
+    if abs(angle) <= rate:
+        return wanted
+    is_behind = cosine < 0 and abs(sine) <= 1e-9
+    way = math.atan2(last[1], last[0]) + math.radians(rate if is_behind or angle > 0 else -rate)
+    return math.cos(way), math.sin(way)
 
 
 def place_of(element: Any) -> Place:
@@ -235,6 +254,7 @@ class Intelligence(View):  # the belief, and commands as they stand [S Reference
         self.heading = [weather.direction(0, robot, FIRST_HEADING) for robot in n_robots]
         self.command = list(self.speed)
         self.switch = list(self.active)
+        self.sent_heading = list(self.heading)  # "The first heading counts as sent"
         self.sent_speed = list(self.command)
         self.sent_switch = list(self.switch)
         self.taken: set[tuple[str, int]] = set()
@@ -674,7 +694,7 @@ class Flight:
                 truth.active[sensor.index] = False
             return
         truth.speed[k] = within(self.belief.sent_speed[k], 0.0, robot.max_speed)
-        truth.position[k] = ahead(truth.position[k], truth.speed[k], self.belief.heading[k])
+        truth.position[k] = ahead(truth.position[k], truth.speed[k], self.belief.sent_heading[k])
         for sensor in robot.sensors:
             truth.active[sensor.index] = self.belief.sent_switch[sensor.index]
             if truth.active[sensor.index]:
@@ -689,8 +709,11 @@ class Flight:
         """[S Motion, "Position"]: without its first GPS sensor, the newest is an earlier one."""
         reports = self.truth.reports()
         for robot in self.mission.robots:
+            k, tick = robot.index, self.truth.tick
+            place = self.weather.scattered(self.truth.position[k], robot.noise, tick, k, NOISE)
             if robot.gps is not None and not self.truth.active[robot.gps.index]:
-                reports["POSITION"][robot.index] = self.published[-1]["POSITION"][robot.index]
+                place = self.published[-1]["POSITION"][k]
+            reports["POSITION"][k] = place
         self.published.append(reports)
 
     def judge(self, view: View) -> list[bool]:
@@ -727,9 +750,7 @@ class Flight:
                 return tuple(values)
             # "C + R × √u × direction"; "a robot keeps its reported z" [F Random values]
             center, radius = self.mission.area
-            far = radius * math.sqrt(self.weather.uniform(tick, k, PURPOSES[prop]))
-            x, y, _ = ahead(center, far, self.weather.direction(tick, k, PURPOSES[prop] + 1))
-            return x, y, v[2]
+            return *self.weather.scattered(center, radius, tick, k, PURPOSES[prop])[:2], v[2]
         number = {
             "ZERO": lambda: 0,
             "FIXED": lambda: values[0],
@@ -748,6 +769,8 @@ class Flight:
         """Send the commands for the motion of a tick: [S Forged commands], [F Forged commands]."""
         ci = self.belief
         ci.sent_speed, ci.sent_switch = list(ci.command), list(ci.switch)
+        for k, robot in enumerate(self.mission.robots):
+            ci.sent_heading[k] = turned(ci.sent_heading[k], ci.heading[k], robot.turn_rate)
         for fault in self.faults:
             is_flown = fault.start <= tick <= fault.finish and tick < self.mission.duration
             if fault.is_forged and is_flown:

@@ -95,6 +95,8 @@ def ours(flight: Flight) -> Iterator[tuple[str, object]]:
             yield from ((f"{side} progress of {k} in {goal.id}", noted[k]) for k in noted)
     for k, (x, y) in enumerate(flight.belief.heading):
         yield from ((f"heading x of robot {k}", x), (f"heading y of robot {k}", y))
+        yield f"sent heading x of robot {k}", flight.belief.sent_heading[k][0]
+        yield f"sent heading y of robot {k}", flight.belief.sent_heading[k][1]
         yield f"commanded speed of robot {k}", flight.belief.command[k]
         yield f"sent speed of robot {k}", flight.belief.sent_speed[k]
     for k, is_on in enumerate(flight.belief.switch):
@@ -120,8 +122,9 @@ def theirs(goals, world, belief, verdicts) -> Iterator[object]:
             if said.task in NOTED:
                 members = view.members[goal.first_member : goal.first_member + goal.n_members]
                 yield from (getattr(member, NOTED[said.task]) for member in members)
-    for command in belief.commands:
-        yield from (command.heading_x, command.heading_y, command.speed, command.sent_speed)
+    for command, sent in zip(belief.commands, world.commands, strict=True):
+        yield from (command.heading_x, command.heading_y, sent.heading_x, sent.heading_y)
+        yield from (command.speed, command.sent_speed)
     yield from (switch.active for switch in belief.switches)
     for k in range(len(goals)):
         yield from (verdicts.is_true[k], verdicts.is_believed[k])

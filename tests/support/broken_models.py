@@ -94,6 +94,12 @@ SpeedNotNegative | speed="5.0" | speed="-5.0" | -5.0
     robots 'r1' | has speed '-5.0'; expected 0 or more
 SpeedNotNegative | speed="5.0" | speed="5.0" maxSpeed="-1" | ID="r1"
     robots 'r1' | has maxSpeed '-1'; expected 0 or more
+TurnRateInRange | speed="5.0" | speed="5.0" turnRate="0.0" | ID="r1"
+    robots 'r1' | has turnRate '0.0'; expected above 0 to 180; correct it
+TurnRateInRange | speed="5.0" | speed="5.0" turnRate="180.5" | ID="r1"
+    robots 'r1' | has turnRate '180.5'; expected above 0 to 180; correct it
+NoiseNotNegative | speed="5.0" | speed="5.0" positionNoise="-0.1" | ID="r1"
+    robots 'r1' | has positionNoise '-0.1'; expected 0 or more
 EnergyNotNegative | energyPerSample="2.0" | energyPerSample="-2" | ID="s1"
     sensors 's1' | has energyPerSample '-2'; expected 0 or more
 EnergyNotNegative | totalEnergy="4000.0" | totalEnergy="-1" | b3

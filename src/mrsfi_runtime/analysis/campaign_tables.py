@@ -66,16 +66,16 @@ def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
     """Say of goals that held by how much, and when that was the least; empty if of none."""
     found = zip(mission.goals, outcome.margins or (), outcome.true, strict=False)
     told = [
-        f"{goal.id} by {nearness(goal, margin)} at tick {margin[1]}"
+        f"{goal.id} by {nearness(mission, goal, margin)} at tick {margin[1]}"
         for goal, margin, n_violated in found
         if margin is not None and not n_violated
     ]
     return f"Held: {', '.join(told)}" if told else ""
 
 
-def nearness(goal: Goal, margin: Margin) -> str:
+def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
     """Return a goal's margin with its unit."""
-    return f"{margin[0]:.5g} {goal.task.spares}".rstrip()
+    return mission.units.told(margin[0], goal.task.spares, 5)
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
@@ -189,7 +189,9 @@ def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
         "faults": (f"{each.id} {each.type}" for each in pool),
     }
     rows = [(what, ", ".join(some) or NONE) for what, some in parts.items()]
-    return Table(f"Mission {name}, {mission.duration} ticks", ("what", "which"), rows)
+    return Table(
+        f"Mission {name}, {mission.units.ticks(mission.duration)}", ("what", "which"), rows
+    )
 
 
 def settings_table(settings: CampaignSettings) -> Table:

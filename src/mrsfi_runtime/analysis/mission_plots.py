@@ -41,6 +41,7 @@ from mrsfi_runtime.analysis.plots import (
     whole_numbers,
 )
 from mrsfi_runtime.analysis.story import Story, seen, windows, working_window
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
 Place: TypeAlias = tuple[float, float]
@@ -68,7 +69,8 @@ def mission_map(mission: Mission) -> Figure:
         _draw_mission(near, mission, colours)
         labels = _labelled(near, mission, colours)
         x, y, half = working_window(mission)
-        _look_at(near, (x, y, half), f"Mission {mission.name}: working area")
+        title = f"Mission {mission.name}: working area"
+        _look_at(near, (x, y, half), title, mission.distance_unit)
 
         far = figure.add_subplot(grid[0, 1])
         _draw_mission(far, mission, colours, is_small=True)
@@ -76,7 +78,7 @@ def mission_map(mission: Mission) -> Figure:
         far.add_patch(
             Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
         )
-        _look_at(far, (centre.x, centre.y, radius * 1.08), "")
+        _look_at(far, (centre.x, centre.y, radius * 1.08), "", "")
         far.set(anchor="NW", xlabel="", ylabel="")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
@@ -100,7 +102,7 @@ def flight_map(story: Story) -> Figure:
         _draw_mission(axes, mission, colours)
         labels = _foremost(_labelled(axes, mission, colours), story)
         *centre, half = window = seen(mission, story.true)
-        _look_at(axes, window, story.title)
+        _look_at(axes, window, story.title, mission.distance_unit)
         is_outside = (abs(story.believed - centre) > half).any(axis=-1)
         for k, robot in enumerate(mission.robots):
             colour = colours[robot.id]
@@ -137,7 +139,8 @@ def flight_gif(story: Story) -> bytes:
     with drawing((8.2, 8.2)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
-        _look_at(axes, seen(story.mission, story.true), fill(story.title, 70))
+        window, unit = seen(story.mission, story.true), story.mission.distance_unit
+        _look_at(axes, window, fill(story.title, 70), unit)
     n_ticks, n_robots, _ = story.true.shape
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
@@ -190,7 +193,9 @@ def flight_timeline(story: Story) -> Figure:
                 axes.broken_barh(bars, (row + place - 0.19, 0.38), color=colour, lw=0)
             if said.missed is not None:
                 axes.plot([said.missed] * 2, [row - 0.42, row + 0.42], color=INK, lw=2.2)
-        axes.set(xlim=(0, story.mission.duration), xlabel="tick", title=story.title)
+        axes.set(xlim=(0, story.mission.duration), title=story.title)
+        time = story.mission.time_unit
+        axes.set_xlabel(f"time ({time})" if time else "tick")
         axes.axhline(len(faults) - 0.5, color=GRID, lw=1.4)
         name_rows(axes, names)
         keys: list[Line2D | Patch] = [
@@ -209,15 +214,15 @@ def _colours(mission: Mission) -> dict[str, str]:
     return {robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)}
 
 
-def _look_at(axes: Axes, window: tuple[float, float, float], title: str) -> None:
+def _look_at(axes: Axes, window: tuple[float, float, float], title: str, unit: str) -> None:
     x, y, half = window
     axes.set(
         xlim=(x - half, x + half),
         ylim=(y - half, y + half),
         aspect="equal",
         anchor="N",
-        xlabel="x (distance units)",
-        ylabel="y (distance units)",
+        xlabel=f"x ({unit or 'distance units'})",
+        ylabel=f"y ({unit or 'distance units'})",
         title=title,
     )
 
@@ -317,6 +322,7 @@ def _key(marker: str, words: str, **style: Any) -> Line2D:
 
 
 def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
+    radius = mission.units.told(mission.area.radius, Range.X, 6)
     return [
         *(
             _key("^", f"start of {each.name or each.id} ({each.id})", ms=9, color=colours[each.id])
@@ -328,6 +334,6 @@ def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | P
             for _ in _trajectories(mission)[:1]
         ),
         Patch(fc=ROCK, ec=INK, label="obstacle"),
-        Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {mission.area.radius:g}"),
+        Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {radius}"),
         Patch(fill=False, ec=INK, label="working area (left)"),
     ]

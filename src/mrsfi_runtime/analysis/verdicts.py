@@ -19,7 +19,7 @@ from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
+from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.starving import starvation
@@ -36,6 +36,9 @@ class State(IntEnum):
     FALSE_ALARM = 3
     HOLDS = 4
 
+
+_ONE = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
+"""What is one of something."""
 
 _STATES = dict(
     zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
@@ -140,7 +143,7 @@ def _verdict(
     if state is State.BROKEN_ANYWAY:  # not by what it would break
         cause = starvation(mission, goal)
     elif way is not None:
-        cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown)
+        cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown, mission.units)
     if way is not None:
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds} seeds"
         sure = seeds, f"{100 * way.shown.share:.0f} % of forms"
@@ -154,16 +157,16 @@ def _verdict(
         cause=cause,
         noticed=heard,
         sure=sure,
-        nearest=_nearest_in_words(goal, known.nearest.get(goal.id)),
+        nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )
 
 
-def _nearest_in_words(goal: Goal, found: Nearest | None) -> str:
+def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> str:
     if found is None:
         return ""
-    tick, evaluation = found.margin[1], found.evaluation
-    return f"came within {nearness(goal, found.margin)} at tick {tick} of evaluation {evaluation}"
+    near, (_, tick) = nearness(mission, goal, found.margin), found.margin
+    return f"came within {near} at tick {tick} of evaluation {found.evaluation}"
 
 
 def _is_broken_anyway(known: Harvest, goal: str) -> bool:
@@ -174,16 +177,16 @@ def _is_broken_anyway(known: Harvest, goal: str) -> bool:
     )
 
 
-def noticed(weakness: Weakness) -> str:
+def noticed(weakness: Weakness, units: Units) -> str:
     """Say in a sentence whether, and when, the collective intelligence notices a broken goal."""
     if weakness.column.kind == MEASURES[0]:
-        return f"a {when_noticed(weakness)} of the CI"
+        return f"a {when_noticed(weakness, units)} of the CI"
     if weakness.is_masked:
         return "the CI never notices"
-    return f"the CI notices {when_noticed(weakness)}".rstrip()
+    return f"the CI notices {when_noticed(weakness, units)}".rstrip()
 
 
-def when_noticed(weakness: Weakness) -> str:
+def when_noticed(weakness: Weakness, units: Units) -> str:
     """Say the same in two or three words; none where an older record does not say when."""
     if weakness.column.kind == MEASURES[0]:
         return "false alarm"
@@ -194,7 +197,7 @@ def when_noticed(weakness: Weakness) -> str:
     late = weakness.noticed - weakness.since
     if late == 0:
         return "at once"
-    return f"{counted(abs(late), 'ticks')} {'late' if late > 0 else 'ahead'}"
+    return f"{units.ticks(abs(late))} {'late' if late > 0 else 'ahead'}"
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
@@ -209,11 +212,8 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
     subject, s = _subject(mission, fault.fault)
     kind, values = fault.fault.kind, fault.timed.values
-    units = [UNITS.get(parameter.range, "") for parameter in kind.parameters]
-    units = [
-        re.sub(r"s\b", "", u, count=1) if v == 1 else u for v, u in zip(values, units, strict=True)
-    ]
-    words = [f"{value:.4g} {unit}".rstrip() for value, unit in zip(values, units, strict=True)]
+    told = zip(values, kind.parameters, strict=True)
+    words = [_ONE.sub(r"\1", fault.units.told(value, each.range)) for value, each in told]
     first = words[0].replace(" percent", " %") if words else ""
     fixed = off
     if off is None:
@@ -222,7 +222,7 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     begin, end = fault.window or (0, -1)
     of = f" from {kind.name}" if kind.mode is Mode.OWN else ""
     waits = "" if fault.trigger is None else f" at most, {fault.trigger.words}"
-    return f"{subject} {done.rstrip()}{of} for {counted(end - begin + 1, 'ticks')}{waits}"
+    return f"{subject} {done.rstrip()}{of} for {fault.units.ticks(end - begin + 1)}{waits}"
 
 
 def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:

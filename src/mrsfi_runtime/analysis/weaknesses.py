@@ -163,7 +163,8 @@ def failure_modes(
 
     @cache
     def flown(form: Specification) -> tuple[str, list[int]]:
-        effects = (local_effect(chain) or NONE for chain in chains(fly, mission, form))
+        units = mission.units
+        effects = (local_effect(chain, units) or NONE for chain in chains(fly, mission, form))
         counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
         return "; ".join(effects), [*map(max, *counts)]
 

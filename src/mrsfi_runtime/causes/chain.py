@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
-from mrsfi_runtime.model.fault_types import Field, Mode, Struck
+from mrsfi_runtime.model.fault_types import Field, Mode, Struck, Units
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -41,15 +41,15 @@ KNOWN: Mapping[str, Quantities] = MappingProxyType(
 """Quantities of a true or local state, by the list whose records have them."""
 
 SENT: Mapping[str, Quantities] = MappingProxyType(
-    {
-        "commands": {HEADING: ("heading_x", "heading_y"), "speed": ("sent_speed",)},
-        "switches": {"activation": ("active",)},
-    }
+    {"commands": {HEADING: ("heading_x", "heading_y"), "speed": ("speed",)}}
 )
-"""Those of the local state that say what was sent."""
+"""Those of the true state that say what was sent."""
+
+SWITCHED: Mapping[str, Quantities] = MappingProxyType({"switches": {"activation": ("active",)}})
+"""Those of the local state that do."""
 
 FORGED: Mapping[str, Quantities] = MappingProxyType({"sensors": {"activation": ("active",)}})
-"""Those of the true state that do: a forged activation shows in these only, a tick later."""
+"""Those of the true state that do so late: a forged activation shows here only, a tick later."""
 
 
 class Change(NamedTuple):
@@ -143,7 +143,10 @@ def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
     truths, beliefs = ((flight[side], twin[side]) for side in ("world", "belief"))
     return Chain(
         belief=_first(owners, _pairs(*beliefs, KNOWN)),
-        command=_first(owners, _pairs(*beliefs, SENT) + _pairs(*truths, FORGED)),
+        command=_first(
+            owners,
+            _pairs(*truths, SENT) + _pairs(*beliefs, SWITCHED) + _pairs(*truths, FORGED),
+        ),
         truth=_first(owners, _pairs(*truths, KNOWN)),
         verdicts=tuple(_verdicts(mission, flight, twin)),
     )
@@ -239,7 +242,8 @@ def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:
 
 def sentence(fault: NamedFault, chain: Chain) -> str:
     """Say what a fault did, what was believed and sent then, what happened, and what was missed."""
-    parts = [*(words for _, words in _differences(chain)), *map(_verdict, chain.verdicts)]
+    told = _differences(chain, fault.units)
+    parts = [*(words for _, words in told), *map(_verdict, chain.verdicts)]
     waits = "" if fault.trigger is None else f", {fault.trigger.words}"
     window = f"from tick {fault.timed.start} to {fault.timed.finish}{waits}"
     done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
@@ -257,23 +261,23 @@ def _deed(fault: NamedFault) -> str:
     return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
 
 
-def local_effect(chain: Chain) -> str:
+def local_effect(chain: Chain, units: Units) -> str:
     """Say what a fault changed first of what is believed or sent; empty if it changed neither."""
-    told = [*_differences(replace(chain, truth=None))]
+    told = [*_differences(replace(chain, truth=None), units)]
     return min(told, key=lambda each: each[0])[1] if told else ""
 
 
-def _differences(chain: Chain) -> Iterator[tuple[int, str]]:
+def _differences(chain: Chain, units: Units) -> Iterator[tuple[int, str]]:
     for first, words in (
         (chain.belief, "the CI believed"),
         (chain.command, "what was sent was"),
         (chain.truth, "there truly was"),
     ):
         if first is not None:
-            yield first.tick, f"at tick {first.tick} {words} {changed(first)}"
+            yield first.tick, f"at tick {first.tick} {words} {changed(first, units)}"
 
 
-def changed(first: First) -> str:
+def changed(first: First, units: Units) -> str:
     """Return the first change in words: ``r2 position (3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)``.
 
     Of several, it is the first in the order of robots, sensors, obstacles and goals. One that is
@@ -281,7 +285,10 @@ def changed(first: First) -> str:
     off``.
     """
     change = first.changes[0]
-    found, otherwise = (_value(change, value) for value in (change.found, change.otherwise))
+    unit = {POSITION: units.distance, "energy": units.energy}.get(change.quantity, "")
+    found, otherwise = (
+        f"{_value(change, value)} {unit}".rstrip() for value in (change.found, change.otherwise)
+    )
     apart = f"{change.size:.0e} off" if found == otherwise else f"not {otherwise}"
     return f"{change.owner} {change.quantity} {found}, {apart}"
 

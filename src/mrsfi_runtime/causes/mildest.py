@@ -25,9 +25,8 @@ from mrsfi_runtime.causes.weakness import (
     yardstick_of,
 )
 from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import counted
 from mrsfi_runtime.kernel.packing import PROPERTIES
-from mrsfi_runtime.model.fault_types import UNITS, Mode
+from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
 from mrsfi_runtime.model.targets import touched
 from mrsfi_runtime.search.space import SearchSpace
@@ -122,11 +121,11 @@ class Deviation:
 
     def in_words(self, timed: TimedFault) -> str:
         """Return how far values are off: ``41 off``, ``3 energy units off``, ``DELAY 9 ticks``."""
-        kind = self.space.gate.pool[timed.fault].kind
+        kind, units = self.space.gate.pool[timed.fault].kind, self.space.gate.mission.units
         if kind.mode is not Mode.FIXED:
-            return kind.in_words(timed.values)
+            return kind.in_words(timed.values, units)
         apart = math.dist(timed.values[:2], self.harmless(timed)[:2])
-        return f"{apart:.4g} {UNITS.get(kind.parameters[0].range, '')}".rstrip() + " off"
+        return f"{units.told(apart, kind.parameters[0].range)} off"
 
 
 def mildest(
@@ -270,6 +269,7 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     """
     found, (goal, kind) = weakness.witness, weakness.column
     is_off = len(found) == 1 and deviation.share(found[0]) > 0.0
+    told = deviation.space.gate.mission.units.ticks
 
     def n_ticks(each: Specification) -> int:
         return fault_ticks(each, deviation.space.duration)
@@ -278,9 +278,9 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
         return deviation.share(each[0]) if is_off else n_ticks(each)
 
     def words(each: Specification) -> str:
-        return deviation.in_words(each[0]) if is_off else counted(n_ticks(each), "ticks")
+        return deviation.in_words(each[0]) if is_off else told(n_ticks(each))
 
-    at_work = counted(n_ticks(found), "ticks")
+    at_work = told(n_ticks(found))
     how = f"from {words(found)} for {at_work}" if is_off else f"when at work for {at_work}"
     least = min(size(each) for each, is_broken in tried.items() if is_broken)
     kept = [each for each in tried if size(each) < least]

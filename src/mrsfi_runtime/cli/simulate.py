@@ -93,7 +93,8 @@ def command(
         pool, specification, flown = written.pool, written.specification, f"under {faults}"
         again += ["--faults", str(faults)]
         text = faults.read_text(encoding="utf-8", errors="replace")
-    title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
+    lasts = code.mission.units.ticks(code.mission.duration)
+    title = f"{folders.name}, {lasts}, seed {seed}, {flown}"
     with opened(code, seed, settings, tell) as flown_by:
         subject = Subject(title, [*again, "--seed", str(seed)], text)
         outcome = fly_recorded(flown_by, specification, pool, files, subject)

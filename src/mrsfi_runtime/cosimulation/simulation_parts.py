@@ -7,7 +7,7 @@ Source paper, section III-F.
 
 from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.cosimulation.truth import true_values
-from mrsfi_runtime.kernel.motion import reports_position
+from mrsfi_runtime.kernel.motion import reported_place, reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.transport.topics import Payload, PubSub
 
@@ -35,7 +35,8 @@ class SimulatedRobot:
         """Publish the robot; its position only while it knows it."""
         robot = self._robot
         if reports_position(self._world, self._index):
-            self._tell_position({"x": robot.x, "y": robot.y, "z": robot.z})
+            x, y = reported_place(self._world, self._index)
+            self._tell_position({"x": x, "y": y, "z": robot.z})
         self._tell_speed({"data": robot.speed})
         self._tell_energy({"data": robot.energy})
 

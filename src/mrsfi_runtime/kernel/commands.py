@@ -11,7 +11,7 @@ Source paper, section III-G.
 import math
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.state import RobotState, State
+from mrsfi_runtime.kernel.state import RobotState, State, TraitState
 from mrsfi_runtime.kernel.tolerance import TOLERANCE
 
 
@@ -19,6 +19,23 @@ from mrsfi_runtime.kernel.tolerance import TOLERANCE
 def feasible(robot: RobotState, speed: float) -> float:
     """Return the speed nearest to a wanted one that a robot can fly: from 0 to its maximum."""
     return min(max(speed, 0.0), robot.max_speed)
+
+
+@kernel
+def turned(trait: TraitState, x: float, y: float, to_x: float, to_y: float) -> tuple[float, float]:
+    """Return the heading nearest to a wanted one that a robot can turn to from (x, y) in a tick.
+
+    Where the wanted one is straight behind, to within ``TOLERANCE``, it turns to the left.
+    """
+    aside = x * to_y - y * to_x
+    ahead = x * to_x + y * to_y
+    if trait.turn_y == 0.0 or abs(aside) * trait.turn_x <= ahead * trait.turn_y:
+        return to_x, to_y
+    sin = -trait.turn_y if aside < TOLERANCE * min(ahead, 0.0) else trait.turn_y
+    near_x = x * trait.turn_x - y * sin
+    near_y = y * trait.turn_x + x * sin
+    length = math.sqrt(near_x * near_x + near_y * near_y)
+    return near_x / length, near_y / length
 
 
 @kernel

@@ -8,7 +8,7 @@ Source paper, sections III-F and III-G (``updateSystemState``).
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.effects.belief import believe, believed
 from mrsfi_runtime.kernel.injections import Plan
-from mrsfi_runtime.kernel.motion import reports_position
+from mrsfi_runtime.kernel.motion import reported_place, reports_position
 from mrsfi_runtime.kernel.state import State
 
 
@@ -22,8 +22,7 @@ def send(world: State, inbox: State) -> None:
         robot = world.robots[index]
         sent = inbox.robots[index]
         if reports_position(world, index):
-            sent.x = robot.x
-            sent.y = robot.y
+            sent.x, sent.y = reported_place(world, index)
             sent.z = robot.z
         sent.speed = robot.speed
         sent.energy = robot.energy

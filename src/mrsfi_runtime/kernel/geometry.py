@@ -3,7 +3,8 @@
 import math
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.state import GoalState
+from mrsfi_runtime.kernel.randomness import choice, uniform
+from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.kernel.tolerance import RESERVE, excess
 
 
@@ -13,6 +14,21 @@ def distance(x: float, y: float, to_x: float, to_y: float) -> float:
     dx = to_x - x
     dy = to_y - y
     return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def scattered(
+    state: State, x: float, y: float, radius: float, entity: int, purpose: int
+) -> tuple[float, float]:
+    """Return a random point of a disc, uniform: radius × √u along a direction.
+
+    The direction is drawn under the purpose after.
+    """
+    seed = state.mission.seed
+    tick = state.mission.tick
+    direction = state.directions[choice(len(state.directions), seed, tick, entity, purpose + 1)]
+    reach = radius * math.sqrt(uniform(seed, tick, entity, purpose))
+    return x + reach * direction.x, y + reach * direction.y
 
 
 @kernel

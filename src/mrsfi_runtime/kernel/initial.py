@@ -22,13 +22,14 @@ from mrsfi_runtime.kernel.state import (
     SensorState,
     State,
     SwitchState,
+    TraitState,
 )
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
 
 DIRECTIONS = tuple(
     DirectionState(math.cos(angle), math.sin(angle)) for angle in map(math.radians, range(360))
 )
-"""The only trigonometry of the kernel.
+"""All trigonometry of the kernel, but for turn rates.
 
 A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
 States carry it, because a compiler would copy a constant tuple at every use.
@@ -62,6 +63,7 @@ def initial_state(mission: Mission, seed: int) -> State:
             radius=float(area.radius),
         ),
         obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
+        traits=tuple(map(_traits, mission.robots)),
         directions=DIRECTIONS,
         map=map_,
         cells=cells,
@@ -138,6 +140,12 @@ def _add_robot(state: State, robot: Robot) -> None:
         )
         state.chances += chances
         state.switches.append(SwitchState(active=1, claimed=0))
+
+
+def _traits(robot: Robot) -> TraitState:
+    turn = math.radians(robot.turn_rate)
+    turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # no last bit is left of it
+    return TraitState(math.cos(turn), turn_y, float(robot.position_noise))
 
 
 def _obstacle(area: Area) -> ObstacleState:

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 
 from mrsfi_runtime.kernel.commands import feasible
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import scattered
+from mrsfi_runtime.kernel.randomness import PURPOSE_NOISE
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
 
@@ -54,3 +56,13 @@ def reports_position(world: State, index: int) -> bool:
     """Return whether a robot publishes its position: not while its GPS sensor is off."""
     gps = world.robots[index].gps
     return gps < 0 or world.sensors[gps].active == 1
+
+
+@kernel
+def reported_place(world: State, index: int) -> tuple[float, float]:
+    """Return where a robot says that it is: as far off as its noise has it in this tick."""
+    robot = world.robots[index]
+    noise = world.traits[index].position_noise
+    if noise <= 0.0:
+        return robot.x, robot.y
+    return scattered(world, robot.x, robot.y, noise, index, PURPOSE_NOISE)

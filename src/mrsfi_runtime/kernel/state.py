@@ -52,6 +52,19 @@ class RobotState:
     gps: int
 
 
+@dataclass(frozen=True, slots=True)
+class TraitState:
+    """What else a robot is like: how far it turns in a tick, how far it misjudges its position.
+
+    ``turn_x`` and ``turn_y`` are the direction to which it can turn from that of 0 degrees, to the
+    left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance.
+    """
+
+    turn_x: float
+    turn_y: float
+    position_noise: float
+
+
 @dataclass(slots=True)
 class SensorState:
     """A sensor: valid samples so far, activation (0 or 1), samples per tick, energy per sample.
@@ -236,8 +249,9 @@ class LookupState:
 class State:
     """All that is known: by the simulation the truth, by the collective intelligence a belief.
 
-    Tuples are tables that nobody writes to, the same in every state of a mission.
-    ``directions`` are the unit vectors of whole degrees. ``cells`` tells where the obstacles of
+    Tuples are tables that nobody writes to, the same in every state of a mission; digests and
+    records leave them out. ``traits`` has one of each robot, ``directions`` are the unit vectors
+    of whole degrees. ``cells`` tells where the obstacles of
     each cell of the map begin in ``mapped``. ``lookup`` is no knowledge: robots are found there.
     """
 
@@ -249,6 +263,7 @@ class State:
     members: list[MemberState] = field(default_factory=list)
     hazards: list[int] = field(default_factory=list)
     waypoints: list[PointState] = field(default_factory=list)
+    traits: tuple[TraitState, ...]
     chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
     commands: list[CommandState] = field(default_factory=list)

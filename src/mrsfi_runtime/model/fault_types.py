@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
+from mrsfi_runtime.errors import counted
+
 
 class Field(IntEnum):
     """A property that a fault can touch; with the index of its owner: a target."""
@@ -62,9 +64,41 @@ class Range(Enum):
     Z = "height"
 
 
-_PLAIN = (Range.SHARE, Range.X, Range.Y, Range.Z)
-UNITS: Mapping[Range, str] = {of: of.value for of in Range if of not in _PLAIN}
-"""What the values of a parameter are told in; shares and coordinates are plain numbers."""
+_COORDINATES = (Range.X, Range.Y, Range.Z)
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """The units in which quantities are told to people; each is empty if the model names none.
+
+    ``time`` is what a tick lasts.
+    """
+
+    distance: str = ""
+    time: str = ""
+    energy: str = ""
+
+    def of(self, measured: Range) -> str:
+        """Return the unit of a quantity, in words of ours if need be; shares have none."""
+        per = self.time or "tick"
+        named = {
+            Range.TICKS: self.time,
+            Range.ENERGY: self.energy,
+            Range.SPEED: f"{self.distance or 'units'} per {per}",
+            Range.RATE: f"samples per {per}",
+            Range.COST: f"{self.energy or 'energy'} per sample",
+        }
+        if measured in _COORDINATES:
+            return self.distance
+        return "" if measured is Range.SHARE else named.get(measured, "") or measured.value
+
+    def told(self, value: float, measured: Range, digits: int = 4) -> str:
+        """Return a quantity of so many digits with its unit: ``3 energy units``, ``41.2 m``."""
+        return f"{value:.{digits}g} {self.of(measured)}".rstrip()
+
+    def ticks(self, number: int) -> str:
+        """Return how long so many ticks last: ``1 tick``, ``2 ticks``, ``2 s``."""
+        return f"{number} {self.time}" if self.time else counted(number, "ticks")
 
 
 class Role(Enum):
@@ -129,10 +163,10 @@ class FaultType:
         """Return values by the names of the parameters."""
         return dict(zip((each.name for each in self.parameters), values, strict=True))
 
-    def in_words(self, values: Sequence[float]) -> str:
+    def in_words(self, values: Sequence[float], units: Units) -> str:
         """Return values with names and units, of six digits: ``DELAY 200 ticks``."""
         return ", ".join(
-            f"{each.name} {value:.6g} {UNITS.get(each.range, '')}".rstrip()
+            f"{each.name} {units.told(value, each.range, 6)}"
             for each, value in zip(self.parameters, values, strict=True)
         )
 

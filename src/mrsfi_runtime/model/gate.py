@@ -18,7 +18,7 @@ from operator import attrgetter
 from typing import Any
 
 from mrsfi_runtime.errors import SpecificationError, expected
-from mrsfi_runtime.model.fault_types import FaultType, Mode, Parameter, Range
+from mrsfi_runtime.model.fault_types import FaultType, Mode, Parameter, Range, Units
 from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, describe, touched
@@ -108,7 +108,7 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
             wanted = f"a whole number from {low:.0f} to {high:.0f}"
             raise _misfit(timed.fault, f"{parameter.name} {value}", wanted)
     if kind.mode is Mode.RANDOM and values and values[0] > values[1]:
-        raise _misfit(timed.fault, kind.in_words(values), "the lower one first")
+        raise _misfit(timed.fault, kind.in_words(values, Units()), "the lower one first")
     return timed
 
 

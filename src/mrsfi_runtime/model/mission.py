@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
-from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.fault_types import Field, Range, Units
 
 ROBOT_RADIUS = 1.0
 """Robots are discs of this radius, in distance units."""
@@ -97,6 +97,8 @@ class Robot:
     """A robot with its nominal speed in distance units per tick.
 
     ``max_speed`` is the greatest speed that the model names, in the same unit; most name none.
+    ``turn_rate`` is how far it turns in a tick, in degrees; 180 are at once.
+    ``position_noise`` is how far off the position may be that it reports, in distance units.
     """
 
     id: str
@@ -110,6 +112,8 @@ class Robot:
     string_properties: tuple[StringProperty, ...] = ()
     double_properties: tuple[DoubleProperty, ...] = ()
     max_speed: float | None = None
+    turn_rate: float = 180.0
+    position_noise: float = 0.0
 
     @property
     def fastest(self) -> float:
@@ -190,12 +194,12 @@ class Terms:
 class GoalTask:
     """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind.
 
-    One that ``keeps_robots`` steers them into its area for ever. ``spares`` is the unit of its
-    margin, by how much a goal is not violated, in words; distance units have none.
+    One that ``keeps_robots`` steers them into its area for ever. ``spares`` is what its
+    margin is measured in, by how much a goal is not violated.
     """
 
     keeps_robots: ClassVar[bool] = False
-    spares: ClassVar[str] = ""
+    spares: ClassVar[Range] = Range.X
 
     @property
     def name(self) -> str:
@@ -247,6 +251,14 @@ class Mission:
     goals: tuple[Goal, ...]
     servers: tuple[Server, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    distance_unit: str = ""
+    time_unit: str = ""
+    energy_unit: str = ""
+
+    @cached_property
+    def units(self) -> Units:
+        """The units that its model names."""
+        return Units(self.distance_unit, self.time_unit, self.energy_unit)
 
     @cached_property
     def robot_index(self) -> dict[str, int]:

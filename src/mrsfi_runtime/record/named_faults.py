@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
+from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault, Trigger
 from mrsfi_runtime.model.gate import LAST
 from mrsfi_runtime.model.mission import Mission
@@ -20,7 +21,8 @@ class NamedFault:
 
     ``touched`` is in words, ``robots`` are the places of the robots that have it or carry the
     sensors that do; ``window`` has the first and last tick at which it is active, ``None`` if it
-    never is. One with a ``trigger`` is active at ``most`` ticks of it.
+    never is; ``units`` are those of the mission. One with a ``trigger`` is active at ``most`` ticks
+    of it.
     """
 
     name: str
@@ -29,6 +31,7 @@ class NamedFault:
     touched: tuple[str, ...]
     robots: frozenset[int]
     window: Window | None
+    units: Units
     trigger: Trigger | None = None
     most: int = LAST
 
@@ -48,7 +51,7 @@ class NamedFault:
     @property
     def values(self) -> str:
         """Its values with names and units; empty if its type has no parameters."""
-        return self.fault.kind.in_words(self.timed.values)
+        return self.fault.kind.in_words(self.timed.values, self.units)
 
     @property
     def told(self) -> str:
@@ -98,5 +101,6 @@ def named_faults(
         window = active_window(mission, pool, timed)
         robots, trigger = robots_of(mission, targets), pool.triggers_by_id.get(timed.trigger)
         most = LAST if trigger is None else longest(fault.kind, timed.values, trigger)
-        found.append(NamedFault(name, timed, fault, words, robots, window, trigger, most))
+        told = (window, mission.units, trigger, most)
+        found.append(NamedFault(name, timed, fault, words, robots, *told))
     return tuple(found)

@@ -50,6 +50,7 @@ _FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
 _ODD_PLACES = (0.0, -0.0, 1e-9, 30.0, 1e10, -1e10)
 _ODD_AMOUNTS = (0.0, 1e-9, 1.0, 1e6)
 _ODD_ENERGIES = (0.0, 1e-9, 1e12)
+_ODD_TURNS = (1e-9, 1e-3, 90.0, 179.9999999, 180.0)
 _ODD_EXTENTS = (1e-9, 1.0, 30.0, 1e12)
 _ODD_VALUES = (0.0, 1e-9, 100.0, 1e12)
 
@@ -267,8 +268,11 @@ class _Parts:
             )
             more = _number(rng, 0.0, 8.0, _ODD_AMOUNTS)
             fastest = f' maxSpeed="{speed + more!r}"' if rng.random() < 0.5 else ""
+            rate, off = _number(rng, 0.1, 60.0, _ODD_TURNS), _number(rng, 0.0, 5.0, _ODD_EXTENTS)
+            turns = f' turnRate="{rate!r}"' if rng.random() < 0.5 else ""
+            noise = f' positionNoise="{off!r}"' if rng.random() < 0.3 else ""
             yield (
-                f'<robots ID="{robot}" name="" speed="{speed!r}"{fastest}>'
+                f'<robots ID="{robot}" name="" speed="{speed!r}"{fastest}{turns}{noise}>'
                 f"{self.point('position', robot)}{sensors}"
                 f'<batteries ID="{robot}b" name="" totalEnergy="{energy!r}"/><motionSources '
                 f'ID="{robot}d" name="" energyPerDistanceUnit="{distance!r}"/></robots>'

@@ -18,7 +18,7 @@ from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import ways
 from mrsfi_runtime.causes.weakness import Known, Yardstick
-from mrsfi_runtime.model.fault_types import Mode
+from mrsfi_runtime.model.fault_types import Mode, Units
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
 from tests.support.weaknesses import weakness
@@ -100,7 +100,7 @@ def test_when_the_ci_notices_is_told_from_when_the_goal_breaks(
 ):
     found = replace(weakness("g1", measure, "f11", masked=masked), since=since, noticed=seen)
 
-    assert noticed(found) == expected
+    assert noticed(found, Units()) == expected
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 import pytest
 
 from mrsfi_runtime.causes.chain import HEADING, Change, First, changed
+from mrsfi_runtime.model.fault_types import Units
 
 
 @pytest.mark.parametrize(
@@ -22,4 +23,4 @@ from mrsfi_runtime.causes.chain import HEADING, Change, First, changed
 def test_a_change_is_told_so_that_it_can_be_seen(quantity, found, otherwise, said):
     first = First(3, (Change("r1", quantity, found, otherwise),))
 
-    assert changed(first) == f"r1 {quantity} {said}"
+    assert changed(first, Units()) == f"r1 {quantity} {said}"

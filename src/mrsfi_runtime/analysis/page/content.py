@@ -37,6 +37,7 @@ from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import counted
+from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -122,14 +123,14 @@ def _first_screen(
         "headline": headline,
         "about": " · ".join(about),
         "facts": facts,
-        "goals": [_goal(each) for each in summary.verdicts],
+        "goals": [_goal(each, mission.units) for each in summary.verdicts],
         "ways": [
             {
                 "number": way.number,
                 "goal": way.goal,
                 "name": names[way.goal],
                 "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
-                f"{noticed(way.shown)}",
+                f"{noticed(way.shown, mission.units)}",
                 "sure": verdict(way),
                 "kind": way.shown.column.kind,
                 "unseen": way.is_unseen,
@@ -144,7 +145,7 @@ def _first_screen(
     }
 
 
-def _goal(each: GoalVerdict) -> dict[str, Any]:
+def _goal(each: GoalVerdict, units: Units) -> dict[str, Any]:
     way = each.way
     return {
         "id": each.goal,
@@ -154,7 +155,7 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "grave": each.state <= State.VIOLATED,
         "cause": each.cause,
         "by": "" if way is None else " and ".join(way.faults),
-        "noticed": "" if way is None else when_noticed(way.shown),
+        "noticed": "" if way is None else when_noticed(way.shown, units),
         "sure": each.sure,
         "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
         "unknown": each.unknown,

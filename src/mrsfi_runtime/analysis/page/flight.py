@@ -14,6 +14,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.story import Story, judged, seen, story_of, windows
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.engine.recording import SIDES, Recording
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 
@@ -38,11 +39,17 @@ class Flown:
 
 def mission_content(mission: Mission) -> dict[str, Any]:
     """Return what the page shows of a mission before anything flies."""
-    area = mission.area
+    area, units = mission.area, mission.units
     return {
         "name": mission.name,
         "duration": mission.duration,
         "robot_radius": ROBOT_RADIUS,
+        "units": {
+            "x": units.distance,
+            "y": units.distance,
+            "speed": units.of(Range.SPEED) if units.distance else "",
+            "energy": units.energy,
+        },
         "area": [area.center.x, area.center.y, area.radius],
         "robots": [{"id": robot.id, "name": robot.name} for robot in mission.robots],
         "obstacles": [

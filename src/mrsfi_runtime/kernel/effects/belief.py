@@ -12,6 +12,7 @@ import math
 from typing import TypeAlias
 
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import scattered
 from mrsfi_runtime.kernel.injections import (
     COST,
     COUNT,
@@ -88,17 +89,14 @@ def number(ci: State, injection: InjectionState, true: float) -> float:
 def place(ci: State, injection: InjectionState, z: float) -> Belief:
     """Return where a fault puts a robot or an obstacle.
 
-    A random place is uniform in the mission disc, at height ``z``: radius × √u along a direction.
+    A random place is anywhere in the mission disc, at height ``z``.
     """
     if injection.is_random == 0:
         return injection.a, injection.b, injection.c
     mission = ci.mission
-    target = injection.target
     purpose = PURPOSES[injection.affected]
-    turn = choice(len(ci.directions), mission.seed, mission.tick, target, purpose + 1)
-    direction = ci.directions[turn]
-    reach = mission.radius * math.sqrt(uniform(mission.seed, mission.tick, target, purpose))
-    return mission.x + reach * direction.x, mission.y + reach * direction.y, z
+    x, y = scattered(ci, mission.x, mission.y, mission.radius, injection.target, purpose)
+    return x, y, z
 
 
 @kernel

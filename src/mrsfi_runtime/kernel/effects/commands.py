@@ -7,7 +7,7 @@ Source paper, sections III-B b) and III-G.
 
 from dataclasses import dataclass
 
-from mrsfi_runtime.kernel.commands import feasible
+from mrsfi_runtime.kernel.commands import feasible, turned
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.effects.belief import note
 from mrsfi_runtime.kernel.injections import ACTIVATION, InjectionState, Plan
@@ -26,15 +26,17 @@ class Orders:
 def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
     """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
 
-    The speed that leaves is one that the robot can fly, and ``ci`` remembers it: who regulates a
-    speed has to know what the robot was told. The CI's own commands stay as they are. Forged ones
-    beat all others, from the motion of their ``start`` to that of their ``finish``.
+    The heading that leaves is one that the robot can turn to from the last, the speed one that it
+    can fly, which ``ci`` remembers: who regulates a speed has to know what the robot was told. The
+    CI's own commands stay as they are. Forged ones beat all others, from the motion of their
+    ``start`` to that of their ``finish``.
     """
     for index in range(len(ci.commands)):
         own = ci.commands[index]
         order = orders.commands[index]
-        order.heading_x = own.heading_x
-        order.heading_y = own.heading_y
+        order.heading_x, order.heading_y = turned(
+            ci.traits[index], order.heading_x, order.heading_y, own.heading_x, own.heading_y
+        )
         order.speed = feasible(ci.robots[index], own.speed)
         own.sent_speed = order.speed
     for index in range(len(ci.switches)):

@@ -10,6 +10,7 @@ from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
 
 
@@ -18,7 +19,7 @@ class GatherSamples(GoalTask):
     """Gather samples with one sensor (by ID) inside the goal's area."""
 
     keeps_robots: ClassVar[bool] = True
-    spares: ClassVar[str] = "ticks"
+    spares: ClassVar[Range] = Range.TICKS
     target_sample_number: int
     sensor: str
 

@@ -7,6 +7,7 @@ from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.margins import patience
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, GoalTask
 
 
@@ -15,7 +16,7 @@ class Patrol(GoalTask):
     """Have every member inside the area at least once in each period of ticks."""
 
     keeps_robots: ClassVar[bool] = True
-    spares: ClassVar[str] = "ticks"
+    spares: ClassVar[Range] = Range.TICKS
     area: Area
     period: int
 

@@ -9,6 +9,7 @@ from mrsfi_runtime.kernel.forecast import energy_reserve, sensor_power, ticks_le
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import RESERVE
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -16,7 +17,7 @@ from mrsfi_runtime.model.mission import GoalTask
 class SufficientEnergy(GoalTask):
     """Keep enough energy in every member to complete the mission."""
 
-    spares: ClassVar[str] = "energy units"
+    spares: ClassVar[Range] = Range.ENERGY
 
 
 @kernel

@@ -9,6 +9,7 @@ from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
 
 
@@ -16,7 +17,7 @@ from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
 class Visit(GoalTask):
     """Have every member within tolerance of a point no later than the deadline tick."""
 
-    spares: ClassVar[str] = "ticks"
+    spares: ClassVar[Range] = Range.TICKS
     coordinates: Coordinates
     tolerance: float
     deadline: int

@@ -158,9 +158,23 @@ class FlightView {
       const series = mission.robots.flatMap((robot, r) => [false, true].map((believed) => ({
         label: `${robot.id} ${believed ? "believed" : "true"}`, stroke: palette[r % palette.length], width: 1.5, dash: believed ? [6, 4] : undefined, points: { show: false } })));
       const values = mission.robots.flatMap((_, r) => ["", "believed_"].map((side) => ticks.map((tick) => flight.at(side + name, r, tick))));
-      return new uPlot({ title: name, width: 500, height: 190, scales: { x: { time: false } }, legend: { show: mission.robots.length <= 4, live: false },
+      return new uPlot({ title: this.labelled(name), width: 500, height: 190, scales: { x: { time: false } }, legend: { show: mission.robots.length <= 4, live: false },
         axes: [{ stroke: ink, grid: { stroke: grid } }, { stroke: ink, grid: { stroke: grid }, size: 72 }], series: [{ label: "tick" }, ...series] }, [ticks, ...values], place);
     });
+  }
+
+  // With the unit that the model names, if it names one.
+  labelled(name) {
+    const unit = this.mission.units[name];
+    return unit ? `${name} (${unit})` : name;
+  }
+
+  told(distance) {
+    return `${distance} ${this.mission.units.x}`.trimEnd();
+  }
+
+  place(x, y) {
+    return this.told(`(${number(x)}, ${number(y)})`);
   }
 
   resize() {
@@ -206,11 +220,11 @@ class FlightView {
     for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3] }); label(area.goal, px, py, colour("soft")); }
     mission.obstacles.forEach((obstacle) => {
       const [px, py] = disc(obstacle.x, obstacle.y, obstacle.radius, { fill: colour("rock") });
-      this.spots.push([px, py, `${obstacle.id}: obstacle at (${number(obstacle.x)}, ${number(obstacle.y)}), radius ${number(obstacle.radius)}`]);
+      this.spots.push([px, py, `${obstacle.id}: obstacle at ${this.place(obstacle.x, obstacle.y)}, radius ${this.told(number(obstacle.radius))}`]);
     });
     for (const [from, to, x, y, id, radius] of this.data.displaced) if (from <= tick && tick <= to) {
       const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3] });
-      this.spots.push([px, py, `${id}: obstacle believed at (${number(x)}, ${number(y)})`]);
+      this.spots.push([px, py, `${id}: obstacle believed at ${this.place(x, y)}`]);
     }
     for (const [at, goal, x, y] of this.data.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });
     if (this.other) this.drawRobots(context, this.other, disc, null, 0.35);
@@ -256,7 +270,7 @@ class FlightView {
       }
       const hit = this.touches(flight, r, x, y);
       const [px, py] = disc(x, y, mission.robot_radius, { fill: shade, least: 4, stroke: hit ? colour("fault") : null, width: 4 });
-      if (label) { label(robot.name || robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true (${number(x)}, ${number(y)}), believed (${number(bx)}, ${number(by)})${hit ? ", in collision" : ""}`]); }
+      if (label) { label(robot.name || robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true ${this.place(x, y)}, believed ${this.place(bx, by)}${hit ? ", in collision" : ""}`]); }
     });
     context.globalAlpha = 1;
   }
@@ -275,7 +289,7 @@ class FlightView {
     if (tracks) this.cursor.style.left = `${tracks.offsetLeft + (tracks.offsetWidth * (tick + 0.5)) / mission.duration}px`;
     this.element.dataset.frame = milliseconds.toFixed(2);
     const rows = mission.robots.map((robot, r) => [said(robot.id), ...["x", "y", "speed", "energy"].flatMap((name) => [flight.at(name, r, tick), flight.at(`believed_${name}`, r, tick)].map((value) => value.toFixed(flight.digits[name])))]);
-    const header = ["robot", ...["x", "y", "speed", "energy"].flatMap((name) => [name, "believed"])];
+    const header = ["robot", ...["x", "y", "speed", "energy"].flatMap((name) => [this.labelled(name), "believed"])];
     if (!this.playing || mission.robots.length <= 12) this.numbers.replaceChildren(table(header, rows, { id: "numbers" }));
   }
 

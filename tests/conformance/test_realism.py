@@ -1,0 +1,103 @@
+"""Robots that turn slowly and misjudge where they are: the same bits however they fly."""
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from m2t.generate import generate
+from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from tests.integration.test_injector import EMBEDDED, flown
+from tests.support.models.copies import MISSION, copy_models, edit
+from tests.support.trace import columns, traced
+from tests.support.world import paper_code, specifications
+
+SEED = 5
+RATES, NOISES = (9.0, 30.0, 180.0), (2.0, 0.0, 0.5)
+GIVEN = ('turnRate="9.0" positionNoise="2.0"', 'turnRate="30.0"', 'positionNoise="0.5"')
+PATIENCE = Patience(tick=20.0, handshake=30.0)
+
+
+@pytest.fixture(scope="module")
+def code(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("realism")
+    models = copy_models(folder, "uuv_sampling")
+    edit(models / MISSION, 'duration="1000"', 'duration="200"')
+    for robot, given in zip(("LEN", "JEN", "KAL"), GIVEN, strict=True):
+        edit(models / MISSION, f'name="{robot}"', f'name="{robot}" {given}')
+    generate(models, folder / "generated" / "uuv_sampling")
+    return load_code(folder / "generated" / "uuv_sampling")
+
+
+def flights(code):
+    return ((), *specifications(code, 4))
+
+
+def test_generated_code_has_what_the_model_gives_and_no_more(code):
+    robots = code.mission.robots
+    text = (code.directory / "mission_loader.py").read_text(encoding="utf-8")
+
+    assert tuple(robot.turn_rate for robot in robots) == RATES
+    assert tuple(robot.position_noise for robot in robots) == NOISES
+    assert (text.count("turn_rate="), text.count("position_noise=")) == (2, 2)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [EngineSettings("compiled"), EngineSettings("rosbridge", patience=PATIENCE)],
+    ids=["compiled", "rosbridge"],
+)
+def test_every_bit_is_that_of_the_reference(code, settings):
+    reference = ReferenceEngine(code, SEED)
+
+    with settings.open(code, SEED) as engine:
+        for specification in flights(code):
+            assert traced(engine, specification) == traced(reference, specification)
+        recording = dict(columns(engine.record(specification)))
+        assert recording == dict(columns(reference.record(specification)))
+
+
+def test_a_node_that_answers_flies_likewise(code):
+    specification = (TimedFault("f11", 20, 60, code.pool["f11"].values), TimedFault("f26", 80, 99))
+
+    (outcome,) = flown(EMBEDDED, 1, [specification], code=code)
+
+    assert outcome == ReferenceEngine(code, 1).evaluate(specification)
+
+
+def test_robots_turn_no_faster_than_they_can_and_are_believed_no_farther_off_than_they_say(code):
+    recording = ReferenceEngine(code, SEED).record(())
+    headings = [recording["world"]["commands"][axis].T for axis in ("heading_x", "heading_y")]
+    far = []
+    for k, (rate, noise) in enumerate(zip(RATES, NOISES, strict=True)):
+        sent = zip(*(axis[k].tolist() for axis in headings), strict=True)
+        turns = [math.acos(min(1.0, a * x + b * y)) for (a, b), (x, y) in pairwise(sent)]
+        assert 0.0 < math.degrees(max(turns)) <= rate + 1e-5
+        true, believed = (recording[side]["robots"] for side in ("world", "belief"))
+        apart = [
+            math.dist(*places)
+            for places in zip(
+                zip(true["x"][:, k], true["y"][:, k], strict=True),
+                zip(believed["x"][:, k], believed["y"][:, k], strict=True),
+                strict=True,
+            )
+        ]
+        assert max(apart) <= noise + 1e-9
+        far.append(max(apart))
+    assert far[0] > 1.9
+    assert far[1] == 0.0
+
+
+def test_robots_of_the_paper_turn_at_once_and_know_where_they_are():
+    recording = ReferenceEngine(paper_code(100), SEED).record(())
+
+    for axis in ("heading_x", "heading_y"):
+        sent, commanded = (recording[side]["commands"][axis] for side in ("world", "belief"))
+        assert sent.tolist() == commanded.tolist()
+    for axis in ("x", "y"):
+        true, believed = (recording[side]["robots"][axis] for side in ("world", "belief"))
+        assert true.tolist() == believed.tolist()
