@@ -106,14 +106,15 @@ class DrawingProcess:
         return next(ready, None) or self._begin(drawing)
 
     def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        return self._thread.submit(self._drawn_there, drawing)
+        # Pickled here: what a mission has looked up grows in this thread meanwhile.
+        return self._thread.submit(self._drawn_there, pickle.dumps(drawing))
 
-    def _drawn_there(self, drawing: Drawing) -> FigureFiles | None:
+    def _drawn_there(self, drawing: bytes) -> FigureFiles | None:
         """Return a figure that the process has drawn; ``None`` if there is none, or it failed."""
         process = self._process
         with suppress(OSError, EOFError, pickle.UnpicklingError):
             if process and process.stdin and process.stdout:
-                pickle.dump(drawing, process.stdin)
+                process.stdin.write(drawing)
                 process.stdin.flush()
                 files: FigureFiles = pickle.load(process.stdout)
                 return files

@@ -79,15 +79,18 @@ def story_of(
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
     """Yield which robots overlapped each other or an obstacle, as windows."""
     near = _near(true)
+    discs = [each.area for each in mission.obstacles]
+    centres = np.array([(disc.center.x, disc.center.y) for disc in discs]).reshape(-1, 1, 2)
+    reach = np.array([[ROBOT_RADIUS + disc.radius] for disc in discs]).reshape(-1, 1)
     for k, robot in enumerate(mission.robots):
-        others = [(true[:, i], ROBOT_RADIUS, mission.robots[i].id) for i in near(k)]
-        for obstacle in mission.obstacles:
-            centre = np.array([obstacle.area.center.x, obstacle.area.center.y])
-            others.append((centre, obstacle.area.radius, obstacle.id))
-        for spot, radius, name in others:
-            apart = np.hypot(*(true[:, k] - spot).T)
-            for window in runs(apart < ROBOT_RADIUS + radius):
-                yield Collision(f"{robot.id} and {name}", k, window)
+        for i in near(k):
+            is_hit = np.hypot(*(true[:, k] - true[:, i]).T) < 2 * ROBOT_RADIUS
+            for window in runs(is_hit):
+                yield Collision(f"{robot.id} and {mission.robots[i].id}", k, window)
+        hits = np.hypot(*np.moveaxis(true[:, k] - centres, -1, 0)) < reach
+        for j in np.flatnonzero(hits.any(axis=1)):
+            for window in runs(hits[j]):
+                yield Collision(f"{robot.id} and {mission.obstacles[j].id}", k, window)
 
 
 def _near(true: Places) -> Callable[[int], Iterable[int]]:

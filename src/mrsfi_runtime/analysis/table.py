@@ -19,7 +19,8 @@ class Table:
     """Rows under named columns: of words, of texts, which may wrap, and all others of numbers.
 
     A cell may have several lines, and is ``None`` where there is nothing. A compact table has
-    little room between its columns; ``narrow`` is the same for where it does not fit.
+    little room between its columns; ``narrow`` is the same for where it does not fit,
+    and may have a narrower one itself.
     """
 
     title: str

@@ -46,8 +46,16 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
     ]
     title = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
     words, columns = ("fault", "type", "target"), ("fault", "type", *goals)
-    narrow = Table(title, columns, [row[:-1] for row in rows], words, is_compact=True)
+    lists = [(*row[:2], _listed(goals, row[2:-1])) for row in rows]
+    listed = Table(title, ("fault", "type", "goals"), lists, words, ("goals",), is_compact=True)
+    narrow = Table(
+        title, columns, [row[:-1] for row in rows], words, is_compact=True, narrow=listed
+    )
     return Table(title, (*columns, "target"), rows, words, is_compact=True, narrow=narrow)
+
+
+def _listed(goals: Sequence[str], cells: Sequence[str | None]) -> str:
+    return " ".join(f"{goal}:{cell}" for goal, cell in zip(goals, cells, strict=True) if cell)
 
 
 def harmless(pool: FaultPool, found: Iterable[Way]) -> str:

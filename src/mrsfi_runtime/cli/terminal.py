@@ -26,7 +26,7 @@ def progress_console() -> Console:
 
 
 def print_table(table: Table) -> None:
-    """Print a table to standard output, in its narrow form where it does not fit.
+    """Print a table to standard output, in the first of its narrower forms where it does not fit.
 
     No figure, ID or word is ever cut: where even that is too wide, it is printed in as many
     columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
@@ -34,8 +34,10 @@ def print_table(table: Table) -> None:
     """
     console = _console()
     grid, needed = _laid_out(console, table)
-    if needed > console.width:
-        grid, needed = _laid_out(console, table.narrow or table, is_tight=True)
+    narrow: Table | None = table.narrow or table
+    while narrow and needed > console.width:
+        grid, needed = _laid_out(console, narrow, is_tight=True)
+        narrow = narrow.narrow
     console.width = max(console.width, needed)
     console.print(Text(table.title, style="bold"))
     console.print(grid)

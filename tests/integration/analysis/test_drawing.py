@@ -1,13 +1,16 @@
 import os
 import pickle
 import sys
+import threading
 
 import pytest
 
 from mrsfi_runtime.analysis.drawing import Drawing, DrawingProcess, draw_here
+from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend
 from tests.support.search import paper_mission
 from tests.tiers import slow
 
+TREND = Trend((GenerationFitness(0, 10.0, 5.0, 19.0, 0.0),), 0.0, 10.0, 0.0, 1.0)
 MAP = Drawing("mission_map", (paper_mission(),), "mission_plots")
 
 
@@ -34,6 +37,26 @@ def test_another_process_draws_the_same_bytes(here, tmp_path):
         first()
 
     assert [files(stem) for stem in stems] == [here] * 3
+
+
+class Watched:
+    """The label of an axis that notes which threads pickle it."""
+
+    def __init__(self):
+        self.pickled_by = []
+
+    def __reduce__(self):
+        self.pickled_by.append(threading.get_ident())
+        return str, ()
+
+
+def test_what_is_drawn_is_pickled_by_who_asks_for_it_so_that_it_may_change_meanwhile(tmp_path):
+    watched = Watched()
+
+    with DrawingProcess() as process:
+        process.draw([(Drawing("mean_fitness", (TREND, watched)), tmp_path / "figure")])
+
+    assert watched.pickled_by == [threading.get_ident()]
 
 
 @slow

@@ -144,6 +144,17 @@ def test_numbers_of_two_words_go_on_below_where_they_do_not_fit_and_no_heading_i
     assert second.split() == ["±49.2"]
 
 
+@pytest.mark.parametrize(("columns", "head"), [(40, "wide"), (30, "narrow"), (9, "least")])
+def test_a_table_takes_the_first_of_its_forms_that_fits(capsys, monkeypatch, columns, head):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    least = Table("", ("least",), [("x" * 8,)], ("least",))
+    narrow = Table("", ("narrow",), [("x" * 25,)], ("narrow",), narrow=least)
+
+    first, *_ = _printed(capsys, Table("", ("wide",), [("x" * 35,)], ("wide",), narrow=narrow))
+
+    assert first.split() == [head]
+
+
 @pytest.mark.parametrize(("columns", "n_lines"), [("1", None), ("100", None), ("200", 30)])
 def test_every_fault_has_its_target_and_its_values_however_narrow_it_is(
     capsys, monkeypatch, columns, n_lines

@@ -103,7 +103,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
             for place, recording in flights
         ],
         "displaced": list(_displaced(mission, flown.recording)),
-        "samples": list(_samples(mission, flown.recording)),
+        "samples": list(_samples(mission, flown.recording, _digits(steps["x"]))),
         "events": sorted(_events(story), key=lambda event: event[0]),
         "said": _resolution(steps, stride),
     }
@@ -130,7 +130,7 @@ def _flight(
     return {
         "stride": stride,
         "steps": steps | {f"believed_{name}": step for name, step in steps.items()},
-        "digits": {name: max(0, -floor(log10(step))) for name, step in steps.items()},
+        "digits": {name: _digits(step) for name, step in steps.items()},
         "packed": packed,
         "goals": [asdict(said) for said in judged(recording)],
     }
@@ -150,6 +150,11 @@ def _step(*values: npt.NDArray[Any]) -> float:
     """Return the power of ten that leaves the largest of values so many digits."""
     largest = max(float(np.abs(each).max(initial=1.0)) for each in values)
     return float(10.0 ** (floor(log10(max(largest, 1.0))) + 1 - _DIGITS))
+
+
+def _digits(step: float) -> int:
+    """Return how many digits behind the point tell numbers apart that differ by a step."""
+    return max(0, -floor(log10(step)))
 
 
 def _resolution(steps: dict[str, float], stride: int) -> str:
@@ -176,7 +181,9 @@ def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ..
                 yield first, after - 1, *place, obstacle.id, obstacle.area.radius
 
 
-def _samples(mission: Mission, recording: Recording) -> Iterator[tuple[int, str, float, float]]:
+def _samples(
+    mission: Mission, recording: Recording, digits: int
+) -> Iterator[tuple[int, str, float, float]]:
     """Yield the samples that truly counted: tick, ID of the goal, and where."""
     goals = recording["world"]["goals"]
     count, *places = (goals[name] for name in ("count", "sampled_x", "sampled_y"))
@@ -185,7 +192,7 @@ def _samples(mission: Mission, recording: Recording) -> Iterator[tuple[int, str,
             continue
         counted = np.flatnonzero(np.diff(count[:, k], prepend=0) > 0)
         for tick in counted.tolist():
-            x, y = (float(each[tick, k]) for each in places)
+            x, y = (round(float(each[tick, k]), digits) for each in places)
             yield tick, goal.id, x, y
 
 
