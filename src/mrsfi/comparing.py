@@ -1,4 +1,4 @@
-"""Search algorithms beside each other: the same mission, the same seeds, as many evaluations."""
+"""Variants of a search beside each other: the same mission and seeds, as many evaluations."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,6 +25,7 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.study.comparison import Comparison, RunResult, as_json, compare, measure_run
 from mrsfi_runtime.study.folder import ComparisonFolder
+from mrsfi_runtime.study.variants import Sweep, Variant
 
 _DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""
@@ -35,25 +36,26 @@ _SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
 _NOTED = 1.0  # seconds after which a run notes how long it has taken
 
 
-def default_folder(mission: str, case: str) -> Path:
-    """Return where a comparison goes, unless somebody names another place."""
-    return project().runs / f"compare-{mission}-{Path(case).stem}"
+def default_folder(mission: str, case: str, kind: str = "compare") -> Path:
+    """Return where a comparison or sweep goes, unless somebody names another place."""
+    return project().runs / f"{kind}-{mission}-{Path(case).stem}"
 
 
 def settings_of(
-    file: Path, code: MissionCode, algorithms: Sequence[str], evaluations: int
-) -> Iterator[CampaignSettings]:
-    """Yield the settings of each algorithm: those of a campaign file, and as many evaluations."""
-    for name in algorithms:
-        one = CampaignSettings.load(file, algorithm=name, evaluations=evaluations)
+    file: Path, code: MissionCode, variants: Sequence[Variant], evaluations: int
+) -> Iterator[tuple[str, CampaignSettings]]:
+    """Yield the settings of each variant: those of a campaign file, and as many evaluations."""
+    for variant in variants:
+        one = CampaignSettings.load(file, **variant.overrides, evaluations=evaluations)
         require_searchable(code, one)
-        yield one
+        yield variant.name, one
 
 
 def compared(
     path: Path,
     folders: MissionFolders,
-    runs: Sequence[CampaignSettings],
+    runs: Sequence[tuple[str, CampaignSettings]],
+    sweep: Sweep | None,
     case: str,
     engine: EngineSettings,
     evaluating: Callable[[MissionCode], AbstractContextManager[Evaluator]],
@@ -64,12 +66,13 @@ def compared(
     All runs are begun before the first one flies, so that an edit in the meantime changes none.
     """
     folder = ComparisonFolder.reserve(path)
-    places = [folder.run(one.algorithm, one.seed) for one in runs]
+    places = [folder.run(name, one.seed) for name, one in runs]
+    settings = [one for _, one in runs]
     with only_writer(folder):
         source = _hash_of_ours()
-        _require_same(dict(zip(places, runs, strict=True)), folders, source)
+        _require_same(dict(zip(places, settings, strict=True)), folders, source)
         folder.runs.mkdir(exist_ok=True)
-        for place, one in zip(places, runs, strict=True):
+        for place, one in zip(places, settings, strict=True):
             if not place.database.is_file():
                 with made(place.path, folders, one, case, engine):
                     pass
@@ -77,15 +80,15 @@ def compared(
             code = campaign.code
         results: list[RunResult] = []
         with evaluating(code) as evaluator:
-            for place in places:
+            for place, (name, _) in zip(places, runs, strict=True):
                 with CampaignStore.open(place.path) as store:
                     kept = store.kept(_RESULT, RunResult.from_text)
-                results.append(kept or _flown(place, evaluator, source))
+                results.append(kept or _flown(place, name, evaluator, source))
                 progress(results[-1], len(results), kept is None)
-        algorithms = tuple(dict.fromkeys(one.algorithm for one in runs))
-        comparison = replace(compare(algorithms, results), folder=path)
-        shared = runs[0].as_json()
-        del shared["algorithm"], shared["seed"]
+        names = tuple(dict.fromkeys(name for name, _ in runs))
+        comparison = replace(compare(names, results, sweep), folder=path)
+        varied = {"seed", *(sweep.values if sweep else ("algorithm",))}
+        shared = {key: value for key, value in settings[0].as_json().items() if key not in varied}
         about = {"mission": folders.name, "semantics": SEMANTICS, "settings": shared}
         folder.write(comparison, about | as_json(comparison))
     return comparison
@@ -136,7 +139,7 @@ def _hash_of_ours() -> str:
     return digest.hexdigest()
 
 
-def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResult:
+def _flown(place: CampaignFolder, name: str, evaluator: Evaluator, source: str) -> RunResult:
     with only_writer(place), open_to_fly(place.path) as campaign:
         store = campaign.store
         if not any(store.next_indexes()):
@@ -151,6 +154,7 @@ def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResul
                 store.keep(_SECONDS, repr(spent + noted - began))
 
         search(campaign, evaluator, note)
-        result = measure_run(store, campaign.mission, spent + monotonic() - began)
+        found = measure_run(store, campaign.mission, spent + monotonic() - began)
+        result = replace(found, algorithm=name)
         store.keep(_RESULT, canonical(asdict(result)))
     return result

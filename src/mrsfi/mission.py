@@ -14,11 +14,10 @@ from mrsfi.loading import load_fresh, read_specification
 from mrsfi.project import choose_metamodels
 from mrsfi.renaming import rename
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate, at_work
 from mrsfi_runtime.record.settings import (
-    ALGORITHM_NAMES,
     CampaignSettings,
     require_seed,
     require_whole,
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.model.outcome import Evaluated
     from mrsfi_runtime.search.run import CampaignProgress
     from mrsfi_runtime.study.comparison import Comparison, RunResult
+    from mrsfi_runtime.study.variants import Variant
 
 
 def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":
@@ -323,10 +323,11 @@ class Mission:
 
     def compare(  # noqa: PLR0913 - most have a default
         self,
-        algorithms: Sequence[str],
+        algorithms: "Sequence[str | Variant]",
         n_seeds: int,
         evaluations: int,
         *,
+        sweep: str | None = None,
         case: str = "a",
         out: Path | str | None = None,
         engine: str | EngineSettings = AUTO,
@@ -336,14 +337,19 @@ class Mission:
         tell: Tell = silent,
         on_reached: Tell = silent,
     ) -> "Comparison":
-        """Compare search algorithms, with seeds 1 to ``n_seeds``.
+        """Compare search algorithms, or settings of one, with seeds 1 to ``n_seeds``.
 
         Parameters
         ----------
         algorithms
-            As a campaign file names them.
+            As a campaign file names them, one only with ``sweep``; or each a ``Variant``: a name,
+            and what it replaces in the campaign file.
         n_seeds, evaluations
-            Runs of each algorithm, and how often each run may fly.
+            Runs of each algorithm or setting, and how often each run may fly.
+        sweep
+            Settings in numbers and the values that they take, ``crossover=0.3:0.9:5`` (five, evenly
+            spaced) or ``population=10,20,40``, several with commas between; all are combined, and
+            each is compared with the paper's.
         case, engine, workers, dask
             As ``evolve`` takes them.
         out
@@ -364,17 +370,20 @@ class Mission:
             If the folder is another comparison's.
         """
         from mrsfi.comparing import compared, default_folder, settings_of  # noqa: PLC0415
+        from mrsfi_runtime.study.variants import Sweep, variants_of  # noqa: PLC0415
 
-        if isinstance(algorithms, str) or not algorithms or len({*algorithms}) < len(algorithms):
-            known = expected(algorithms, ALGORITHM_NAMES, "a list of different ones of")
-            raise UsageError(f"algorithms: found {algorithms!r}; {known}")
+        swept = None if sweep is None else Sweep.parse(sweep)
+        variants = variants_of(algorithms, swept)
         n_seeds, who = require_whole("n_seeds", n_seeds), _workers(workers, dask)
-        path, asked = _path("out", out) or default_folder(self.name, case), _settings(engine)
+        kind = "compare" if swept is None else "sweep"
+        path, asked = _path("out", out) or default_folder(self.name, case, kind), _settings(engine)
         who.require_sense(asked)
         file = campaign_file(self.folders, case)
-        settings = [*settings_of(file, self.code, algorithms, evaluations)]
-        runs = [replace(one, seed=1 + seed) for seed in range(n_seeds) for one in settings]
-        seed = runs[0].mission_seed
+        settings = [*settings_of(file, self.code, variants, evaluations)]
+        runs = [
+            (name, replace(one, seed=1 + seed)) for seed in range(n_seeds) for name, one in settings
+        ]
+        seed = runs[0][1].mission_seed
         flown_by = asked.tried(self.code, seed, tell)
         evaluating = partial(
             evaluator,
@@ -384,7 +393,7 @@ class Mission:
             tell=tell,
             on_reached=lambda they: on_reached(f"{flown_by.words}, {they}"),
         )
-        return compared(path, self.folders, runs, case, asked, evaluating, progress)
+        return compared(path, self.folders, runs, swept, case, asked, evaluating, progress)
 
     def check(
         self, engine: str | EngineSettings = AUTO, n_seeds: int | None = None

@@ -18,8 +18,16 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import Candidate, SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import STEPS, crept, dropped, filled, resized, widened
-from mrsfi_runtime.search.variation import crossed, mutated
+from mrsfi_runtime.search.steps import MUTATIONS, STEPS, dropped, filled, resized, widened
+from mrsfi_runtime.search.variation import (
+    CROSSOVERS,
+    crossed,
+    freely_crossed,
+    freely_mutated,
+    mutated,
+    repaired,
+    transformed,
+)
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
 from tests.tiers import law, slow
 
@@ -116,9 +124,11 @@ def test_random_specifications_are_legal_and_as_large_as_there_is_room(drawn):
         assert not any(free)
 
 
+@pytest.mark.parametrize("crossover", CROSSOVERS.values())
+@pytest.mark.parametrize("mutation", MUTATIONS.values())
 @LAW
 @given(DRAWN)
-def test_generations_of_crossover_and_mutation_stay_legal(drawn):
+def test_generations_of_crossover_and_mutation_stay_legal(crossover, mutation, drawn):
     space, rng = drawn.space, drawn.rng
     population = [drawn.specification() for _ in range(4)]
     largest = max(map(len, population))
@@ -126,12 +136,12 @@ def test_generations_of_crossover_and_mutation_stay_legal(drawn):
     for _ in range(5):
         rng.shuffle(population)
         population = [
-            *crossed(space, population[0], population[1], rng),
-            *crossed(space, population[2], population[3], rng),
+            *crossover(space, population[0], population[1], rng),
+            *crossover(space, population[2], population[3], rng),
         ]
         for specification in population:
             drawn.require_legal(specification)
-        population = [mutated(space, specification, rng) for specification in population]
+        population = [mutation(space, specification, rng) for specification in population]
         for specification in population:
             drawn.require_legal(specification)
 
@@ -155,18 +165,150 @@ def test_crossover_creates_and_loses_no_fault(drawn):
 
 @LAW
 @given(DRAWN)
-def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(drawn):
+def test_free_crossover_keeps_sizes_and_the_faults_of_both_and_changes_no_values(drawn):
+    first, second = drawn.specification(), drawn.specification()
+
+    one, other = freely_crossed(drawn.space, first, second, drawn.rng)
+
+    assert (len(one), len(other)) == (len(first), len(second))
+    assert unplaced([*one, *other]) == unplaced([*first, *second])
+
+
+def unplaced(faults: list[TimedFault]) -> list[tuple[str, tuple[float, ...]]]:
+    """Return timed faults without their windows, in an order of their own."""
+    return sorted((timed.fault, timed.values) for timed in faults)
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS.values())
+@LAW
+@given(DRAWN)
+def test_mutation_keeps_the_size_and_the_values_that_do_not_evolve(mutation, drawn):
     specification = drawn.specification()
 
-    mutant = mutated(drawn.space, specification, drawn.rng, share=1.0)
+    mutant = mutation(drawn.space, specification, drawn.rng, share=1.0)
 
-    assert sorted(timed.fault for timed in mutant) == sorted(t.fault for t in specification)
+    assert len(mutant) == len(specification)
+    if mutation is not transformed:
+        assert sorted(timed.fault for timed in mutant) == sorted(t.fault for t in specification)
     for timed in mutant:
         candidate = drawn.space.candidates[timed.fault]
         for value, own, (low, high) in zip(
             timed.values, candidate.values, candidate.bounds, strict=True
         ):
             assert low < high or value == own
+
+
+@LAW
+@given(DRAWN, st.data())
+def test_what_is_repaired_is_legal_and_cut_inside_its_window_where_that_has_room(drawn, data):
+    faults = [window_of(data, drawn, fault) for fault in data.draw(several(drawn.fault_ids))]
+
+    found = repaired(drawn.space, faults, drawn.rng)
+
+    drawn.require_legal(found)
+    excluded = conflicts(drawn.mission, drawn.pool)
+    has_rivals = {
+        each.fault: sum(other.fault in excluded[each.fault] for other in faults) for each in faults
+    }
+    if all(n <= drawn.mission.duration for n in has_rivals.values()):
+        assert unplaced(list(found)) == unplaced(faults)
+    if all(each.finish - each.start + 1 >= has_rivals[each.fault] for each in faults):
+        assert all(any(is_inside(timed, each) for each in faults) for timed in found), (
+            "a window that has a tick for each rival is cut, not moved"
+        )
+
+
+def several(fault_ids: list[str]) -> st.SearchStrategy[list[str]]:
+    return st.lists(st.sampled_from(fault_ids), max_size=12)
+
+
+def window_of(data: st.DataObject, drawn: Drawn, fault: str) -> TimedFault:
+    ticks = st.integers(0, drawn.mission.duration - 1)
+    start, finish = sorted((data.draw(ticks), data.draw(ticks)))
+    return TimedFault(fault, start, finish, drawn.space.candidates[fault].values)
+
+
+def is_inside(timed: TimedFault, other: TimedFault) -> bool:
+    return timed.fault == other.fault and other.start <= timed.start <= timed.finish <= other.finish
+
+
+@LAW
+@given(DRAWN, st.data())
+def test_repair_changes_nothing_that_clashes_with_nothing_unless_there_is_no_room(drawn, data):
+    faults = [window_of(data, drawn, fault) for fault in data.draw(several(drawn.fault_ids))]
+    excluded = conflicts(drawn.mission, drawn.pool)
+    clashing = {
+        place
+        for pair in combinations(range(len(faults)), 2)
+        if drawn.space.clash(faults[pair[0]], faults[pair[1]])
+        for place in pair
+    }
+    n_ticks = [each.finish - each.start + 1 for each in faults]
+    is_roomy = all(
+        n_ticks[place] >= sum(other.fault in excluded[faults[place].fault] for other in faults)
+        for place in clashing
+    )
+
+    found = repaired(drawn.space, faults, drawn.rng)
+
+    if is_roomy:
+        assert {each for place, each in enumerate(faults) if place not in clashing} <= {*found}
+    assert repaired(drawn.space, found, drawn.rng) == found
+    specification = drawn.specification()
+    assert repaired(drawn.space, specification, drawn.rng) == specification
+
+
+@pytest.mark.parametrize(
+    ("windows", "expected"),
+    [
+        ([(2, 2), (2, 2)], [(1, 1), (2, 2)]),  # moved to the nearest tick that is free
+        ([(0, 3)] * 4, [(0, 0), (1, 1), (2, 2), (3, 3)]),
+        ([(0, 3)] * 5, [(0, 0), (1, 1), (2, 2), (3, 3)]),  # no room for five
+        ([(0, 3), (2, 2)], None),
+    ],
+)
+def test_repair_cuts_moves_and_leaves_out_only_what_has_no_room(windows, expected):
+    space = paper_space(4)
+    faults = [TimedFault("f26", *window) for window in windows]
+
+    found = {repaired(space, faults, Random(seed)) for seed in range(20)}
+
+    if expected is None:
+        assert found == {
+            (TimedFault("f26", 0, 1), TimedFault("f26", 2, 2)),
+            (TimedFault("f26", 2, 2), TimedFault("f26", 3, 3)),
+        }
+    else:
+        assert {tuple((each.start, each.finish) for each in one) for one in found} == {
+            tuple(expected)
+        }
+
+
+def test_faults_that_conflict_with_nobody_keep_their_windows_while_others_are_cut():
+    space = paper_space()
+    stays = TimedFault("f26", 0, 999)
+    pair = [TimedFault("f11", 0, 600, (1.0, 2.0)), TimedFault("f11", 400, 999, (3.0, 4.0))]
+
+    found = repaired(space, [stays, *pair], Random(1))
+
+    assert stays in found
+    (first, second) = (each for each in found if each.fault == "f11")
+    assert (first.start, second.finish) == (0, 999)
+    assert first.finish + 1 == second.start
+    assert 400 <= second.start <= 601
+
+
+@pytest.mark.parametrize("mutation", [freely_mutated, transformed])
+def test_free_mutation_reaches_windows_that_the_restriction_takes_away(mutation):
+    space = paper_space(10, "f26")
+    specification = tuple(TimedFault("f26", tick, tick) for tick in range(10))
+
+    restricted = {mutated(space, specification, Random(seed)) for seed in range(50)}
+    free = {mutation(space, specification[:5], Random(seed)) for seed in range(50)}
+
+    assert restricted == {specification}
+    assert len({len(each) for each in free}) == 1
+    assert any(timed.start >= 5 for each in free for timed in each)
 
 
 @LAW
@@ -177,12 +319,14 @@ def test_the_same_seed_repeats_every_operator(drawn):
     def run() -> list[Specification]:
         rng = Random(drawn.seed)
         first, second = random_pair(space, drawn.n_faults, rng)
-        return [first, second, *crossed(space, first, second, rng), mutated(space, first, rng)]
+        crosses = [one for cross in CROSSOVERS.values() for one in cross(space, first, second, rng)]
+        mutants = [mutate(space, first, rng) for mutate in MUTATIONS.values()]
+        return [first, second, *crosses, *mutants]
 
     assert run() == run()
 
 
-@pytest.mark.parametrize("step", [*STEPS, crept])
+@pytest.mark.parametrize("step", [*STEPS, *MUTATIONS.values()])
 @LAW
 @given(DRAWN)
 def test_steps_stay_legal_and_never_grow(step, drawn):

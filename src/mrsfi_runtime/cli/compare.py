@@ -28,8 +28,6 @@ from mrsfi_runtime.record.manifest import BOTH
 
 if TYPE_CHECKING:
     from mrsfi_runtime.study.comparison import Comparison, RunResult
-    from mrsfi_runtime.study.folder import ComparisonFolder
-
 
 _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
 
@@ -50,7 +48,12 @@ _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, 
     default="paper,random,drift",
     show_default=True,
     metavar="NAME,NAME,…",
-    help="Algorithms, as in a campaign file.",
+    help="Algorithms, as in a campaign file; with --sweep one [default: paper].",
+)
+@click.option(
+    "--sweep",
+    metavar="KEY=VALUES,…",
+    help="Vary settings of one algorithm: crossover=0.3:0.9:5 or population=10,20,40.",
 )
 @click.option(
     "--seeds",
@@ -84,6 +87,7 @@ def command(  # noqa: PLR0913 - one for each option
     generated: Path | None,
     case: str,
     algorithms: str,
+    sweep: str | None,
     seeds: int,
     evaluations: int,
     workers: Workers,
@@ -91,13 +95,14 @@ def command(  # noqa: PLR0913 - one for each option
     out: Path | None,
     is_json: bool,
 ) -> None:
-    """Compare two campaigns of a mission, or search algorithms on MISSION.
+    """Compare two campaigns of a mission, or search algorithms or their settings on MISSION.
 
     Two campaign folders, before and after a fix or an edit of the model: which weaknesses went,
     which came, which stayed. Each is flown once more, in the mission of the other campaign.
     --markdown writes that for a pull request, --html as a page; search options make no sense then.
 
-    Of algorithms: several seeds, as many evaluations for each.
+    Of algorithms: several seeds, as many evaluations for each. With --sweep every combination of
+    values is searched with and compared with the paper's setting; LOW:HIGH:N are N values.
 
     Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
     Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
@@ -111,6 +116,7 @@ def command(  # noqa: PLR0913 - one for each option
       mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
       mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
       mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
+      mrsfi compare uuv_sampling --sweep crossover=0.3:0.9:5,population=10,20,40 --seeds 20
 
     A comparison that was ended goes on with the same command; a run that is finished is not made
     again, also when algorithms or seeds are added. Any run can be had by itself, with the same
@@ -125,18 +131,24 @@ def command(  # noqa: PLR0913 - one for each option
     import mrsfi
     from mrsfi.comparing import default_folder
     from mrsfi_runtime.study.folder import ComparisonFolder
+    from mrsfi_runtime.study.variants import Sweep
 
     flown_by = engine.settings(default=AUTO)
     workers.require_sense(flown_by)
+    if sweep and ctx.get_parameter_source("algorithms") is ParameterSource.DEFAULT:
+        algorithms = "paper"
     names = [name.strip() for name in algorithms.split(",")]
     loaded = mrsfi.load(mission, generated)
-    folder = ComparisonFolder(out or default_folder(loaded.name, case))
-    told = _Progress(folder.path, len(names) * seeds)
+    kind = "sweep" if sweep else "compare"
+    folder = ComparisonFolder(out or default_folder(loaded.name, case, kind))
+    n_variants = len(Sweep.parse(sweep).settings()) if sweep else len(names)
+    told = _Progress(folder.path, n_variants * seeds)
     try:
         found = loaded.compare(
             names,
             seeds,
             evaluations,
+            sweep=sweep,
             case=case,
             out=folder.path,
             engine=flown_by,
@@ -154,8 +166,18 @@ def command(  # noqa: PLR0913 - one for each option
     if is_json:
         content = json.loads(folder.summary.read_text(encoding="utf-8"))
         print_json({"folder": str(folder.path), **content})
+        return
+    if found.sweep is not None:
+        from mrsfi_runtime.cli.swept import print_sweep
+
+        print_sweep(found, found.sweep, evaluations)
     else:
-        _print(found, folder, evaluations)
+        _print(found, evaluations)
+    tables = "runs.csv, quartiles.csv, tests.csv"
+    click.echo(f"runs         {folder.runs}")
+    click.echo(f"tables       {folder.path}/{'settings.csv, ' if found.sweep else ''}{tables}")
+    click.echo(f"figures      {folder.figures}")
+    click.echo(f"summary      {folder.summary}")
 
 
 def _compare_runs(
@@ -234,7 +256,7 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
             )
 
 
-def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: int) -> None:
+def _print(comparison: "Comparison", n_evaluations: int) -> None:
     from mrsfi_runtime.analysis.table import Table
     from mrsfi_runtime.cli.terminal import print_table
 
@@ -251,10 +273,6 @@ def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: 
         title = "Mann-Whitney U: does the first do better?"
         print_table(Table(title, found, [*_test_rows(comparison)], pair))
     _print_legend(comparison)
-    click.echo(f"runs         {folder.runs}")
-    click.echo(f"tables       {folder.path}/runs.csv, quartiles.csv, tests.csv")
-    click.echo(f"figures      {folder.figures}")
-    click.echo(f"summary      {folder.summary}")
 
 
 def _quartile_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.search.space import SearchSpace, Window, random_window, within
-from mrsfi_runtime.search.variation import Mutation, mutated
+from mrsfi_runtime.search.variation import Mutation, freely_mutated, mutated, transformed
 
 Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
 """From a specification another one of at most the same size."""
@@ -215,5 +215,7 @@ to any."""
 STEPS: tuple[Step, ...] = (widened, shifted, redrawn, jumped, swapped, forced, dropped)
 """All steps."""
 
-MUTATIONS: Mapping[str, Mutation] = MappingProxyType({"redraw": mutated, "creep": crept})
+MUTATIONS: Mapping[str, Mutation] = MappingProxyType(
+    {"redraw": mutated, "creep": crept, "free": freely_mutated, "transform": transformed}
+)
 """Mutations by their name in a campaign file."""

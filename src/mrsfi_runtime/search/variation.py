@@ -1,20 +1,23 @@
 """Mutation and crossover of fault specifications under the no-overlap restriction.
 
-Both are functions of their arguments and the random generator: a specification goes in,
-another comes out, and what went in stays as it was.
+All are functions of their arguments and the random generator: a specification goes in,
+another comes out, and what went in stays as it was. The paper's keep the restriction at every
+step; the free ones ask for whatever they draw, and have it repaired.
 
 References
 ----------
-Source paper, sections III-E b) and c), VI a).
+Source paper, sections III-E b) and c), VI a); of the free ones, section VII.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from itertools import combinations
+from operator import itemgetter
 from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.search.space import Candidate, SearchSpace, random_window
+from mrsfi_runtime.search.space import Candidate, SearchSpace, Window, random_window
 
 Mutation: TypeAlias = Callable[[SearchSpace, Specification, Random, float], Specification]
 """From a specification, with the chance of each of its faults to change, another one."""
@@ -166,5 +169,113 @@ def _combined(
     return found
 
 
-CROSSOVERS: Mapping[str, Crossover] = MappingProxyType({"exchange": crossed})
+def repaired(space: SearchSpace, faults: Iterable[TimedFault], rng: Random) -> Specification:
+    """Cut the windows of conflicting faults until none overlap; move what would vanish.
+
+    Each fault keeps one tick of its window, those of the shortest windows drawn first. Between the
+    ticks of two that conflict and overlap lies a cut, drawn from where they do. A fault whose
+    ticks others keep moves to the nearest one that is free; it vanishes only if others keep every
+    tick of the mission. What clashes with nothing stays as it is, unless the room for those that
+    do is short.
+    """
+    ordered = space.ordered(faults)
+    if not any(space.clash(one, other) for one, other in combinations(ordered, 2)):
+        return ordered
+    kept: list[tuple[int, TimedFault]] = []
+    for place in sorted(range(len(ordered)), key=lambda place: _length(ordered[place])):
+        timed = ordered[place]
+        conflicts = space.candidates[timed.fault].conflicts
+        taken = {tick for tick, other in kept if other.fault in conflicts}
+        free = space.free_windows(timed.fault, ordered[:place] + ordered[place + 1 :])
+        tick = _tick_to_keep(timed, free, taken, range(space.duration), rng)
+        if tick is not None:
+            stays = timed.start <= tick <= timed.finish
+            kept.append((tick, timed if stays else timed._replace(start=tick, finish=tick)))
+    kept.sort(key=itemgetter(0))
+    for i, j in combinations(range(len(kept)), 2):
+        (before, one), (after, other) = kept[i], kept[j]
+        if space.clash(one, other):
+            most = min(after - 1, one.finish, other.finish)
+            last = rng.randint(max(before, other.start - 1), most)
+            kept[i] = before, one._replace(finish=last)
+            kept[j] = after, other._replace(start=last + 1)
+    return space.ordered(timed for _, timed in kept)
+
+
+def _length(timed: TimedFault) -> int:
+    return timed.finish - timed.start
+
+
+def _tick_to_keep(
+    timed: TimedFault, free: Sequence[Window], taken: Container[int], ticks: range, rng: Random
+) -> int | None:
+    """Draw a tick of a window, from its free part if it has one; else the nearest not taken."""
+    parts = [(max(first, timed.start), min(last, timed.finish)) for first, last in free]
+    own = [part for part in parts if part[0] <= part[1]] or [(timed.start, timed.finish)]
+    drawn = rng.randint(*rng.choices(own, [last - first + 1 for first, last in own])[0])
+    if drawn not in taken:
+        return drawn
+
+    def cost(tick: int) -> tuple[bool, bool, int]:
+        is_free = any(first <= tick <= last for first, last in free)
+        return not timed.start <= tick <= timed.finish, not is_free, abs(tick - drawn)
+
+    return min((tick for tick in ticks if tick not in taken), key=cost, default=None)
+
+
+def freely_crossed(
+    space: SearchSpace, first: Specification, second: Specification, rng: Random
+) -> tuple[Specification, Specification]:
+    """Exchange any faults, 1 to half the size of the smaller, and repair what overlaps.
+
+    Neither changes its size: where a mission has no room for the faults that arrive, both stay
+    as they are.
+    """
+    half = min(len(first), len(second)) // 2
+    if not half:
+        return first, second
+    n = rng.randint(1, half)
+    mine, theirs = rng.sample(first, len(first)), rng.sample(second, len(second))
+    one = repaired(space, [*theirs[:n], *mine[n:]], rng)
+    other = repaired(space, [*mine[:n], *theirs[n:]], rng)
+    is_whole = len(one) == len(first) and len(other) == len(second)
+    return (one, other) if is_whole else (first, second)
+
+
+def freely_mutated(
+    space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
+) -> Specification:
+    """Draw any window and values of timed faults anew, and repair what overlaps."""
+    return _freely(space, specification, rng, share, lambda timed: timed.fault)
+
+
+def transformed(
+    space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
+) -> Specification:
+    """Put any fault of the pool, at any time, in the place of timed faults, and repair."""
+    pool = tuple(space.candidates)
+    return _freely(space, specification, rng, share, lambda _: rng.choice(pool))
+
+
+def _freely(
+    space: SearchSpace,
+    specification: Specification,
+    rng: Random,
+    share: float,
+    chosen: Callable[[TimedFault], str],
+) -> Specification:
+    def anew(timed: TimedFault) -> TimedFault:
+        fault = chosen(timed)
+        window = random_window([(0, space.duration - 1)], rng)
+        candidate = space.candidates[fault]
+        return TimedFault(fault, *window, random_values(candidate, candidate.values, rng))
+
+    drawn = [anew(timed) if rng.random() < share else timed for timed in specification]
+    found = repaired(space, drawn, rng)
+    return found if len(found) == len(specification) else specification
+
+
+CROSSOVERS: Mapping[str, Crossover] = MappingProxyType(
+    {"exchange": crossed, "free": freely_crossed}
+)
 """Crossovers by their name in a campaign file."""

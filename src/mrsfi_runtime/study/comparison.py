@@ -31,6 +31,7 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import object_from_text
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.study.variants import Sweep, Value
 
 SCHEMA = 1
 """Version of ``comparison.json``."""
@@ -45,7 +46,7 @@ _MAGNITUDES = ((0.71, "large"), (0.64, "medium"), (0.56, "small"))
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """What one algorithm found with one seed.
+    """What one algorithm, or setting of a sweep, found with one seed.
 
     ``improvements`` are numbers of evaluations at which a fitness above all before was found, and
     that. ``at_once`` has for k = 1, 2, … the number of evaluations until one specification broke k
@@ -236,6 +237,13 @@ class PairTest:
         """The magnitude in words, where the runs are enough to show one."""
         return self.ranks.magnitude if self.holm_p_value < _SIGNIFICANT else "not shown"
 
+    @property
+    def verdict(self) -> str:
+        """Whether the first is better or worse, where the runs are enough to show it."""
+        if self.holm_p_value >= _SIGNIFICANT:
+            return "not shown"
+        return "better" if self.ranks.a12 > 0.5 else "worse"
+
     def as_json(self) -> dict[str, Any]:
         """Return it as values of JSON."""
         return {
@@ -250,7 +258,11 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say: quartiles and tests of every pair, by measure."""
+    """What the runs of some algorithms say: quartiles and tests by measure.
+
+    Tests are of every pair; of a sweep, whose settings stand as algorithms, of each setting and the
+    paper's.
+    """
 
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]
@@ -258,15 +270,26 @@ class Comparison:
     criteria: tuple[Criterion, ...]
     quartiles: Mapping[str, Mapping[str, Quartiles]]
     tests: tuple[PairTest, ...]
+    sweep: Sweep | None = None
     folder: Path = Path()
 
     def of(self, algorithm: str) -> tuple[RunResult, ...]:
         """Return the runs of an algorithm, by seed."""
         return tuple(run for run in self.runs if run.algorithm == algorithm)
 
+    def with_values(self, values: Mapping[str, Value]) -> tuple[float, ...]:
+        """Return the best fitness of runs of a sweep's combinations that have some values."""
+        chosen = self.sweep.with_values(values) if self.sweep else ()
+        return tuple(run.best_fitness for run in self.runs if run.algorithm in chosen)
 
-def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
+
+def compare(
+    algorithms: Sequence[str], runs: Sequence[RunResult], sweep: Sweep | None = None
+) -> Comparison:
     """Compare algorithms, in this order, by runs on one mission with one number of evaluations."""
+    pairs = [*combinations(algorithms, 2)]
+    if sweep is not None:
+        pairs = [(name, sweep.papers) for name in algorithms if name != sweep.papers]
     ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
     criteria = _criteria(ordered)
     values = {
@@ -289,8 +312,9 @@ def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
             test
             for criterion in criteria
             if criterion.sign
-            for test in _tests(criterion, values[criterion.name])
+            for test in _tests(criterion, values[criterion.name], pairs)
         ),
+        sweep=sweep,
     )
 
 
@@ -315,8 +339,11 @@ def _breaking(name: str, n_goals: int) -> Criterion:
     return Criterion(f"{name}_{n_goals}", -1, value)
 
 
-def _tests(criterion: Criterion, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
-    pairs = list(combinations(values, 2))
+def _tests(
+    criterion: Criterion,
+    values: Mapping[str, Sequence[float]],
+    pairs: Sequence[tuple[str, str]],
+) -> list[PairTest]:
     found = [
         compare_ranks(*([criterion.sign * v for v in values[name]] for name in pair))
         for pair in pairs
@@ -333,6 +360,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
     """Return a comparison as values of JSON; what was never reached is ``null``."""
     return {
         "schema": SCHEMA,
+        **({} if comparison.sweep is None else {"sweep": comparison.sweep.as_json()}),
         "algorithms": list(comparison.algorithms),
         "seeds": list(comparison.seeds),
         "quartiles": {

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, Self
 
 from mrsfi_runtime.analysis.plots import rendered
-from mrsfi_runtime.analysis.table import Table, as_csv
+from mrsfi_runtime.analysis.table import Cell, Table, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, finite
 from mrsfi_runtime.study.plots import illustrate
+from mrsfi_runtime.study.variants import Value
 
 
 class ComparisonFolder(CampaignFolder):
@@ -46,7 +47,10 @@ class ComparisonFolder(CampaignFolder):
         """Write tables, figures and summary; those of before are replaced."""
         text = f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n"
         try:
-            for name, table in (("runs", _runs), ("quartiles", _quartiles), ("tests", _tests)):
+            tables = {"runs": _runs, "quartiles": _quartiles, "tests": _tests}
+            if comparison.sweep is not None:
+                tables["settings"] = setting_table
+            for name, table in tables.items():
                 write_atomically(self.path / f"{name}.csv", as_csv(table(comparison).lines))
             self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
@@ -87,3 +91,29 @@ def _tests(comparison: Comparison) -> Table:
     return Table(
         "Tests", columns, [itemgetter(*columns)(test.as_json()) for test in comparison.tests]
     )
+
+
+def setting_table(comparison: Comparison) -> Table:
+    """Return the settings of a sweep, each compared with the paper's by best fitness."""
+    assert comparison.sweep is not None
+    tests = {test.first: test for test in comparison.tests if test.measure == "fitness"}
+
+    def row(name: str, values: Mapping[str, Value]) -> tuple[Cell, ...]:
+        median = comparison.quartiles["fitness"][name].median
+        cells = (*values.values(), len(comparison.of(name)), median)
+        if name not in tests:
+            return (*cells, None, None, None, "the paper's")
+        found = tests[name]
+        return (*cells, found.ranks.a12, found.holm_p_value, found.ranks.magnitude, found.verdict)
+
+    columns = (
+        *comparison.sweep.values,
+        "n_runs",
+        "median",
+        "a12",
+        "holm_p_value",
+        "magnitude",
+        "verdict",
+    )
+    rows = [row(name, values) for name, values in comparison.sweep.settings().items()]
+    return Table("Settings", columns, rows, ("magnitude", "verdict"))

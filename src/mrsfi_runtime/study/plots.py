@@ -1,19 +1,39 @@
 """Draws comparisons of searches, in the style of ``plots``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
-from mrsfi_runtime.analysis.plots import INK, PAPER, SERIES, drawing, legend_below, whole_numbers
+from mrsfi_runtime.analysis.plots import (
+    AGES,
+    INK,
+    PAPER,
+    SERIES,
+    SOFT,
+    drawing,
+    legend_below,
+    whole_numbers,
+)
 from mrsfi_runtime.study.comparison import Comparison, Criterion, quartiles
+from mrsfi_runtime.study.variants import Sweep, Value
 
 _N_PLACES = 200  # at which the course of a search is drawn
+_COLUMNS = 3  # of panels, one for every two settings of a sweep
+_FROM_LOW_TO_HIGH = LinearSegmentedColormap.from_list("low to high", AGES)
 
 
 def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
-    """Yield the figures of a comparison with their names."""
+    """Yield the figures of a comparison with their names; of a sweep others."""
+    if comparison.sweep is not None:
+        if len(comparison.sweep.values) > 1:
+            yield "heat_maps", heat_maps(comparison, comparison.sweep)
+        yield "interactions", interactions(comparison, comparison.sweep)
+        return
     yield "results", results(comparison)
     yield "course", course(comparison)
     if any(criterion.name.startswith("at_once") for criterion in comparison.criteria):
@@ -103,6 +123,76 @@ def goals(comparison: Comparison) -> Figure:
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         legend_below(figure)
     return figure
+
+
+def heat_maps(comparison: Comparison, sweep: Sweep) -> Figure:
+    """Draw the median of best fitness over every two settings, of runs with all others."""
+    pairs = [*combinations(sweep.values, 2)]
+    medians = {
+        pair: [
+            [_median(comparison, {pair[0]: x, pair[1]: y}) for x in sweep.values[pair[0]]]
+            for y in sweep.values[pair[1]]
+        ]
+        for pair in pairs
+    }
+    every = [value for rows in medians.values() for row in rows for value in row]
+    scale: dict[str, Any] = {"vmin": min(every), "vmax": max(every), "cmap": _FROM_LOW_TO_HIGH}
+    with drawing(_size(len(pairs))) as figure:
+        for axes, pair in zip(_panels(figure, len(pairs)), pairs, strict=True):
+            drawn = axes.pcolormesh(medians[pair], edgecolors=PAPER, lw=1.5, **scale)
+            for y, row in enumerate(medians[pair]):
+                for x, value in enumerate(row):
+                    is_dark = 2 * value > min(every) + max(every)
+                    colour = PAPER if is_dark else INK
+                    axes.text(x + 0.5, y + 0.5, f"{value:.5g}", ha="center", color=colour)
+            for key, set_ticks in zip(pair, (axes.set_xticks, axes.set_yticks), strict=True):
+                values = sweep.values[key]
+                set_ticks([place + 0.5 for place in range(len(values))], labels=map(str, values))
+            axes.set(xlabel=pair[0], ylabel=pair[1])
+            axes.grid(visible=False)
+        figure.colorbar(drawn, ax=figure.axes, label="median of best fitness")
+    return figure
+
+
+def interactions(comparison: Comparison, sweep: Sweep) -> Figure:
+    """Draw the median of best fitness over a setting, a line for each value of another.
+
+    Where lines are parallel, the two do not interact. The dashed line is the paper's setting.
+    """
+    keys = tuple(sweep.values)
+    pairs: list[tuple[str, ...]] = [*combinations(keys, 2)] or [keys]
+    papers = comparison.quartiles["fitness"][sweep.papers].median
+    with drawing(_size(len(pairs))) as figure:
+        for axes, (x, *others) in zip(_panels(figure, len(pairs)), pairs, strict=True):
+            lines = [{key: value} for key in others for value in sweep.values[key]] or [{}]
+            for row, fixed in enumerate(lines):
+                found = [_median(comparison, {x: value, **fixed}) for value in sweep.values[x]]
+                label = ", ".join(f"{key} {value}" for key, value in fixed.items())
+                drawn: dict[str, Any] = {
+                    "color": _colour(row),
+                    "lw": 1.6,
+                    "label": label or "median",
+                }
+                axes.plot(sweep.values[x], found, marker="o", ms=4, **drawn)
+            axes.axhline(papers, color=SOFT, lw=1.1, ls=(0, (5, 3)), label="the paper's")
+            axes.set(xlabel=x, ylabel="median of best fitness")
+            axes.set_xticks(sweep.values[x])
+            axes.legend(fontsize=8.5)
+    return figure
+
+
+def _median(comparison: Comparison, values: Mapping[str, Value]) -> float:
+    return quartiles(comparison.with_values(values)).median
+
+
+def _size(n_panels: int) -> tuple[float, float]:
+    return 0.8 + 4.6 * min(n_panels, _COLUMNS), 4.2 * -(-n_panels // _COLUMNS)
+
+
+def _panels(figure: Figure, n_panels: int) -> Iterator[Axes]:
+    shape = -(-n_panels // _COLUMNS), min(n_panels, _COLUMNS)
+    for number in range(1, n_panels + 1):
+        yield figure.add_subplot(*shape, number)
 
 
 def _colour(row: int) -> str:
