@@ -98,8 +98,9 @@ def print_flight(
         print_json({**head, "goals": goals, "faults": faults_as_json(faults, outcome)})
         return
     print_table(goal_table(title, mission, outcome))
-    print_words(nearest_in_words(mission, outcome))
-    print_words("")
+    if near := nearest_in_words(mission, outcome):
+        print_words(near)
+        print_words("")
     if faults:
         print_table(fault_table("Faults", faults, outcome))
 

@@ -76,13 +76,15 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ("PRAGMA user_version = 3", "found a campaign of version 3; expected at most 2"),
+        ("PRAGMA user_version = 4", "found a campaign of version 4; expected at most 3"),
         *(
             (f"UPDATE evaluation SET {column} = '{text}'", DAMAGED)
             for column, text in (
                 ("specification", '[["f1",1]]'),
                 ("specification", "[3]"),
                 ("fitness", "[null]"),
+                ("margins", "[[1.5]]"),
+                ("margins", '[["a",2]]'),
                 ("believed", "[1.5]"),
                 ("believed", "{}"),
                 ("samples", "[1,"),

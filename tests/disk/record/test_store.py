@@ -1,5 +1,7 @@
 import math
+import sqlite3
 import struct
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -243,7 +245,31 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
         samples=(9, 10),
         applied=(11,),
         changed=(12,),
+        margins=((0.1 + 0.2, 412), None),
     )
     store.append([replace(evaluation(0, (1, 2)), outcome=distinct)])
 
     assert store.evaluation(0).outcome == distinct
+    assert list(store.margins()) == [(0, distinct.margins)]
+
+
+def test_a_record_from_before_margins_is_read_and_goes_on_with_them(tmp_path):
+    path = tmp_path / "run"
+    with CampaignStore.create(path, SETTINGS, MANIFEST) as store:
+        store.append([evaluation(0, (1,))])
+        digest = store.digest()
+    with closing(sqlite3.connect(path / "campaign.sqlite")) as older, older:
+        older.execute("ALTER TABLE evaluation DROP COLUMN margins")
+        older.execute("PRAGMA user_version = 2")
+    measured = evaluation(1, (1,))
+    measured = replace(measured, outcome=replace(measured.outcome, margins=((2.5, 7),)))
+
+    with CampaignStore.open(path) as store:
+        assert store.evaluation(0).outcome.margins is None
+        assert store.digest() == digest
+        store.append([measured])
+        store.append([evaluation(2, (1,))])
+
+    with CampaignStore.open(path) as store:
+        assert list(store.margins()) == [(1, ((2.5, 7),))]
+        assert store.evaluation(1) == measured

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from mrsfi_runtime.model.outcome import Outcome
@@ -28,6 +30,18 @@ def findings_of(violations: tuple[int, ...], duration: int = 1000) -> FitnessInp
 )
 def test_fitness_follows_its_equation(name, expected):
     assert FITNESS_FUNCTIONS[name](findings_of(VIOLATIONS)) == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("violations", "margin", "expected"),
+    [(0, (3.0, 9), 0.25), (0, (0.0, 9), 1.0), (0, None, 0.0), (2, (-1.0, 9), 2.0)],
+)
+def test_nearest_points_to_a_goal_that_is_not_violated_and_never_beyond_one(
+    violations, margin, expected
+):
+    outcome = replace(outcome_of(violations), margins=(margin,))
+
+    assert FITNESS_FUNCTIONS["nearest"](FitnessInput(outcome, (violations,), (0,), 9)) == expected
 
 
 @pytest.mark.parametrize("name", FITNESS_FUNCTIONS)
