@@ -13,11 +13,12 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import mrsfi
 from mrsfi_runtime.analysis.table import Table, as_csv, to_markdown
 from mrsfi_runtime.study.comparison import RunResult, compare_ranks, holm
-from mrsfi_runtime.study.variants import Variant
+from mrsfi_runtime.study.variants import PAPERS, Variant
 
 KEPT = Path("docs/studies")
 N_SEEDS, N_EVALUATIONS = 20, 909
@@ -96,10 +97,52 @@ def parameters(folder: Path) -> None:
     keep("parameters", (*keys, "seed", "evaluations", "fitness", "hypervolume", "digest"), rows)
 
 
-def tables() -> None:
+def kept_runs(name: str) -> list[dict[str, str]]:
+    """Return the runs of a study."""
+    with (KEPT / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def print_table(title: str, columns: Iterable[str], rows: Iterable[tuple[Any, ...]]) -> None:
+    """Print a table in Markdown."""
+    print(f"\n{title}\n", to_markdown(Table(title, tuple(columns), [*rows])), sep="\n")
+
+
+def parameter_tables() -> None:
+    """Print medians by value, whether the highest does better than the lowest, and each setting."""
+    runs = kept_runs("parameters")
+    keys = list(runs[0])[: list(runs[0]).index("seed")]
+    papers = tuple(str(PAPERS[key]) for key in keys)
+    by_setting: dict[tuple[str, ...], list[float]] = {}
+    for run in runs:
+        by_setting.setdefault(itemgetter(*keys)(run), []).append(float(run["fitness"]))
+    base = by_setting.pop(papers)
+    rows, ranks = [], []
+    for place, key in enumerate(keys):
+        values = {setting[place]: list[float]() for setting in by_setting}
+        for setting, found in by_setting.items():
+            values[setting[place]] += found
+        rows += [(key, value, len(found), median(found)) for value, found in values.items()]
+        lowest, *_, highest = values.values()
+        ranks.append((key, compare_ranks(highest, lowest)))
+    print_table("best fitness by value", ("setting", "value", "runs", "median"), rows)
+    adjusted = holm([each.p_value for _, each in ranks])
+    rows = [(key, each.a12, p) for (key, each), p in zip(ranks, adjusted, strict=True)]
+    print_table("highest against lowest value", ("setting", "A12", "p (Holm)"), rows)
+    tests = {setting: compare_ranks(found, base) for setting, found in by_setting.items()}
+    all_adjusted = holm([each.p_value for each in tests.values()])
+    found = [
+        (*setting, median(by_setting[setting]), each.a12, each.p_value, p)
+        for (setting, each), p in zip(tests.items(), all_adjusted, strict=True)
+    ]
+    columns = (*keys, "median", "A12", "p", "p (Holm)")
+    title = f"settings against the paper's ({len(base)} seeds, median {median(base):.1f})"
+    print_table(title, columns, sorted(found, key=itemgetter(-3), reverse=True))
+
+
+def operator_tables() -> None:
     """Print, for each mission and measure, medians and tests of freed operators."""
-    with (KEPT / "operators.csv").open(encoding="utf-8", newline="") as file:
-        kept = list(csv.DictReader(file))
+    kept = kept_runs("operators")
     for measure in ("fitness", "at_once", "together"):
         cells, ranks = [], []
         for mission, runs in groupby(kept, itemgetter("mission")):
@@ -115,11 +158,12 @@ def tables() -> None:
             for cell, found, p in zip(cells, ranks, adjusted, strict=True)
         ]
         columns = ("mission", "operators", "restricted", "median", "A12", "magnitude", "p (Holm)")
-        print(f"\n{measure}\n", to_markdown(Table(measure, columns, rows)), sep="\n")
+        print_table(measure, columns, rows)
 
 
 if __name__ == "__main__":
     if sys.argv[1] == "tables":
-        tables()
+        operator_tables()
+        parameter_tables()
     else:
         {"operators": operators, "parameters": parameters}[sys.argv[1]](Path(sys.argv[2]))

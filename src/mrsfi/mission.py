@@ -17,11 +17,7 @@ from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate, at_work
-from mrsfi_runtime.record.settings import (
-    CampaignSettings,
-    require_seed,
-    require_whole,
-)
+from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
 
 if TYPE_CHECKING:
     from m2t.diagnostics import Diagnostic

@@ -165,6 +165,13 @@ WRONG = [
         "expected a list of different ones of paper, eaSimple",
     ),
     (("compare", MISSION, "--algorithms", "paper,"), "option algorithm: found ''; expected a name"),
+    (("compare", MISSION, "--sweep", "crossover=1.5"), "option crossover: found 1.5; expected a"),
+    (("compare", MISSION, "--sweep", "population=10:25:3"), "option population: found 17.5; exp"),
+    (("compare", MISSION, "--sweep", "crossover"), "sweep: found 'crossover'; expected KEY=LOW"),
+    (
+        ("compare", MISSION, "--sweep", "crossover=0.5", "--algorithms", "paper,random"),
+        "expected one, whose settings are swept",
+    ),
     (("compare", MISSION, "--seeds", "0"), "--seeds"),
     (("compare", MISSION, "--evaluations", "0"), "--evaluations"),
     (("compare", MISSION, "--case", "z"), "found no campaign file 'z'"),

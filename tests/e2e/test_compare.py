@@ -85,24 +85,74 @@ def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(pl
     assert done.stderr.count("was finished already") == 1
 
 
+SWEEP = (*SMALL, "--seeds", "2", "--sweep", "crossover=0.3:0.9:2,population=2")
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """Place and standard output of a finished sweep; only to be read."""
+    folder = workspace(tmp_path_factory.mktemp("swept"))
+    return folder, mrsfi(*SWEEP, cwd=folder).stdout
+
+
 @slow
-def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(compared, place):
-    folder = place / "runs" / "compare-uuv_sampling-b"
-    command = (*SMALL, "--seeds", "2")
+@pytest.mark.parametrize(
+    ("whole", "command", "name", "finished"),
+    [
+        ("compared", (*SMALL, "--seeds", "2"), "compare", ["paper-1", "random-1"]),
+        (
+            "swept",
+            SWEEP,
+            "sweep",
+            ["crossover=0.3,population=2-1", "crossover=0.9,population=2-1"],
+        ),
+    ],
+)
+def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
+    whole, command, name, finished, place, request
+):
+    name = f"runs/{name}-uuv_sampling-b"
     with subprocess.Popen(
         command_line(*command), cwd=place, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
     ) as process:
         while b"run 2/6" not in process.stderr.readline():
             pass
         os.kill(process.pid, signal.SIGKILL)
-    finished = [folder / "runs" / f"{name}-1" for name in ("paper", "random")]
-    before = [contents(run) for run in finished]
+    runs = [place / name / "runs" / run for run in finished]
+    before = [contents(run) for run in runs]
 
     again = mrsfi_json(*command, cwd=place)
 
-    whole = json.loads((compared[0] / "runs/compare-uuv_sampling-b/comparison.json").read_text())
-    assert findings(again) == findings(whole)
-    assert [contents(run) for run in finished] == before
+    undisturbed, _ = request.getfixturevalue(whole)
+    found = json.loads((undisturbed / name / "comparison.json").read_text())
+    assert findings(again) == findings(found)
+    assert again.get("sweep") == found.get("sweep")
+    assert [contents(run) for run in runs] == before
+
+
+@slow
+def test_a_sweep_prints_what_differs_from_the_papers_setting_and_keeps_tables_and_figures(swept):
+    place, output = swept
+    folder = place / "runs" / "sweep-uuv_sampling-b"
+
+    lines = output.splitlines()
+    assert lines[0] == "3 settings, 2 seeds, 6 evaluations a run: best fitness"
+    said = "Of 2 settings beside the paper's, crossover=0.7,population=20: none differs"
+    assert said in lines
+    with (folder / "settings.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["crossover"], row["population"], row["verdict"]) for row in rows] == [
+        ("0.3", "2", "not shown"),
+        ("0.9", "2", "not shown"),
+        ("0.7", "20", "the paper's"),
+    ]
+    content = json.loads((folder / "comparison.json").read_text())
+    assert content["sweep"]["values"] == {"crossover": [0.3, 0.9], "population": [2]}
+    assert content["settings"].keys().isdisjoint({"crossover", "population", "seed"})
+    assert sorted(file.name for file in (folder / "figures").glob("*.png")) == [
+        "heat_maps.png",
+        "interactions.png",
+    ]
 
 
 @slow

@@ -106,14 +106,6 @@ def setting_table(comparison: Comparison) -> Table:
         found = tests[name]
         return (*cells, found.ranks.a12, found.holm_p_value, found.ranks.magnitude, found.verdict)
 
-    columns = (
-        *comparison.sweep.values,
-        "n_runs",
-        "median",
-        "a12",
-        "holm_p_value",
-        "magnitude",
-        "verdict",
-    )
+    told = ("n_runs", "median", "a12", "holm_p_value", "magnitude", "verdict")
     rows = [row(name, values) for name, values in comparison.sweep.settings().items()]
-    return Table("Settings", columns, rows, ("magnitude", "verdict"))
+    return Table("Settings", (*comparison.sweep.values, *told), rows, ("magnitude", "verdict"))

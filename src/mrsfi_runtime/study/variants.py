@@ -2,7 +2,7 @@
 
 References
 ----------
-Source paper, section VII: "experiment on a range of genetic algorithm parameters".
+Source paper, section VII.
 """
 
 from collections.abc import Mapping
@@ -17,22 +17,18 @@ from mrsfi_runtime.record.settings import ALGORITHM_NAMES, CampaignSettings
 
 Value: TypeAlias = int | float
 
-_NOT_VARIED = (
-    "seed",
-    "generations",
-    "max_failures",
-)  # the comparison's: seeds, and what ends a run
+_COMPARISONS = ("seed", "generations", "max_failures")  # are not varied: seeds, what ends a run
+_MOST = 100  # values of a setting between two
+_SYNTAX = f"KEY=LOW:HIGH:N, N from 2 to {_MOST}, or KEY=A,B,C, several with commas between"
 
 PAPERS: Mapping[str, Value] = MappingProxyType(
     {
         key: value
         for key, value in asdict(CampaignSettings()).items()
-        if type(value) in (int, float) and key not in _NOT_VARIED
+        if type(value) in (int, float) and key not in _COMPARISONS
     }
 )
 """Settings in numbers that a sweep can vary, with the values of the paper."""
-
-_SYNTAX = "KEY=LOW:HIGH:N or KEY=A,B,C, several with commas between"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +65,20 @@ class Sweep:
     @classmethod
     def parse(cls, text: str) -> Self:
         """Read ``crossover=0.3:0.9:5,population=10,20,40``."""
-        found: dict[str, dict[Value, None]] = {}
+        found: dict[str, tuple[Value, ...]] = {}
         key = ""
         for part in text.split(","):
-            name, is_named, values = part.rpartition("=")
+            name, is_named, numbers = part.rpartition("=")
             if is_named:
-                key = _key(name.strip(), text, found)
-                found[key] = {}
-            if not key:
-                raise UsageError(f"sweep {text!r}: found {part!r}; expected {_SYNTAX}")
-            found[key].update(dict.fromkeys(_numbers(key, values)))
-        return cls({name: tuple(values) for name, values in found.items()})
+                key = name.strip()
+                if key not in PAPERS or key in found:
+                    known = expected(key, [each for each in PAPERS if each not in found])
+                    raise UsageError(f"sweep: found {part.strip()!r}; {known}")
+            values = _numbers(numbers) if key else ()
+            if not values:
+                raise UsageError(f"sweep: found {part.strip()!r}; expected {_SYNTAX}")
+            found[key] = tuple(dict.fromkeys((*found.get(key, ()), *values)))
+        return cls(found)
 
     @property
     def papers(self) -> str:
@@ -94,12 +93,9 @@ class Sweep:
 
     def with_values(self, values: Mapping[str, Value]) -> set[str]:
         """Return names of combinations with some values; the paper's setting need not be one."""
-        return {
-            name
-            for name, each in self.settings().items()
-            if values.items() <= each.items()
-            and all(each[key] in known for key, known in self.values.items())
-        }
+        found = {name for name, each in self.settings().items() if values.items() <= each.items()}
+        is_combined = all(PAPERS[key] in known for key, known in self.values.items())
+        return found if is_combined else found - {self.papers}
 
     def as_json(self) -> dict[str, Any]:
         """Return its values, and those of each setting by its name, as values of JSON."""
@@ -108,38 +104,22 @@ class Sweep:
 
     def variants(self, algorithm: str) -> tuple[Variant, ...]:
         """Return the variants of an algorithm."""
-        return tuple(
-            Variant(name, {"algorithm": algorithm, **values})
-            for name, values in self.settings().items()
-        )
+        found = self.settings().items()
+        return tuple(Variant(name, {"algorithm": algorithm, **values}) for name, values in found)
 
 
-def _key(name: str, text: str, found: Mapping[str, object]) -> str:
-    if name not in PAPERS:
-        raise UsageError(f"sweep {text!r}: found {name!r}; {expected(name, PAPERS)}")
-    if name in found:
-        raise UsageError(f"sweep {text!r}: found {name} twice; expected each setting once")
-    return name
-
-
-def _numbers(key: str, text: str) -> list[Value]:
-    """Return the numbers that a part of a list says, one or some that are evenly spaced."""
-    ends = text.split(":")
+def _numbers(text: str) -> tuple[Value, ...]:
+    """Return the number that a text says, or some that are evenly spaced; none if it is wrong."""
     try:
-        low, *others = map(Fraction, ends)
+        low, *others = map(Fraction, text.split(":"))
+        high, n = others or (low, Fraction(1))
     except (ValueError, ZeroDivisionError):
-        raise UsageError(f"sweep {key}: found {text!r}; expected {_SYNTAX}") from None
-    if not others:
-        return [_value(low)]
-    if len(others) != 2 or others[1].denominator != 1 or others[1] < 2:
-        wanted = "LOW:HIGH:N, N values evenly spaced, two or more"
-        raise UsageError(f"sweep {key}: found {text!r}; expected {wanted}")
-    high, n = others[0], int(others[1])
-    return [_value(low + (high - low) * place / (n - 1)) for place in range(n)]
-
-
-def _value(exact: Fraction) -> Value:
-    return int(exact) if exact.denominator == 1 else float(exact)
+        return ()
+    if n.denominator != 1 or not 2 * bool(others) <= n <= _MOST:
+        return ()
+    step = (high - low) / max(1, int(n) - 1)
+    exact = (low + step * place for place in range(int(n)))
+    return tuple(int(each) if each.denominator == 1 else float(each) for each in exact)
 
 
 def _name(values: Mapping[str, Value]) -> str:

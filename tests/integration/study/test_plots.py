@@ -4,6 +4,7 @@ import pytest
 
 from mrsfi_runtime.study import plots as study_plots
 from mrsfi_runtime.study.comparison import Comparison, RunResult, compare
+from mrsfi_runtime.study.variants import Sweep
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
 from tests.tiers import slow
@@ -53,6 +54,44 @@ def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
 
     assert WORDS[name] <= {*texts(svg)}
     require_inside(figure)
+
+
+def swept(text: str) -> Comparison:
+    sweep = Sweep.parse(text)
+    names = tuple(sweep.settings())
+    runs = [
+        run(name, seed, 900.0 + 40 * place + seed)
+        for place, name in enumerate(names)
+        for seed in (1, 2, 3)
+    ]
+    return compare(names, runs, sweep)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            "crossover=0.3:0.9:3,mutation=0.1,0.2,population=10,40",
+            {
+                "heat_maps": {"crossover", "population", "40", "median of best fitness"},
+                "interactions": {"mutation 0.1", "population 40", "the paper's"},
+            },
+        ),
+        (
+            "crossover=0.7,mutation=0.7",
+            {"heat_maps": {"902"}, "interactions": {"mutation 0.7"}},
+        ),
+        ("faults=5,20", {"interactions": {"median", "faults", "the paper's"}}),
+    ],
+)
+def test_a_sweep_draws_every_two_settings(text, words, tmp_path):
+    figures = dict(study_plots.illustrate(swept(text)))
+
+    assert figures.keys() == words.keys()
+    for name, figure in figures.items():
+        _, svg = save(figure, tmp_path / name)
+        assert words[name] <= {*texts(svg)}
+        require_inside(figure)
 
 
 @slow
