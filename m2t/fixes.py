@@ -16,6 +16,7 @@ from m2t.constraints.fault_rules import (
     exchanged_draw,
     exchanged_window,
     fault_types,
+    fits_event,
 )
 from m2t.constraints.mission_rules import repeated, strangers
 from m2t.diagnostics import Diagnostic
@@ -135,7 +136,7 @@ def delete_incomplete(models: LoadedModels) -> None:
     """Delete elements that lack what the metamodels require, and references to what is deleted.
 
     A goal loses a member that is gone; a message whose sender is gone goes as a whole, and so does
-    a fault of that message. Roots stay, whatever they lack.
+    a fault of that message, or one that waits for what is gone. Roots stay, whatever they lack.
     """
     roots = [root for root in (models.mission, models.faults) if root is not None]
     while True:
@@ -149,9 +150,12 @@ def delete_incomplete(models: LoadedModels) -> None:
 
 def _loses(element: Any, alive: Iterable[Any]) -> bool:
     """Take references to what is gone from an element; return whether it lacks something then."""
-    is_incomplete = is_kind(element.eClass, "Fault") and not fault_types(element)
+    is_incomplete = (is_kind(element.eClass, "Fault") and not fault_types(element)) or (
+        is_kind(element.eClass, "Trigger") and not fits_event(element)
+    )
     for slot in slots(element.eClass).values():
         held = values(element, slot)
+        gone: list[Any] = []
         if slot.is_reference:
             gone = [each for each in held if each not in alive]
             for each in gone:
@@ -159,6 +163,7 @@ def _loses(element: Any, alive: Iterable[Any]) -> bool:
             held = [each for each in held if each in alive]
         is_object = slot.is_reference or slot.is_contained
         is_incomplete |= is_object and len(held) < slot.lower_bound
+        is_incomplete |= bool(gone) and not slot.many
     return is_incomplete
 
 

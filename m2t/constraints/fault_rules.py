@@ -126,11 +126,20 @@ _EVENTS: Mapping[str, tuple[str, ...]] = {
 _REACHABLE = ("GatherSamples", "Visit", "Track")
 
 
+def fits_event(trigger: Any) -> bool:
+    """Return whether a trigger refers to what its event is about, and to nothing else."""
+    event, given = trigger.event.name, _given_to(trigger)
+    return given == _EVENTS.get(event) or (event == "EFFECT" and not given)
+
+
+def _given_to(trigger: Any) -> tuple[str, ...]:
+    return tuple(name for name in ("goal", "robot", "area", "faults") if getattr(trigger, name))
+
+
 def _check_trigger(trigger: Any, report: Report) -> None:
     event = trigger.event.name
-    wanted = _EVENTS.get(event, ())
-    given = tuple(name for name in ("goal", "robot", "area", "faults") if getattr(trigger, name))
-    if given != wanted and (given or event != "EFFECT"):
+    if not fits_event(trigger):
+        given, wanted = _given_to(trigger), _EVENTS.get(event, ())
         finding = (
             f"is {event} and has {' and '.join(given) or 'nothing'}; expected "
             f"{' and '.join(wanted) or 'another event'}, and nothing else; correct it"

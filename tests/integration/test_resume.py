@@ -9,11 +9,13 @@ from time import monotonic, sleep
 
 import pytest
 
+from m2t.generate import generate
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from tests.support.cli import mrsfi, workspace
+from tests.support.cli import edit, mrsfi, workspace
 from tests.support.interrupted import (
     MISSION,
     SEARCH,
@@ -27,6 +29,7 @@ from tests.support.interrupted import (
     running,
 )
 from tests.support.processes import children
+from tests.support.triggers import drawn_triggers, in_xmi
 from tests.tiers import slow
 
 SETTINGS = CampaignSettings(population=8, generations=8, seed=3)
@@ -78,6 +81,31 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     assert digest(path) == digest(whole)
     with CampaignStore.open(path) as store, CampaignStore.open(whole) as other:
         assert [*store.generations()] == [*other.generations()]
+
+
+def test_a_killed_campaign_of_a_pool_with_triggers_ends_as_one_that_never_was(tmp_path):
+    place = workspace(tmp_path, MISSION)
+    models, generated = place / "models" / MISSION, place / "generated" / MISSION
+    code = load_code(generated)
+    declared = in_xmi(drawn_triggers(Random(1), code.mission, code.pool))
+    edit(models / "faults.xmi", "</faults:F", f"{declared}</faults:F")
+    generate(models, generated)
+    settings = CampaignSettings(algorithm="guided", population=6, generations=4, seed=3)
+    campaigns = [begin(place / name, models, settings) for name in ("never", "killed")]
+
+    finished(SEARCH, campaigns[0], 1)
+    assert killed_after(0.0, SEARCH, campaigns[1], 1, n_evaluated=9)
+    n_left = finished(SEARCH, campaigns[1], 1)
+
+    known, again = map(evaluations, campaigns)
+    assert known == again
+    assert 0 < n_left < len(known)
+    assert digest(campaigns[0]) == digest(campaigns[1])
+    assert any(
+        timed.trigger and n_applied
+        for each in known
+        for timed, n_applied in zip(each.specification, each.outcome.applied, strict=True)
+    )
 
 
 @slow

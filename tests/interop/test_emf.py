@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -22,8 +23,10 @@ from tests.interop.eclipse import (
 )
 from tests.interop.spellings import respelt
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
-from tests.support.models.copies import copy_models
+from tests.support.models.copies import copy_models, edit
 from tests.support.models.random_models import coverage, draw, everything
+from tests.support.triggers import in_xmi, with_triggers
+from tests.support.world import paper_code
 
 N_DRAWN = 150
 """Drawn missions, each with faults: 300 files."""
@@ -120,10 +123,14 @@ def test_emf_validates_specifications_of_scripts_and_saves_the_same_bytes(tmp_pa
     write_specification(folder, every, folder / "every.xmi", identifier="every")
     write_specification(folder, odd, tmp_path / "odd.xmi", identifier="odd")
     write_specification(folder, [], folder / "none.xmi", identifier="none")
+    triggers = with_triggers(paper_code()).pool.triggers
+    edit(folder / FAULTS_FILE, "</faults:F", f"{in_xmi(triggers)}</faults:F")
+    waits = zip(pool, cycle(trigger.id for trigger in triggers), strict=False)
+    waiting = [(fault, 3, 900, {}, trigger) for fault, trigger in waits]
+    write_specification(folder, waiting, folder / "waiting.xmi", identifier="waiting")
 
-    files = resave(
-        [folder / "every.xmi", tmp_path / "odd.xmi", folder / "none.xmi"], tmp_path / "out"
-    )
+    names = ("every.xmi", "none.xmi", "waiting.xmi")
+    files = resave([tmp_path / "odd.xmi", *(folder / name for name in names)], tmp_path / "out")
 
     _require_equal("(b) specifications of scripts", files, note)
 

@@ -162,6 +162,28 @@ def test_what_is_incomplete_without_a_deleted_element_is_deleted(folder, pattern
     }
 
 
+def test_a_trigger_goes_with_its_goal_and_what_waits_for_it_too(folder):
+    goal = '<goal href="mission.xmi#g{}"/>'.format
+    declared = (
+        f'<triggers ID="full" event="REACHED">{goal(4)}</triggers>'
+        f'<triggers ID="low" event="VIOLATED">{goal(3)}</triggers>'
+    )
+    edit(folder / FAULTS, "</faults:F", f"{declared}</faults:F")
+    edit(folder / FAULTS, 'ID="f30"', 'ID="f30" start="1" finish="2" trigger="full"')
+    edit(folder / FAULTS, 'ID="f28"', 'ID="f28" start="1" finish="2" trigger="low"')
+    path = folder / MISSION
+    text = path.read_text(encoding="ascii")
+    path.write_text(re.sub(r' *<sensors ID="s4"[^>]*/>\n', "", text), "ascii")
+    before = _ids(folder / FAULTS)
+
+    for file, content in _mended(folder).contents.items():
+        file.write_bytes(content)
+
+    assert inspect_folder(folder).draft is not None
+    assert before - _ids(folder / FAULTS) >= {"full", "f30"}
+    assert {"low", "f28"} <= _ids(folder / FAULTS)
+
+
 def _ids(path: Path) -> set[str]:
     return {*re.findall(r'\bID="([^"]*)"', path.read_text(encoding="ascii"))}
 

@@ -1,6 +1,7 @@
 """Laws of the search operators, over missions of any length and pools of any size."""
 
 from contextlib import nullcontext
+from dataclasses import replace
 from itertools import combinations
 from random import Random
 
@@ -29,6 +30,7 @@ from mrsfi_runtime.search.variation import (
     transformed,
 )
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
+from tests.support.triggers import drawn_triggers
 from tests.tiers import law, slow
 
 FAULT_IDS = [fault.id for fault in PAPER_FAULTS]
@@ -40,8 +42,12 @@ seeds = st.integers(0, 2**32)
 class Drawn:
     """A mission of some duration, a pool, how many faults are wanted, and a generator."""
 
-    def __init__(self, duration: int, fault_ids: list[str], n_faults: int, seed: int) -> None:
-        self.mission, self.pool = paper_mission(duration), pool_of(*fault_ids)
+    def __init__(
+        self, duration: int, fault_ids: list[str], n_faults: int, seed: int, n_triggers: int
+    ) -> None:
+        self.mission, pool = paper_mission(duration), pool_of(*fault_ids)
+        triggers = drawn_triggers(Random(seed), self.mission, pool)
+        self.pool = replace(pool, triggers=triggers[::3][:n_triggers])
         self.space = SearchSpace.of(self.mission, self.pool)
         self.fault_ids, self.n_faults, self.seed = fault_ids, n_faults, seed
         self.rng = Random(seed)
@@ -53,7 +59,10 @@ class Drawn:
         Gate(self.mission, self.pool).admitted(specification)
         assert list(specification) == list(self.space.ordered(specification))
         for timed in specification:
-            require_within(self.space.candidates[timed.fault], timed, self.mission.duration)
+            candidate = self.space.candidates[timed.fault]
+            require_within(candidate, timed, self.mission.duration)
+            assert timed.trigger in candidate.triggers
+            assert self.pool.triggers or not timed.trigger
 
 
 DRAWN = st.builds(
@@ -62,6 +71,7 @@ DRAWN = st.builds(
     st.lists(st.sampled_from(FAULT_IDS), min_size=1, max_size=30, unique=True),
     st.integers(1, 25),
     seeds,
+    st.sampled_from([0, 0, 1, 4]),
 )
 
 

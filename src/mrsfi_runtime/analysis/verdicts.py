@@ -221,8 +221,9 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     done = _DEEDS[kind.mode][0].format(s=s, is_="is" if s else "are", first=first, fixed=fixed)
     begin, end = fault.window or (0, -1)
     of = f" from {kind.name}" if kind.mode is Mode.OWN else ""
-    waits = "" if fault.trigger is None else f" at most, {fault.trigger.words}"
-    return f"{subject} {done.rstrip()}{of} for {fault.units.ticks(end - begin + 1)}{waits}"
+    waits = "" if fault.trigger is None else f" at most, {fault.trigger.when}"
+    n_ticks = min(end - begin + 1, fault.most)
+    return f"{subject} {done.rstrip()}{of} for {fault.units.ticks(n_ticks)}{waits}"
 
 
 def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:

@@ -9,10 +9,9 @@ breaks each goal is shrunk to its mildest form, which takes flights beyond those
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from random import Random
-from types import MappingProxyType
 from typing import NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
@@ -73,7 +72,7 @@ class Harvest:
     outcomes: Mapping[Specification, Outcome]
     yardstick: Yardstick | None
     mildest: tuple[Mildest, ...] = ()
-    nearest: Mapping[str, Nearest] = MappingProxyType({})
+    nearest: Mapping[str, Nearest] = field(default_factory=dict)
 
     @property
     def ways(self) -> tuple[Way, ...]:

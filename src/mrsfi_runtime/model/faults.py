@@ -48,12 +48,17 @@ class Trigger:
 
     @property
     def words(self) -> str:
+        """When faults act that wait for it: ``when g4 is reached, 5 ticks later, for 9 ticks``."""
+        lasts = "" if self.duration is None else f", for {counted(self.duration, 'ticks')}"
+        return self.when + lasts
+
+    @property
+    def when(self) -> str:
         """When faults begin that wait for it: ``when g4 is reached, 5 ticks later``."""
         area = self.area.id if self.area else "no area"
         happens = ("is violated", "is reached", f"enters {area}", "changes something")[self.event]
         later = f", {counted(self.delay, 'ticks')} later" if self.delay else ""
-        lasts = "" if self.duration is None else f", for {counted(self.duration, 'ticks')}"
-        return f"when {' or '.join(self.of) or 'nothing'} {happens}{later}{lasts}"
+        return f"when {' or '.join(self.of) or 'nothing'} {happens}{later}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,8 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(seed, known, FailedFlight(found))
-        if rest or not isinstance(found, dict) or {*encoding.COUNTS, "digest"} - found.keys():
+        names = {*encoding.COUNTS, "digest", database.MARGINS}
+        if rest or not isinstance(found, dict) or {*found, database.MARGINS} != names:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
         told = str(found["digest"]), found.get(database.MARGINS)

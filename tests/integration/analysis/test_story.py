@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
+from mrsfi_runtime.analysis.page.flight import Flown, flight_content
 from mrsfi_runtime.analysis.story import Collision, places_table, story_of, timeline_table
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
-from mrsfi_runtime.model.faults import numbered
-from mrsfi_runtime.model.mission import Coordinates
+from mrsfi_runtime.model.faults import Event, TimedFault, Trigger, numbered
+from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.drawing import require_inside, save, texts
@@ -117,6 +118,39 @@ def test_the_timeline_names_faults_and_goals(story, tmp_path):
     }
     assert {*story.mission.goal_ids, "believed violated", "truly violated"} < {*texts(svg)}
     require_inside(figure)
+
+
+def test_a_fault_that_waited_is_drawn_lightly_where_it_may_act_and_fully_where_it_did(tmp_path):
+    code = paper_code(100)
+    area = Area("e", Coordinates(), 1e9)
+    triggers = (
+        Trigger("begun", Event.ENTERED, ("r1",), area, 9, 20),
+        Trigger("never", Event.ENTERED, ("r1",), area, 200),
+    )
+    pool = replace(code.pool, triggers=triggers)
+    chosen = (
+        TimedFault("f26", 5, 90, (), "begun"),
+        TimedFault("f30", 5, 90, (), "never"),
+        TimedFault("f1", 5, 90),
+    )
+    faults = named_faults(code.mission, pool, chosen)
+    recording = ReferenceEngine(replace(code, pool=pool), SEED).record(chosen)
+
+    story = story_of("", code.mission, faults, recording)
+    figure = flight_timeline(story)
+    _, svg = save(figure, tmp_path / "timeline")
+    content = flight_content(code.mission, Flown("", faults, recording, {}), 1)["faults"]
+
+    assert [fault.window for fault in story.faults] == [(10, 29), None, (5, 90)]
+    assert [row[1:] for row in timeline_table(story).rows if row[0] == "fault"] == [
+        ("f26", "StopRobot on r1 motion", 10, 29),
+        ("f1", "ActivateSensor on s2 activation", 5, 90),
+    ]
+    drawn = [(bar.get_x(), bar.get_width(), bar.get_alpha()) for bar in figure.axes[0].patches]
+    assert drawn == [(5, 86, 0.15), (10, 20, 0.75), (5, 86, 0.15), (5, 86, 0.75)]
+    assert "may be set off" in texts(svg)
+    assert [each["window"] for each in content] == [(10, 29), None, (5, 90)]
+    assert [each.get("waits") for each in content] == [(5, 90), (5, 90), None]
 
 
 def crowded(n):

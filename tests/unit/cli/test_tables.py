@@ -80,6 +80,8 @@ def test_what_happened_to_the_papers_goals_fits_into_80_columns(capsys, monkeypa
 def test_a_script_gets_the_ticks_that_a_goal_was_missed_and_since_when():
     flown = replace(outcome((0, 901, 934, 856, 901, 986)), missed=(0, 0, 0, 288, 1000, 1))
 
+    flown = replace(flown, margins=(None, None, None, (2.5, 412), None, None))
+
     *_, third, fourth, fifth, _ = goals_as_json(paper_mission(), flown)
 
     assert fourth == {
@@ -92,7 +94,10 @@ def test_a_script_gets_the_ticks_that_a_goal_was_missed_and_since_when():
         "missed": 288,
         "missed_since": 712,
         "samples": 0,
+        "margin": 2.5,
+        "nearest": 412,
     }
+    assert third["margin"] is third["nearest"] is None
     assert (third["missed"], third["missed_since"]) == (0, None)
     assert (fifth["missed"], fifth["missed_since"]) == (1000, 0)
 

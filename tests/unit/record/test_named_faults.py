@@ -1,14 +1,22 @@
 import pytest
 
 from mrsfi_runtime.analysis.campaign_tables import fault_table
-from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.kernel.injections import FaultTally
+from mrsfi_runtime.model.faults import Event, Fault, FaultPool, TimedFault, Trigger
+from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.record.named_faults import named_faults
 from tests.support.campaigns import outcome
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import paper_mission, pool_of
 
 UNCARRIED = Fault("silent", FAULT_TYPES["FixedSpeed"], "m2", (5.0,))
-POOL = FaultPool("p", (*pool_of(), UNCARRIED))
+TRIGGERS = (
+    Trigger("full", Event.REACHED, ("g4",), delay=5, duration=9),
+    Trigger("bitten", Event.EFFECT, ("f1", "f2"), delay=1),
+    Trigger("near", Event.ENTERED, ("r1",), Area("gate", Coordinates(), 9.0)),
+    Trigger("low", Event.VIOLATED, ("g3",), duration=1),
+)
+POOL = FaultPool("p", (*pool_of(), UNCARRIED), triggers=TRIGGERS)
 
 
 def _named(*timed, duration=1000):
@@ -96,3 +104,39 @@ def test_a_row_has_a_cell_for_each_column():
         "target": "m3: r1 position",
         "values": "–",
     }
+
+
+@pytest.mark.parametrize(
+    ("trigger", "told"),
+    [
+        ("full", "when g4 is reached, 5 ticks later, for 9 ticks"),
+        ("bitten", "when f1 or f2 changes something, 1 tick later"),
+        ("near", "when r1 enters gate"),
+        ("low", "when g3 is violated, for 1 tick"),
+    ],
+)
+def test_what_a_fault_waits_for_is_told_after_its_values(trigger, told):
+    silent, block = _named(
+        TimedFault("f21", 0, 475, (), trigger), TimedFault("f2", 0, 475, (50.0,), trigger)
+    )
+
+    assert (silent.told, block.told) == (told, f"BLOCK_DURATION 50 ticks; {told}")
+    assert (silent.as_json()["trigger"], silent.as_json()["window"]) == (trigger, [1, 475])
+
+
+@pytest.mark.parametrize(
+    ("timed", "tally", "active"),
+    [
+        (TimedFault("f21", 2, 475), FaultTally(), (2, 475)),
+        (TimedFault("f21", 2, 475, (), "bitten"), FaultTally(), None),
+        (TimedFault("f21", 2, 475, (), "bitten"), FaultTally(1, 0, 30), (30, 475)),
+        (TimedFault("f21", 2, 475, (), "full"), FaultTally(4, 0, 33), (30, 38)),
+        (TimedFault("f21", 2, 33, (), "full"), FaultTally(4, 0, 33), (30, 33)),
+        (TimedFault("f2", 2, 475, (7.0,), "full"), FaultTally(1, 0, 30), (30, 36)),
+        (TimedFault("f2", 2, 475, (70.0,), "full"), FaultTally(1, 0, 30), (30, 38)),
+    ],
+)
+def test_when_a_fault_was_active_that_waited_follows_from_what_it_did(timed, tally, active):
+    (found,) = _named(timed)
+
+    assert found.active(tally) == active

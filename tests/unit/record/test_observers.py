@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 from io import StringIO
 
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog
 from tests.support.search import paper_mission, pool_of
@@ -83,6 +84,27 @@ def test_the_log_says_when_a_fault_starts_changes_something_and_ends():
         (4, f"{stop}starts (4 … 7)"),
         (5, "  event fault f8 DelayMessage on m10: s4 count: is active at no tick"),
         (7, f"{stop}ends"),
+    ]
+
+
+def test_the_log_says_from_when_on_a_fault_waits_and_when_it_starts():
+    """What it did is known to the tick while it flies: a forged command one tick ahead."""
+    mission = paper_mission(9)
+    pool = replace(pool_of(), triggers=(Trigger("low", Event.VIOLATED, ("g3",), duration=2),))
+    tally, world, stream = FaultTally(), initial_state(mission, 1), StringIO()
+    faults = named_faults(mission, pool, (TimedFault("f26", 1, 6, (), "low"),))
+    log = SimulationLog(mission, stream, Events(mission, faults, (tally,)))
+    for tick in range(8):
+        world.mission.tick = tick
+        if tick in (3, 4):
+            tally.applied, tally.last_applied = tick - 2, tick + 1
+        log(world, world, no_verdicts(len(mission.goals)))
+
+    stop = "  event fault f26 StopRobot on r1 motion: "
+    assert _fault_events(stream) == [
+        (1, f"{stop}may start from now on, when g3 is violated, for 2 ticks"),
+        (4, f"{stop}starts (4 … 5)"),
+        (5, f"{stop}ends"),
     ]
 
 

@@ -1,13 +1,16 @@
 from collections import Counter
+from dataclasses import replace
 from random import Random
 
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import FaultPool, TimedFault, fault_ticks
+from mrsfi_runtime.model.faults import Event, FaultPool, TimedFault, Trigger, fault_ticks
 from mrsfi_runtime.search.space import SearchSpace, random_window
 from mrsfi_runtime.search.specifications import random_specification
-from tests.support.search import paper_mission, paper_space
+from mrsfi_runtime.search.steps import crept, filled, forced
+from mrsfi_runtime.search.variation import mutated
+from tests.support.search import paper_mission, paper_space, pool_of
 
 
 def test_free_windows_lie_between_conflicting_faults_only():
@@ -96,3 +99,42 @@ def test_fault_ticks_count_what_lies_inside_the_mission():
 def test_an_operators_offspring_passes_the_gate_and_stays_within_bounds(timed, message):
     with pytest.raises(SpecificationError, match=message):
         paper_space().require((timed,), "mine")
+
+
+TRIGGERS = (
+    Trigger("low", Event.VIOLATED, ("g3",)),
+    Trigger("of_f1", Event.EFFECT, ("f1",)),
+    Trigger("of_two", Event.EFFECT, ("f1", "f2")),
+)
+
+
+def test_a_fault_waits_for_nothing_or_for_any_trigger_but_that_of_its_own_effect_alone():
+    space = SearchSpace.of(paper_mission(), replace(pool_of("f1", "f2"), triggers=TRIGGERS))
+
+    assert space.candidates["f1"].triggers == ("", "low", "of_two")
+    assert space.candidates["f2"].triggers == ("", "low", "of_f1", "of_two")
+
+
+@pytest.mark.parametrize("vary", [mutated, crept], ids=["redraw", "creep"])
+def test_random_and_mutated_faults_wait_for_each_trigger_as_often(vary):
+    space = SearchSpace.of(paper_mission(), replace(pool_of(), triggers=TRIGGERS[::2]))
+    rng = Random(1)
+    drawn = [random_specification(space, 12, rng) for _ in range(100)]
+    changed = [vary(space, each, rng, 1.0) for each in drawn]
+
+    for some in (drawn, changed):
+        n_waiting = Counter(timed.trigger for each in some for timed in each)
+        assert n_waiting.keys() == {"", "low", "of_two"}
+        assert all(300 < n < 500 for n in n_waiting.values())
+
+
+def test_triggers_change_nothing_else_of_what_is_drawn_first():
+    """Beside one draw each, which comes last."""
+    plain, declared = (
+        SearchSpace.of(paper_mission(), replace(pool_of(), triggers=triggers))
+        for triggers in ((), TRIGGERS[:1])
+    )
+
+    for draw in (lambda space, rng: filled(space, (), 1, rng), lambda s, rng: forced(s, (), rng)):
+        one, other = (draw(space, Random(5)) for space in (plain, declared))
+        assert [timed._replace(trigger="") for timed in other] == [*one]
