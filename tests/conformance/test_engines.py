@@ -24,7 +24,14 @@ from tests.support.world import code_of, paper_code, specifications
 from tests.tiers import slow
 
 SEED = 5
-OTHERS = ("tight_margins", "tight_energy")
+OTHERS = (
+    "tight_margins",
+    "tight_energy",
+    "undersea",
+    "atlas_search",
+    "atlas_crossing",
+    "fleet_30",
+)
 PATIENCE = Patience(tick=10.0, handshake=20.0)
 ENGINES = {
     "reference": EngineSettings("reference"),

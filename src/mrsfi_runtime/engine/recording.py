@@ -132,7 +132,7 @@ class Recording:
             return last
         layout, words = self._columns[path]
         before = [self._read(chunk, path).view(layout) for chunk in range(len(self._places))]
-        return np.concatenate([*(part.reshape(-1, *words.shape) for part in before), last])
+        return np.concatenate([*(part.reshape(self.chunk, *words.shape) for part in before), last])
 
     @cached_property
     def _columns(self) -> Mapping[tuple[str, ...], _Column]:

@@ -21,7 +21,8 @@ from mrsfi_runtime.kernel.effects.belief import falsify
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
 from mrsfi_runtime.kernel.effects.triggers import arm
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.forecast import ticks_left
+from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
 from mrsfi_runtime.kernel.goal_tasks.reference import margin
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
@@ -51,7 +52,8 @@ class Verdicts:
     certain that the goal's purpose is not met.
 
     ``margin`` is how far from being truly violated the goal was when it was nearest to it, up to
-    its first violation, ``nearest`` the tick of that, ``due`` the first at which it can be less.
+    its first violation, ``nearest`` the tick of that, ``due`` the first at which it can be less, or
+    at which the goal can be missed without being violated.
     """
 
     is_true: list[int]
@@ -149,7 +151,7 @@ def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None
 def count(verdicts: Verdicts, world: State) -> None:
     """Count the violations of a tick, once per goal, and a tick of what is missed for good.
 
-    Margins are looked at where they can be less than before.
+    What is missed without a violation, and margins, are looked at where they can be otherwise.
     """
     tick = world.mission.tick
     for goal in range(len(verdicts.is_true)):
@@ -160,25 +162,24 @@ def count(verdicts: Verdicts, world: State) -> None:
             verdicts.believed[goal] += believed
             verdicts.phantom[goal] += believed and not true
             verdicts.masked[goal] += true and not believed
-        if verdicts.missed[goal] > 0 or is_missed(world, goal, true):
+        is_due = tick >= verdicts.due[goal]
+        if verdicts.missed[goal] > 0 or ((true or is_due) and is_missed(world, goal, true)):
             verdicts.missed[goal] += 1
-        if tick >= verdicts.due[goal]:
+        if is_due:
             measure(verdicts, world, goal)
 
 
 @kernel
 def measure(verdicts: Verdicts, world: State, goal: int) -> None:
-    """Note how far a goal is from being violated, if it was never nearer.
+    """Note how far a goal is from being violated, if it was never nearer nor violated before.
 
-    Once it was violated, it is looked at no more.
+    The last tick is looked at in any case.
     """
-    if verdicts.true[goal] > verdicts.is_true[goal]:
-        verdicts.due[goal] = NEVER
-        return
     tick = world.mission.tick
     least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]
     left, wait = margin(world, goal, world.goals[goal].task, least)
-    if left < least or verdicts.due[goal] == 0:
+    is_nearer = left < least and verdicts.true[goal] == verdicts.is_true[goal]
+    if is_nearer or verdicts.due[goal] == 0:
         verdicts.margin[goal] = left
         verdicts.nearest[goal] = tick
-    verdicts.due[goal] = tick + wait
+    verdicts.due[goal] = tick + min(wait, max(ticks_left(world), 1))

@@ -24,6 +24,18 @@ def sensor_power(view: State, index: int) -> float:
 
 
 @kernel
+def endurance(view: State, index: int) -> int:
+    """Return for how many ticks a robot's energy lasts whatever it does, at least 1."""
+    robot = view.robots[index]
+    power = robot.max_speed * robot.energy_per_distance
+    for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
+        power += view.sensors[k].nominal_rate * view.sensors[k].nominal_cost
+    if robot.energy >= view.mission.duration * power:
+        return view.mission.duration
+    return max(int(robot.energy / power), 1)
+
+
+@kernel
 def energy_reserve(view: State, index: int) -> float:
     """Return the energy that a robot has beyond its forecast need; negative if it lacks some.
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.forecast import sample_reserve, ticks_left
+from mrsfi_runtime.kernel.forecast import endurance, sample_reserve, ticks_left
 from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.guidance import roam
@@ -62,16 +62,23 @@ def violated(view: State, g: int) -> bool:
 
 
 @kernel
-def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return the ticks to spare when the target is reached; nothing can be said before.
 
-    That takes at least as long as if all samples were valid.
+    It is reached no sooner than if all samples were valid, and out of reach no sooner than if none
+    were or the robot spent all it can.
     """
     goal = world.goals[g]
     missing = goal.target - goal.count
-    if missing > 0:
-        return NO_MARGIN, max(int(missing / world.sensors[goal.sensor].nominal_rate), 1)
-    return float(ticks_left(world)), NEVER
+    if least < NO_MARGIN:
+        return least, NEVER
+    if missing <= 0:
+        return float(ticks_left(world)), NEVER
+    sensor = world.sensors[goal.sensor]
+    ticks = int(missing / sensor.nominal_rate)
+    return NO_MARGIN, max(
+        min(ticks, ticks_left(world) - ticks - 1, endurance(world, sensor.robot)), 1
+    )
 
 
 @kernel

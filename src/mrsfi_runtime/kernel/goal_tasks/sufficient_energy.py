@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.forecast import energy_reserve, sensor_power, ticks_left
+from mrsfi_runtime.kernel.forecast import endurance, energy_reserve, sensor_power, ticks_left
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import RESERVE
@@ -44,13 +44,13 @@ def is_exhausted(world: State, g: int) -> bool:
 def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
     """Return the energy that a member has left when the mission ends, the least of all members."""
     goal = world.goals[g]
-    wait = ticks_left(world)
-    if wait > 0:
-        return NO_MARGIN, wait
     left = NO_MARGIN
+    wait = NEVER
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        left = min(left, world.robots[world.members[m].robot].energy)
-    return left, NEVER
+        index = world.members[m].robot
+        left = min(left, world.robots[index].energy)
+        wait = min(wait, endurance(world, index))
+    return (NO_MARGIN if ticks_left(world) > 0 else left), wait
 
 
 @kernel

@@ -37,11 +37,13 @@ def violated(view: State, g: int) -> bool:
 
 
 @kernel
-def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return the ticks to spare when the last member has arrived; fewer with each tick it is late.
 
     Nothing can be said before.
     """
+    if least < NO_MARGIN:
+        return least, NEVER
     left = float(world.goals[g].deadline - world.mission.tick)
     if not is_awaited(world, g):
         return left, NEVER
