@@ -78,7 +78,7 @@ def test_random_specifications_of_published_missions_fly_alike(twins, seed):
     twins.fly(specification(twins.code, seed), SEEDS[seed])
 
 
-@pytest.mark.parametrize("twins", (*MISSIONS, *in_turn(PUBLISHED)), indirect=True)
+@pytest.mark.parametrize("twins", [*MISSIONS, *in_turn(PUBLISHED)], indirect=True)
 def test_missions_without_faults_fly_alike(twins):
     twins.fly((), 1)
 
