@@ -4,6 +4,7 @@ from m2t.metamodels import load_metamodels
 from mrsfi_runtime.kernel.effects.belief import PURPOSES
 from mrsfi_runtime.kernel.randomness import (
     PURPOSE_HEADING,
+    PURPOSE_NOISE,
     PURPOSE_ROAM,
     PURPOSE_SAMPLES,
     choice,
@@ -89,6 +90,8 @@ def test_all_draws_are_listed_under_their_purpose():
         "first heading": PURPOSE_HEADING,
         "valid samples": PURPOSE_SAMPLES,
         "roaming": PURPOSE_ROAM,
+        "noise of a report: distance": PURPOSE_NOISE,
+        "noise of a report: direction": PURPOSE_NOISE + 1,
     }
 
     found = {word: number for word in expected for text, number in listed.items() if word in text}

@@ -165,8 +165,12 @@ def _verdict(
 def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> str:
     if found is None:
         return ""
-    near, (_, tick) = nearness(mission, goal, found.margin), found.margin
-    return f"came within {near} at tick {tick} of evaluation {found.evaluation}"
+    (least, tick), number = found.margin, found.evaluation
+    if least < 0.0:
+        return f"was violated at tick {tick} of evaluation {number} all the same"
+    return (
+        f"came within {nearness(mission, goal, found.margin)} at tick {tick} of evaluation {number}"
+    )
 
 
 def _is_broken_anyway(known: Harvest, goal: str) -> bool:

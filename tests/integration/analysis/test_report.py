@@ -115,8 +115,8 @@ def test_values_are_written_by_the_names_of_their_parameters():
     )
 
     assert rows == (
-        ("f8", 0, 5, {"DELAY": 7.0}),
-        ("f9", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}),
+        ("f8", 0, 5, {"DELAY": 7.0}, ""),
+        ("f9", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}, ""),
     )
 
 

@@ -66,6 +66,22 @@ def test_how_far_a_fixed_value_is_off_stands_in_the_place_of_the_value():
     assert said("f11", "") == "KAL's position sticks for 10 ticks"
 
 
+def test_what_a_fault_does_is_said_in_the_units_of_the_model():
+    mission = replace(CODE.mission, distance_unit="m", time_unit="s", energy_unit="J")
+    told = []
+    for fault in ("f8", "f9", "f10", "f18"):
+        timed = TimedFault(fault, 10, 19, CODE.pool[fault].values)
+        (named,) = named_faults(mission, CODE.pool, (timed,))
+        told.append(deed(mission, named))
+
+    assert told == [
+        "JEN's temperature samples come 200 s late for 10 s",
+        "obstacle o5's place on the map sticks at (200 m, -450 m) for 10 s",
+        "KAL's energy sticks at 150 J for 10 s",
+        "JEN's speed is reported 10 m per s too high for 10 s",
+    ]
+
+
 def test_every_mode_has_its_words():
     fault = CODE.pool["f11"]
     for mode in Mode:
