@@ -21,12 +21,8 @@ WITHIN = 1
 RETURNONLOWENERGY = 2
 GILDA_SWEEP1 = 3
 GILDA_SWEEP2 = 4
-GILDA_SWEEP3 = 5
-GILDA_HOME = 6
-HENRY_SWEEP1 = 7
-HENRY_SWEEP2 = 8
-HENRY_SWEEP3 = 9
-HENRY_HOME = 10
+HENRY_SWEEP1 = 5
+HENRY_SWEEP2 = 6
 GILDA = 0  # gilda
 HENRY = 1  # henry
 GILDA_GPS = 0
@@ -175,72 +171,6 @@ def react_gilda_sweep2(ci: State) -> None:
 
 
 @kernel
-def progress_gilda_sweep3(ci: State) -> None:
-    """Note what goal gilda_sweep3 (Track) has to remember, once a tick before its check.
-
-    Members: gilda.
-    """
-    # protected region gilda_sweep3.progress on begin
-    goal_tasks.track.progress(ci, GILDA_SWEEP3)
-    # protected region gilda_sweep3.progress end
-
-
-@kernel
-def check_gilda_sweep3(ci: State) -> bool:
-    """Return whether goal gilda_sweep3 (Track) is violated now.
-
-    Members: gilda.
-    """
-    # protected region gilda_sweep3.check on begin
-    return goal_tasks.track.violated(ci, GILDA_SWEEP3)
-    # protected region gilda_sweep3.check end
-
-
-@kernel
-def react_gilda_sweep3(ci: State) -> None:
-    """Command the members of goal gilda_sweep3 (Track).
-
-    Members: gilda.
-    """
-    # protected region gilda_sweep3.react on begin
-    goal_tasks.track.react(ci, GILDA_SWEEP3)
-    # protected region gilda_sweep3.react end
-
-
-@kernel
-def progress_gilda_home(ci: State) -> None:
-    """Note what goal gilda_home (Visit) has to remember, once a tick before its check.
-
-    Members: gilda.
-    """
-    # protected region gilda_home.progress on begin
-    goal_tasks.visit.progress(ci, GILDA_HOME)
-    # protected region gilda_home.progress end
-
-
-@kernel
-def check_gilda_home(ci: State) -> bool:
-    """Return whether goal gilda_home (Visit) is violated now.
-
-    Members: gilda.
-    """
-    # protected region gilda_home.check on begin
-    return goal_tasks.visit.violated(ci, GILDA_HOME)
-    # protected region gilda_home.check end
-
-
-@kernel
-def react_gilda_home(ci: State) -> None:
-    """Command the members of goal gilda_home (Visit).
-
-    Members: gilda.
-    """
-    # protected region gilda_home.react on begin
-    goal_tasks.visit.react(ci, GILDA_HOME)
-    # protected region gilda_home.react end
-
-
-@kernel
 def progress_henry_sweep1(ci: State) -> None:
     """Note what goal henry_sweep1 (Track) has to remember, once a tick before its check.
 
@@ -307,82 +237,12 @@ def react_henry_sweep2(ci: State) -> None:
 
 
 @kernel
-def progress_henry_sweep3(ci: State) -> None:
-    """Note what goal henry_sweep3 (Track) has to remember, once a tick before its check.
-
-    Members: henry.
-    """
-    # protected region henry_sweep3.progress on begin
-    goal_tasks.track.progress(ci, HENRY_SWEEP3)
-    # protected region henry_sweep3.progress end
-
-
-@kernel
-def check_henry_sweep3(ci: State) -> bool:
-    """Return whether goal henry_sweep3 (Track) is violated now.
-
-    Members: henry.
-    """
-    # protected region henry_sweep3.check on begin
-    return goal_tasks.track.violated(ci, HENRY_SWEEP3)
-    # protected region henry_sweep3.check end
-
-
-@kernel
-def react_henry_sweep3(ci: State) -> None:
-    """Command the members of goal henry_sweep3 (Track).
-
-    Members: henry.
-    """
-    # protected region henry_sweep3.react on begin
-    goal_tasks.track.react(ci, HENRY_SWEEP3)
-    # protected region henry_sweep3.react end
-
-
-@kernel
-def progress_henry_home(ci: State) -> None:
-    """Note what goal henry_home (Visit) has to remember, once a tick before its check.
-
-    Members: henry.
-    """
-    # protected region henry_home.progress on begin
-    goal_tasks.visit.progress(ci, HENRY_HOME)
-    # protected region henry_home.progress end
-
-
-@kernel
-def check_henry_home(ci: State) -> bool:
-    """Return whether goal henry_home (Visit) is violated now.
-
-    Members: henry.
-    """
-    # protected region henry_home.check on begin
-    return goal_tasks.visit.violated(ci, HENRY_HOME)
-    # protected region henry_home.check end
-
-
-@kernel
-def react_henry_home(ci: State) -> None:
-    """Command the members of goal henry_home (Visit).
-
-    Members: henry.
-    """
-    # protected region henry_home.react on begin
-    goal_tasks.visit.react(ci, HENRY_HOME)
-    # protected region henry_home.react end
-
-
-@kernel
 def progress(view: State) -> None:
     """Bring the progress of every goal up to the tick of a state."""
     progress_gilda_sweep1(view)
     progress_gilda_sweep2(view)
-    progress_gilda_sweep3(view)
-    progress_gilda_home(view)
     progress_henry_sweep1(view)
     progress_henry_sweep2(view)
-    progress_henry_sweep3(view)
-    progress_henry_home(view)
 
 
 @kernel
@@ -393,12 +253,8 @@ def check(view: State, violated: list[int]) -> None:
     violated[RETURNONLOWENERGY] = 1 if check_returnonlowenergy(view) else 0
     violated[GILDA_SWEEP1] = 1 if check_gilda_sweep1(view) else 0
     violated[GILDA_SWEEP2] = 1 if check_gilda_sweep2(view) else 0
-    violated[GILDA_SWEEP3] = 1 if check_gilda_sweep3(view) else 0
-    violated[GILDA_HOME] = 1 if check_gilda_home(view) else 0
     violated[HENRY_SWEEP1] = 1 if check_henry_sweep1(view) else 0
     violated[HENRY_SWEEP2] = 1 if check_henry_sweep2(view) else 0
-    violated[HENRY_SWEEP3] = 1 if check_henry_sweep3(view) else 0
-    violated[HENRY_HOME] = 1 if check_henry_home(view) else 0
 
 
 @kernel
@@ -409,9 +265,5 @@ def react(ci: State) -> None:
     react_returnonlowenergy(ci)
     react_gilda_sweep1(ci)
     react_gilda_sweep2(ci)
-    react_gilda_sweep3(ci)
-    react_gilda_home(ci)
     react_henry_sweep1(ci)
     react_henry_sweep2(ci)
-    react_henry_sweep3(ci)
-    react_henry_home(ci)

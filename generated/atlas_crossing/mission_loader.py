@@ -19,7 +19,6 @@ from mrsfi_runtime.api import (
     StayWithinMissionArea,
     SufficientEnergy,
     Track,
-    Visit,
 )
 
 
@@ -276,52 +275,6 @@ def load_mission() -> Mission:
                 ),
             ),
             Goal(
-                id="gilda_sweep3",
-                name="multipleSensorSweeps 3 of gilda",
-                members=("gilda",),
-                task=Track(
-                    trajectory=(
-                        Coordinates(x=170.0, y=-70.0, z=0.0),
-                        Coordinates(x=209.0, y=-70.0, z=0.0),
-                        Coordinates(x=209.0, y=-80.0, z=0.0),
-                        Coordinates(x=170.0, y=-80.0, z=0.0),
-                        Coordinates(x=170.0, y=-90.0, z=0.0),
-                        Coordinates(x=209.0, y=-90.0, z=0.0),
-                        Coordinates(x=209.0, y=-100.0, z=0.0),
-                        Coordinates(x=170.0, y=-100.0, z=0.0),
-                    ),
-                    tolerance=5.0,
-                ),
-                messages=(
-                    Message(
-                        id="gilda_sweep3_gilda",
-                        header="h",
-                        sender="gilda",
-                        receiver="shoreside",
-                        body=(MessageData(name="POSITION", type="Coordinates"),),
-                    ),
-                ),
-            ),
-            Goal(
-                id="gilda_home",
-                name="gilda returns home",
-                members=("gilda",),
-                task=Visit(
-                    coordinates=Coordinates(x=15.0, y=0.0, z=0.0),
-                    tolerance=5.0,
-                    deadline=1049,
-                ),
-                messages=(
-                    Message(
-                        id="gilda_home_gilda",
-                        header="h",
-                        sender="gilda",
-                        receiver="shoreside",
-                        body=(MessageData(name="POSITION", type="Coordinates"),),
-                    ),
-                ),
-            ),
-            Goal(
                 id="henry_sweep1",
                 name="multipleSensorSweeps 1 of henry",
                 members=("henry",),
@@ -368,52 +321,6 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="henry_sweep2_henry",
-                        header="h",
-                        sender="henry",
-                        receiver="shoreside",
-                        body=(MessageData(name="POSITION", type="Coordinates"),),
-                    ),
-                ),
-            ),
-            Goal(
-                id="henry_sweep3",
-                name="multipleSensorSweeps 3 of henry",
-                members=("henry",),
-                task=Track(
-                    trajectory=(
-                        Coordinates(x=-75.0, y=-70.0, z=0.0),
-                        Coordinates(x=-35.0, y=-70.0, z=0.0),
-                        Coordinates(x=-35.0, y=-80.0, z=0.0),
-                        Coordinates(x=-75.0, y=-80.0, z=0.0),
-                        Coordinates(x=-75.0, y=-90.0, z=0.0),
-                        Coordinates(x=-35.0, y=-90.0, z=0.0),
-                        Coordinates(x=-35.0, y=-100.0, z=0.0),
-                        Coordinates(x=-75.0, y=-100.0, z=0.0),
-                    ),
-                    tolerance=5.0,
-                ),
-                messages=(
-                    Message(
-                        id="henry_sweep3_henry",
-                        header="h",
-                        sender="henry",
-                        receiver="shoreside",
-                        body=(MessageData(name="POSITION", type="Coordinates"),),
-                    ),
-                ),
-            ),
-            Goal(
-                id="henry_home",
-                name="henry returns home",
-                members=("henry",),
-                task=Visit(
-                    coordinates=Coordinates(x=-8.0, y=0.0, z=0.0),
-                    tolerance=5.0,
-                    deadline=1049,
-                ),
-                messages=(
-                    Message(
-                        id="henry_home_henry",
                         header="h",
                         sender="henry",
                         receiver="shoreside",
