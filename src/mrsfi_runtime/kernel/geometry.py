@@ -4,7 +4,7 @@ import math
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.randomness import choice, uniform
-from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import RESERVE, excess
 
 
@@ -32,9 +32,12 @@ def scattered(
 
 
 @kernel
-def inside(x: float, y: float, goal: GoalState) -> bool:
-    """Return whether a point is inside a goal's area."""
-    return excess(distance(x, y, goal.x, goal.y), goal.radius) <= 0.0
+def inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) -> bool:
+    """Return whether a point is inside a disc or at its edge."""
+    dx = x - middle_x
+    dy = y - middle_y
+    square = dx * dx + dy * dy
+    return square < radius * radius or excess(math.sqrt(square), radius) <= 0.0
 
 
 @kernel

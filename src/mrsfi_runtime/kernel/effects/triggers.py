@@ -1,11 +1,10 @@
 """Events that set faults off: they are judged in truth, and each happens once in a flight."""
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.goal_tasks.purpose import is_reached
 from mrsfi_runtime.kernel.injections import Plan, TriggerState, WaitingState
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.faults import Event
 
 VIOLATED, REACHED, ENTERED, EFFECT = map(int, Event)
@@ -37,7 +36,7 @@ def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState
         return is_reached(world, trigger.of)
     if trigger.event == ENTERED:
         robot = world.robots[trigger.of]
-        return excess(distance(robot.x, robot.y, trigger.x, trigger.y), trigger.radius) <= 0.0
+        return inside(robot.x, robot.y, trigger.x, trigger.y, trigger.radius)
     for source in range(trigger.first_source, trigger.first_source + trigger.n_sources):
         if plan.tallies[plan.sources[source]].changed > 0:
             return True

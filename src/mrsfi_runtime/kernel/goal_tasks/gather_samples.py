@@ -36,7 +36,7 @@ def progress(view: State, g: int) -> None:
     robot = view.robots[sensor.robot]
     new = sensor.count - goal.seen
     goal.seen = sensor.count
-    if new <= 0 or not inside(robot.x, robot.y, goal):
+    if new <= 0 or not inside(robot.x, robot.y, goal.x, goal.y, goal.radius):
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
@@ -56,7 +56,7 @@ def violated(view: State, g: int) -> bool:
         return False
     sensor = view.sensors[goal.sensor]
     robot = view.robots[sensor.robot]
-    if sensor.active == 0 or not inside(robot.x, robot.y, goal):
+    if sensor.active == 0 or not inside(robot.x, robot.y, goal.x, goal.y, goal.radius):
         return True
     return sample_reserve(view, goal) < 0.0
 

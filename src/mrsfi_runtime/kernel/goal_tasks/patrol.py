@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.margins import patience
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, patience
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Range
@@ -29,11 +30,20 @@ react = roam_area
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return the ticks to spare of the member that has been outside the area for longest."""
     goal = world.goals[g]
-    first = world.mission.tick
+    tick = world.mission.tick
+    first = tick
+    soonest = NEVER  # when a member can next be outside for as long as it may be, and no longer
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        first = min(first, world.members[m].since)
-    left = float(goal.period - 1 - (world.mission.tick - first))
-    return left, 1 if left <= least else patience(left, least, 1.0)
+        member = world.members[m]
+        first = min(first, member.since)
+        inside = 0
+        if member.since == tick:
+            robot = world.robots[member.robot]
+            deep = goal.radius - distance(robot.x, robot.y, goal.x, goal.y)
+            inside = patience(deep, 0.0, robot.max_speed) - 1
+        soonest = min(soonest, member.since + inside + goal.period - 1)
+    left = float(goal.period - 1 - (tick - first))
+    return left, max(soonest - tick - int(min(left, least)), 1)
 
 
 @kernel

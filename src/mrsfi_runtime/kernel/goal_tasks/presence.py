@@ -1,10 +1,9 @@
 """Which members have been in the area of a goal, or at its point, and when; how they get there."""
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.guidance import roam_together
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import excess
 
 
 @kernel
@@ -14,8 +13,7 @@ def note_presence(view: State, g: int) -> None:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
         robot = view.robots[member.robot]
-        reach = goal.radius + goal.tolerance
-        if excess(distance(robot.x, robot.y, goal.x, goal.y), reach) <= 0.0:
+        if inside(robot.x, robot.y, goal.x, goal.y, goal.radius + goal.tolerance):
             member.since = view.mission.tick
             member.reached = 1
 

@@ -5,8 +5,8 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
-from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN, patience, top_speed
-from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence, roam_area
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience, top_speed
+from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, GoalTask
 
@@ -28,15 +28,18 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return how far inside the area the outermost member is, of those that have entered."""
     goal = world.goals[g]
     left = NO_MARGIN
+    wait = NEVER
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = world.members[m]
+        robot = world.robots[member.robot]
+        deep = goal.radius + goal.tolerance - distance(robot.x, robot.y, goal.x, goal.y)
         if member.reached == 1:
-            robot = world.robots[member.robot]
-            out = distance(robot.x, robot.y, goal.x, goal.y)
-            left = min(left, goal.radius + goal.tolerance - out)
-    if left <= least or is_awaited(world, g):
-        return left, 1
-    return left, patience(left, least, top_speed(world, goal))
+            left = min(left, deep)
+        else:
+            wait = min(wait, patience(-deep, 0.0, robot.max_speed))
+    if left < NO_MARGIN:
+        wait = min(wait, patience(left, min(left, least), top_speed(world, goal)))
+    return left, wait
 
 
 @kernel

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance, well_inside
+from mrsfi_runtime.kernel.geometry import inside, well_inside
 from mrsfi_runtime.kernel.goal_tasks.margins import patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -25,8 +24,7 @@ def violated(view: State, g: int) -> bool:
     mission = view.mission
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = view.robots[view.members[m].robot]
-        out = distance(robot.x, robot.y, mission.x, mission.y)
-        if excess(out, mission.radius) > 0.0:
+        if not inside(robot.x, robot.y, mission.x, mission.y, mission.radius):
             return True
     return False
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance, off_segment
+from mrsfi_runtime.kernel.geometry import inside, off_segment
 from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
@@ -29,7 +29,7 @@ def progress(view: State, g: int) -> None:
         robot = view.robots[member.robot]
         while member.waypoint < goal.n_waypoints:
             point = view.waypoints[goal.first_waypoint + member.waypoint]
-            if excess(distance(robot.x, robot.y, point.x, point.y), goal.tolerance) > 0.0:
+            if not inside(robot.x, robot.y, point.x, point.y, goal.tolerance):
                 break
             member.waypoint += 1
 
