@@ -22,7 +22,7 @@ from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
 from mrsfi_runtime.kernel.effects.triggers import arm
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
 from mrsfi_runtime.kernel.goal_tasks.reference import margin
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
@@ -173,7 +173,7 @@ def count(verdicts: Verdicts, world: State) -> None:
 def measure(verdicts: Verdicts, world: State, goal: int) -> None:
     """Note how far a goal is from being violated, if it was never nearer nor violated before.
 
-    The last tick is looked at in any case.
+    The last tick is looked at in any case, unless all is said before.
     """
     tick = world.mission.tick
     least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]
@@ -182,4 +182,5 @@ def measure(verdicts: Verdicts, world: State, goal: int) -> None:
     if is_nearer or verdicts.due[goal] == 0:
         verdicts.margin[goal] = left
         verdicts.nearest[goal] = tick
-    verdicts.due[goal] = tick + min(wait, max(ticks_left(world), 1))
+    is_over = verdicts.true[goal] > 0 and verdicts.missed[goal] > 0
+    verdicts.due[goal] = NEVER if is_over else tick + min(wait, max(ticks_left(world), 1))

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience
 from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
@@ -44,10 +45,19 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """
     if least < NO_MARGIN:
         return least, NEVER
-    left = float(world.goals[g].deadline - world.mission.tick)
-    if not is_awaited(world, g):
-        return left, NEVER
-    return (NO_MARGIN if left > 0.0 else left - 1.0), 1
+    goal = world.goals[g]
+    left = goal.deadline - world.mission.tick
+    wait = 0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if world.members[m].reached == 0:
+            robot = world.robots[world.members[m].robot]
+            way = distance(robot.x, robot.y, goal.x, goal.y) - goal.tolerance
+            wait = max(wait, patience(way, 0.0, robot.max_speed))
+    if wait == 0:
+        return float(left), NEVER
+    if left <= 0:
+        return left - 1.0, 1
+    return NO_MARGIN, min(wait, left)
 
 
 @kernel
