@@ -107,11 +107,12 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
     n_before, told = len(store.flights()), -math.inf
 
-    def tell_of(known: Known, n_flown: int, n_most: int) -> None:
+    def tell_of(known: Known, n_flown: int, n_most: int | None) -> None:
         nonlocal told
         if n_flown > n_before and monotonic() - told > _EVERY:
             told = monotonic()
-            tell(f"harvest  {n_flown} of at most {n_most} flights  {_found(known.weaknesses())}")
+            which = f"of at most {n_most} flights" if n_most else "flights, to the mildest forms"
+            tell(f"harvest  {n_flown} {which}  {_found(known.weaknesses())}")
 
     found = find_out(space, store, evaluator.evaluate_many, engine.record, tell_of)
     if len(store.flights()) > n_before:

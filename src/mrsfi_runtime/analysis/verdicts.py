@@ -165,12 +165,13 @@ def _verdict(
 def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> str:
     if found is None:
         return ""
-    (least, tick), number = found.margin, found.evaluation
+    evaluation = f"evaluation {found.evaluation}"
+    if found.margin is None:
+        return f"was violated in {evaluation} all the same"
+    least, tick = found.margin
     if least < 0.0:
-        return f"was violated at tick {tick} of evaluation {number} all the same"
-    return (
-        f"came within {nearness(mission, goal, found.margin)} at tick {tick} of evaluation {number}"
-    )
+        return f"was violated at tick {tick} of {evaluation} all the same"
+    return f"came within {nearness(mission, goal, found.margin)} at tick {tick} of {evaluation}"
 
 
 def _is_broken_anyway(known: Harvest, goal: str) -> bool:

@@ -7,6 +7,7 @@ found is flown in more mission seeds; a search by ``cover`` has done all until h
 breaks each goal is shrunk to its mildest form, which takes flights beyond those of the harvest.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -51,9 +52,12 @@ _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
 
 class Nearest(NamedTuple):
-    """How near a goal ever came to being truly violated, and in which evaluation."""
+    """How near a goal ever came to being truly violated, and in which evaluation.
 
-    margin: Margin
+    A goal that was violated may have no margin: nothing then tells by how much.
+    """
+
+    margin: Margin | None
     evaluation: int
 
 
@@ -109,13 +113,14 @@ def harvest(
     store: CampaignStore,
     evaluate_many: EvaluateIn,
     record: Record,
-    on_flown: Callable[[Known, int, int], None] = lambda *_: None,
+    on_flown: Callable[[Known, int, int | None], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
 
     Of a campaign that was interrupted here, only what is missing is flown. ``on_flown`` is told
-    what is known, how many flights were taken until now, and how many it may take. If the mission's
-    own code fails without faults, that is an ``EvaluationError``.
+    what is known, how many flights were taken until now, and how many it may take, or ``None``
+    for the mildest forms. If the mission's own code fails without faults, that is an
+    ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
@@ -125,9 +130,11 @@ def harvest(
     most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
     seeds = following(settings.mission_seed, N_SEEDS)
 
-    def fly(specifications: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
+    def fly(
+        specifications: Sequence[Specification], seed: int, limit: int | None = most
+    ) -> Sequence[Evaluated]:
         found = flights(specifications, seed)
-        on_flown(known, flights.n_taken, most)
+        on_flown(known, flights.n_taken, limit)
         return found
 
     if before is not None:
@@ -148,7 +155,8 @@ def harvest(
     if yardstick is not None:
         found = dated(yardstick, found, record)
     n_taken, some = flights.n_taken, [way.shown for way in least(ways(found))]
-    mild = mildest(space, known, some, flights, record, seeds[:N_MILD]) if some else ()
+    go_on = partial(fly, limit=None)
+    mild = mildest(space, known, some, go_on, record, seeds[:N_MILD]) if some else ()
     store.keep(_KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
@@ -223,12 +231,14 @@ def _nearest(
     """Return how near goals ever came that nothing truly breaks, in the search."""
     broken = {each.column.goal for each in weaknesses if each.column.kind != MEASURES[0]}
     places = [place for place, goal in enumerate(mission.goal_ids) if goal not in broken]
-    found: dict[str, Nearest] = {}
-    for evaluation, margins in store.margins() if places else ():
+    least, found = [math.inf] * len(mission.goal_ids), {}
+    for evaluation, true, margins in store.margins() if places else ():
         for place in places:
-            margin, goal = margins[place], mission.goal_ids[place]
-            if margin is not None and (goal not in found or margin < found[goal].margin):
-                found[goal] = Nearest(margin, evaluation)
+            margin = margins[place]
+            left = margin[0] if margin else -math.inf if true[place] else math.inf
+            if left < least[place]:
+                least[place] = left
+                found[mission.goal_ids[place]] = Nearest(margin, evaluation)
     return found
 
 

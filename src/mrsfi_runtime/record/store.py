@@ -219,16 +219,17 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             n_read += n_expected
             yield self._decoded(decode, list(zip(*rows, strict=True)))
 
-    def margins(self) -> Iterator[tuple[int, tuple[Margin | None, ...]]]:
-        """Yield evaluations with the margins of their goals; none from an older record."""
+    def margins(self) -> Iterator[tuple[int, list[int], tuple[Margin | None, ...]]]:
+        """Yield evaluations with true violations and margins by goal; none from an older record."""
         if database.MARGINS in self._stored:
-            query = f"SELECT idx, {database.MARGINS} FROM evaluation"
+            query = f'SELECT idx, "true", {database.MARGINS} FROM evaluation'
             for rows in self._batches(query, range(self.n_evaluations)):
-                told = [row for row in rows if row[1] is not None]
-                found = self._decoded(encoding.lists, [text for _, text in told])
-                for (index, _), each in zip(told, found, strict=True):
+                told = [row for row in rows if row[2] is not None]
+                texts = [text for _, *both in told for text in both]
+                found = self._decoded(encoding.lists, texts)
+                for (index, *_), true, each in zip(told, found[::2], found[1::2], strict=True):
                     margins = self._decoded(encoding.margins, each)
-                    yield index, margins or ()
+                    yield index, true, margins or ()
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation."""

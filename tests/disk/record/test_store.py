@@ -250,7 +250,7 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
     store.append([replace(evaluation(0, (1, 2)), outcome=distinct)])
 
     assert store.evaluation(0).outcome == distinct
-    assert list(store.margins()) == [(0, distinct.margins)]
+    assert list(store.margins()) == [(0, [3, 4], distinct.margins)]
 
 
 def test_a_record_from_before_margins_is_read_and_goes_on_with_them(tmp_path):
@@ -271,5 +271,5 @@ def test_a_record_from_before_margins_is_read_and_goes_on_with_them(tmp_path):
         store.append([evaluation(2, (1,))])
 
     with CampaignStore.open(path) as store:
-        assert list(store.margins()) == [(1, ((2.5, 7),))]
+        assert list(store.margins()) == [(1, [0], ((2.5, 7),))]
         assert store.evaluation(1) == measured

@@ -1,5 +1,6 @@
 """What a campaign finds out about weaknesses after its search, without the command."""
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
@@ -133,6 +134,19 @@ def test_a_goal_that_only_evaluations_break_is_explained_by_them(tmp_path):
         found = harvest(space, store, lambda some, _: map(flown, some), recorded)
 
     assert {each.faults for each in found.weaknesses} == {tuple(sorted(guilty))}
+
+
+def test_what_was_violated_came_near_even_where_nothing_tells_by_how_much(tmp_path, space):
+    """As of SufficientEnergy, whose violations are forecasts: its margin is of the end."""
+    held = replace(outcome_of(0, 0, 0), margins=((0.5, 7), (2.5, 7), (2.5, 7)))
+    broken = replace(held, true=(0, 3, 0), margins=((3.0, 9), None, (1.0, 9)))
+    flown = [Evaluation(k, 0, each, (0.0,), 1, ()) for k, each in enumerate((held, broken, held))]
+    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
+        store.append(flown)
+
+        found = harvest(space, store, lambda some, _: [held] * len(some), None)
+
+    assert found.nearest == {"g1": ((0.5, 7), 0), "g2": (None, 1), "g3": ((1.0, 9), 1)}
 
 
 def test_what_is_recorded_is_not_flown_again(store, space, engine):

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, patience
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
+from mrsfi_runtime.kernel.goal_tasks.presence import depth, note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, GoalTask
@@ -36,12 +35,11 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = world.members[m]
         first = min(first, member.since)
-        inside = 0
+        stays = 0
         if member.since == tick:
             robot = world.robots[member.robot]
-            deep = goal.radius - distance(robot.x, robot.y, goal.x, goal.y)
-            inside = patience(deep, 0.0, robot.max_speed) - 1
-        soonest = min(soonest, member.since + inside + goal.period - 1)
+            stays = patience(depth(goal, robot), 0.0, robot.max_speed) - 1
+        soonest = min(soonest, member.since + stays + goal.period - 1)
     left = float(goal.period - 1 - (tick - first))
     return left, max(soonest - tick - int(min(left, least)), 1)
 

@@ -1,9 +1,9 @@
 """Which members have been in the area of a goal, or at its point, and when; how they get there."""
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import inside
+from mrsfi_runtime.kernel.geometry import distance, inside
 from mrsfi_runtime.kernel.guidance import roam_together
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import GoalState, RobotState, State
 
 
 @kernel
@@ -16,6 +16,12 @@ def note_presence(view: State, g: int) -> None:
         if inside(robot.x, robot.y, goal.x, goal.y, goal.radius + goal.tolerance):
             member.since = view.mission.tick
             member.reached = 1
+
+
+@kernel
+def depth(goal: GoalState, robot: RobotState) -> float:
+    """Return how far inside the goal's area, or within tolerance of its point, a robot is."""
+    return goal.radius + goal.tolerance - distance(robot.x, robot.y, goal.x, goal.y)
 
 
 @kernel

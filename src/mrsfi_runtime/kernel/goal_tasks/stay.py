@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience, top_speed
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence, roam_area
+from mrsfi_runtime.kernel.goal_tasks.presence import depth, note_presence, roam_area
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Area, GoalTask
 
@@ -32,7 +31,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = world.members[m]
         robot = world.robots[member.robot]
-        deep = goal.radius + goal.tolerance - distance(robot.x, robot.y, goal.x, goal.y)
+        deep = depth(goal, robot)
         if member.reached == 1:
             left = min(left, deep)
         else:

@@ -5,9 +5,8 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience
-from mrsfi_runtime.kernel.goal_tasks.presence import is_awaited, note_presence
+from mrsfi_runtime.kernel.goal_tasks.presence import depth, is_awaited, note_presence
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Range
@@ -51,8 +50,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         if world.members[m].reached == 0:
             robot = world.robots[world.members[m].robot]
-            way = distance(robot.x, robot.y, goal.x, goal.y) - goal.tolerance
-            wait = max(wait, patience(way, 0.0, robot.max_speed))
+            wait = max(wait, patience(-depth(goal, robot), 0.0, robot.max_speed))
     if wait == 0:
         return float(left), NEVER
     if left <= 0:
