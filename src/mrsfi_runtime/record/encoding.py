@@ -29,6 +29,11 @@ def canonical(value: Any) -> str:
     return _ENCODER.encode(value)
 
 
+def texts(found: Sequence[Sequence[float]]) -> list[str]:
+    """Return the texts of several lists of numbers, written at once, which is quicker."""
+    return [f"[{numbers}]" for numbers in canonical(found)[2:-2].split("],[")]
+
+
 def specification_text(specification: Specification) -> str:
     """Return ``[["f9",100,900,[200.0,-450.0]],…]``; a trigger stands last, where there is one."""
     rows = map(plain, specification)

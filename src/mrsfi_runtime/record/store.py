@@ -342,13 +342,15 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
+    counts = (getattr(outcome, name) for name in encoding.COUNTS)
+    fitness, *found = encoding.texts([[float(each) for each in evaluation.fitness], *counts])
     return (
         int(evaluation.index),
         int(evaluation.generation),
         encoding.specification_text(evaluation.specification),
-        encoding.canonical([float(number) for number in evaluation.fitness]),
+        fitness,
         int(evaluation.fault_ticks),
-        *(encoding.canonical(getattr(outcome, name)) for name in encoding.COUNTS),
+        *found,
         outcome.digest,
         None if outcome.margins is None else encoding.canonical(outcome.margins),
     )
