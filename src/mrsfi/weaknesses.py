@@ -111,8 +111,8 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
         nonlocal told
         if n_flown > n_before and monotonic() - told > _EVERY:
             told = monotonic()
-            which = f"of at most {n_most} flights" if n_most else "flights, to the mildest forms"
-            tell(f"harvest  {n_flown} {which}  {_found(known.weaknesses())}")
+            most = "flights, mildest forms" if n_most is None else f"of at most {n_most} flights"
+            tell(f"harvest  {n_flown} {most}  {_found(known.weaknesses())}")
 
     found = find_out(space, store, evaluator.evaluate_many, engine.record, tell_of)
     if len(store.flights()) > n_before:
