@@ -252,7 +252,7 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
         if n_fewer:
             tell(
                 f"warning: {n_fewer} runs of {name} made fewer than {n_evaluations} evaluations, "
-                "because some failed or the algorithm had nothing more to ask"
+                "because some failed or the search made no new specification any more"
             )
 
 

@@ -164,6 +164,8 @@ class CampaignSettings:
             )
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
+        if "generations" in given:
+            values.pop("evaluations", None)  # of the file, which would end the run in their place
         values |= _checked(given, "option")
         if values.get("algorithm") == COVERING:
             _require_no_generations("option", given)

@@ -18,6 +18,10 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import SearchSpace
 
+MOST_IDLE = 1000
+"""Generations in a row without a new specification after which a number of evaluations is given
+up: variation makes none any more, as with both chances at 0."""
+
 
 @dataclass(frozen=True, slots=True)
 class GenerationSummary:
@@ -75,9 +79,9 @@ class GenerationalLoop:
     """An algorithm that breeds offspring, and lets some of them and of the population survive.
 
     Generation 0 is the first population. The run ends after ``settings.generations``
-    more, or, if ``settings.evaluations`` is set, after exactly that many evaluations:
-    individuals beyond it are left out of the last generation. It also ends when a
-    generation after the last of ``settings.generations`` asks for nothing.
+    more. If ``settings.evaluations`` is set, it ends after exactly that many evaluations
+    instead: individuals beyond it are left out of the last generation. Then it ends early only
+    after ``MOST_IDLE`` generations in a row that ask for nothing.
     """
 
     def __init__(
@@ -92,15 +96,15 @@ class GenerationalLoop:
         self._pending: list[Individual] = []
         self._n_asked = 0
         self._n_closed = 0
+        self._n_idle = 0
 
     @property
     def is_finished(self) -> bool:
-        """Whether the generations or evaluations are used up."""
+        """Whether the generations or evaluations are used up, or nothing new is bred any more."""
         limit = self._settings.evaluations
-        if limit is not None and self._n_asked >= limit:
-            return True
-        are_generations_over = self._n_closed > self._settings.generations
-        return are_generations_over and (limit is None or not self._pending)
+        if limit is None:
+            return self._n_closed > self._settings.generations
+        return self._n_asked >= limit or self._n_idle >= MOST_IDLE
 
     def ask(self) -> list[Specification]:
         """Breed the next generation and return its specifications that need evaluation."""
@@ -123,6 +127,7 @@ class GenerationalLoop:
         fitness = [individual.score.fitness for individual in self._population]
         numbers = (individual.number for individual in self._population)
         self._n_closed += 1
+        self._n_idle = 0 if self._pending else self._n_idle + 1
         return GenerationSummary.of(
             self._n_closed - 1,
             len(self._pending),

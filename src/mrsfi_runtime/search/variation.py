@@ -245,7 +245,7 @@ def freely_crossed(
 def freely_mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw any window and values of timed faults anew, and repair what overlaps."""
+    """Draw any window, values and trigger of timed faults anew, and repair what overlaps."""
     return _freely(space, specification, rng, share, lambda timed: timed.fault)
 
 
@@ -268,7 +268,8 @@ def _freely(
         fault = chosen(timed)
         window = random_window([(0, space.duration - 1)], rng)
         candidate = space.candidates[fault]
-        return TimedFault(fault, *window, random_values(candidate, candidate.values, rng))
+        values = random_values(candidate, candidate.values, rng)
+        return TimedFault(fault, *window, values, candidate.drawn_trigger(rng))
 
     drawn = [anew(timed) if rng.random() < share else timed for timed in specification]
     found = repaired(space, drawn, rng)

@@ -47,6 +47,16 @@ def test_overrides_replace_the_files_values_unless_none():
     assert (settings.seed, settings.evaluations, settings.algorithm) == (9, 100, "paper")
 
 
+def test_generations_given_beside_a_file_replace_its_evaluations():
+    text = CASE + "evaluations = 300\n"
+
+    assert CampaignSettings.parse(text, "case.toml").evaluations == 300
+    settings = CampaignSettings.parse(text, "case.toml", generations=5)
+    assert (settings.generations, settings.evaluations) == (5, None)
+    settings = CampaignSettings.parse(text, "case.toml", generations=5, evaluations=200)
+    assert settings.evaluations == 200
+
+
 def test_settings_survive_json():
     settings = CampaignSettings.parse(CASE, "case.toml", evaluations=7)
 

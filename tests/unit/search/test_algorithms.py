@@ -46,16 +46,28 @@ def test_a_number_of_evaluations_is_met_exactly(name, n_evaluations):
     assert sum(summary.statistics["n_evaluations"] for summary in summaries) == n_evaluations
 
 
+@pytest.mark.parametrize("name", ["paper", "drift", "eaSimple"])
+def test_generations_without_a_new_specification_do_not_end_a_run(name):
+    settings = CampaignSettings(
+        algorithm=name, population=2, generations=3, crossover=0.0, mutation=0.05, evaluations=40
+    )
+
+    asked, _ = run(start(settings))
+
+    assert sum(map(len, asked)) == 40
+    assert [] in asked[4:]
+
+
 @pytest.mark.parametrize("name", ["paper", "drift"])
-def test_a_run_in_which_nothing_can_change_ends_without_its_evaluations(name):
+def test_a_run_in_which_nothing_can_change_ends_after_a_thousand_generations(name):
     settings = CampaignSettings(
         algorithm=name, generations=3, crossover=0.0, mutation=0.0, evaluations=500
     )
 
     asked, summaries = run(start(settings))
 
-    assert sum(map(len, asked)) == 20
-    assert len(summaries) == 4
+    assert [len(specifications) for specifications in asked] == [20] + [0] * 1000
+    assert len(summaries) == 1001
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)

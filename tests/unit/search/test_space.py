@@ -8,8 +8,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Event, FaultPool, TimedFault, Trigger, fault_ticks
 from mrsfi_runtime.search.space import SearchSpace, random_window
 from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import crept, filled, forced
-from mrsfi_runtime.search.variation import mutated
+from mrsfi_runtime.search.steps import MUTATIONS, filled, forced
 from tests.support.search import paper_mission, paper_space, pool_of
 
 
@@ -115,7 +114,7 @@ def test_a_fault_waits_for_nothing_or_for_any_trigger_but_that_of_its_own_effect
     assert space.candidates["f2"].triggers == ("", "low", "of_f1", "of_two")
 
 
-@pytest.mark.parametrize("vary", [mutated, crept], ids=["redraw", "creep"])
+@pytest.mark.parametrize("vary", MUTATIONS.values(), ids=MUTATIONS)
 def test_random_and_mutated_faults_wait_for_each_trigger_as_often(vary):
     space = SearchSpace.of(paper_mission(), replace(pool_of(), triggers=TRIGGERS[::2]))
     rng = Random(1)
