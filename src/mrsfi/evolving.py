@@ -167,6 +167,11 @@ def evolve(
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
             search(campaign, many, progress, None if engine.side != CI else tell)
+        if settings.unused(store.n_evaluations + store.n_failures):
+            tell(
+                f"the search ended after {store.n_evaluations} of {settings.evaluations} "
+                "evaluations: it made no new specification any more"
+            )
         if explains and engine.explains:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:

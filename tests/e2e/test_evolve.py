@@ -39,6 +39,19 @@ def test_a_found_specification_validates_and_flies_again(flown):
     assert flight["digest"] == replayed["digest"]
 
 
+def test_a_search_that_makes_no_new_specification_says_how_many_evaluations_it_made(place):
+    (place / "still.toml").write_text(
+        "[search]\nevaluations = 9\npopulation = 3\nfaults = 2\ncrossover = 0\nmutation = 0\n",
+        encoding="utf-8",
+    )
+
+    done = mrsfi("evolve", MISSION, "--case", "still.toml", "--no-explain", "--out", "s", cwd=place)
+
+    assert "the search ended after 3 of 9 evaluations: it made no new spec" in done.stderr
+    assert "campaign  s: 3 of 9 evaluations\n" in done.stdout
+    assert "3 of 9 evaluations of 3 distinct spec" in (place / "s/report.md").read_text("utf-8")
+
+
 @slow
 def test_a_campaign_can_count_how_long_goals_were_missed(tmp_path):
     quick = workspace(tmp_path, "tight_margins")

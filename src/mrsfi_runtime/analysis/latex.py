@@ -73,7 +73,7 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
     mission, pool = summary.mission, summary.pool
     yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.name)}}}"
     halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
-    yield "\\\\\n".join((f"{summary.n_evaluations} evaluations, of digest", *halves))
+    yield "\\\\\n".join((f"{summary.counted}, of digest", *halves))
     if summary.harvest is not None:
         yield "\n".join(f"{in_latex(each)}." for each in summary.said)
         items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)

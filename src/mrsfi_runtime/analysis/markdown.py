@@ -106,7 +106,7 @@ def _extent(summary: Summary) -> str:
     step = every(summary.n_evaluations, MOST_LISTED)
     listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
     return (
-        f"{summary.n_evaluations} evaluations of {summary.n_distinct} distinct specifications in "
+        f"{summary.counted} of {summary.n_distinct} distinct specifications in "
         f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
         f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}, "
         f"the rules of {flown_by(summary.semantics)}.{listed if step > 1 else ''}"

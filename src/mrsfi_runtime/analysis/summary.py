@@ -21,6 +21,7 @@ from mrsfi_runtime.analysis.verdicts import GoalVerdict, facts, headline, verdic
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import faults_of
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -75,6 +76,13 @@ class Summary:
     patterns: tuple[TypePattern, ...]
     guilty: tuple[TypePattern, ...]
     sentences: Mapping[int, Sequence[str]] = field(default_factory=dict)
+
+    @property
+    def counted(self) -> str:
+        """How many evaluations were made, and of how many if the search made fewer than wanted."""
+        if self.settings.unused(self.n_evaluations + self.n_failures):
+            return f"{self.n_evaluations} of {self.settings.evaluations} evaluations"
+        return counted(self.n_evaluations, "evaluations")
 
     def outcome(self, way: Way) -> Outcome:
         """Return what flying the form of a way finds."""

@@ -11,7 +11,6 @@ from mrsfi_runtime.analysis.weaknesses import matrix_table
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.cli.ways import print_verdicts
-from mrsfi_runtime.errors import counted
 
 
 def report(
@@ -57,7 +56,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     if known is not None:
         print_verdicts(campaign, known)
     failed = f", {summary.n_failures} failed" if summary.n_failures else ""
-    click.echo(f"campaign  {folder}: {counted(summary.n_evaluations, 'evaluations')}{failed}")
+    click.echo(f"campaign  {folder}: {summary.counted}{failed}")
     click.echo(f"digest    {summary.digest}")
     click.echo(f"page      {campaign.folder.page}")
     if known is None:

@@ -150,18 +150,7 @@ class CampaignSettings:
     @classmethod
     def parse(cls, text: str, source: str, **overrides: object) -> Self:
         """Read the text of a campaign file; what is given by keyword replaces its values."""
-        try:
-            document = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise UsageError(f"{source}: is not TOML: {error}") from error
-        for name in document:
-            if name != "search":
-                raise UsageError(f"{source}: found '{name}'; expected one table, [search]")
-        table = document.get("search")
-        if not isinstance(table, dict):
-            raise UsageError(
-                f"{source}: has no table [search]; expected one with the campaign's settings"
-            )
+        table = _search_table(text, source)
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
         if "generations" in given:
@@ -206,6 +195,11 @@ class CampaignSettings:
         """Return what a specification is to have little of; nothing as a rule."""
         return () if self.minimise is None else (COSTS[self.minimise](specification, duration),)
 
+    def unused(self, n_asked: int) -> int:
+        """Return how many of the evaluations that a search was to make it did not ask for."""
+        is_wanted = self.evaluations is not None and self.algorithm != COVERING  # which may end
+        return max(0, (self.evaluations or 0) - n_asked) if is_wanted else 0
+
     @property
     def mission_seeds(self) -> tuple[int, ...]:
         """The seeds over which fitness is averaged, ``mission_seed`` first."""
@@ -220,6 +214,22 @@ def following(seed: int, n: int) -> tuple[int, ...]:
 _RULES: Mapping[str, _Rule] = MappingProxyType(
     {each.name: each.metadata["rule"] for each in fields(CampaignSettings) if each.metadata}
 )
+
+
+def _search_table(text: str, source: str) -> dict[str, Any]:
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{source}: is not TOML: {error}") from error
+    for name in document:
+        if name != "search":
+            raise UsageError(f"{source}: found '{name}'; expected one table, [search]")
+    table = document.get("search")
+    if not isinstance(table, dict):
+        raise UsageError(
+            f"{source}: has no table [search]; expected one with the campaign's settings"
+        )
+    return table
 
 
 def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:

@@ -273,7 +273,7 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
         "case": manifest.case,
         "engine": manifest.engine.name,
         "generations": summary.n_generations,
-        "evaluations": summary.n_evaluations,
+        "evaluations": summary.counted.rpartition(" ")[0],
         "distinct specifications": summary.n_distinct,
         "failed": summary.n_failures,
         "semantics": summary.semantics,
