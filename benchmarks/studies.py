@@ -8,12 +8,15 @@ of a ``mrsfi compare --sweep``. Both write a CSV. ``tables`` prints what these s
 import csv
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 from statistics import median
 from typing import Any
+
+import numpy as np
+from scipy.stats import wilcoxon
 
 import mrsfi
 from mrsfi_runtime.analysis.table import Table, as_csv, to_markdown
@@ -108,36 +111,63 @@ def print_table(title: str, columns: Iterable[str], rows: Iterable[tuple[Any, ..
     print(f"\n{title}\n", to_markdown(Table(title, tuple(columns), [*rows])), sep="\n")
 
 
+Settings = Mapping[tuple[str, ...], Sequence[float]]
+"""The best fitness of each setting of a sweep, by seed; the seeds are the same for all."""
+
+
 def parameter_tables() -> None:
-    """Print medians by value, whether the highest does better than the lowest, and each setting."""
+    """Print medians by value, whether values differ from the paper's, and each setting."""
     runs = kept_runs("parameters")
-    keys = list(runs[0])[: list(runs[0]).index("seed")]
-    papers = tuple(str(PAPERS[key]) for key in keys)
+    keys = tuple(list(runs[0])[: list(runs[0]).index("seed")])
     by_setting: dict[tuple[str, ...], list[float]] = {}
     for run in runs:
         by_setting.setdefault(itemgetter(*keys)(run), []).append(float(run["fitness"]))
-    base = by_setting.pop(papers)
-    rows, ranks = [], []
+    n_short = sum(int(run["evaluations"]) < N_EVALUATIONS for run in runs)
+    print(f"{len(runs)} runs; {n_short} of them ended before {N_EVALUATIONS} evaluations")
+    base = by_setting.pop(tuple(str(PAPERS[key]) for key in keys))
+    rows = []
     for place, key in enumerate(keys):
         values = {setting[place]: list[float]() for setting in by_setting}
         for setting, found in by_setting.items():
             values[setting[place]] += found
         rows += [(key, value, len(found), median(found)) for value, found in values.items()]
-        lowest, *_, highest = values.values()
-        ranks.append((key, compare_ranks(highest, lowest)))
     print_table("best fitness by value", ("setting", "value", "runs", "median"), rows)
-    adjusted = holm([each.p_value for _, each in ranks])
-    rows = [(key, each.a12, p) for (key, each), p in zip(ranks, adjusted, strict=True)]
-    print_table("highest against lowest value", ("setting", "A12", "p (Holm)"), rows)
+    print_blocked(keys, by_setting)
     tests = {setting: compare_ranks(found, base) for setting, found in by_setting.items()}
-    all_adjusted = holm([each.p_value for each in tests.values()])
-    found = [
+    adjusted = holm([each.p_value for each in tests.values()])
+    tested = [
         (*setting, median(by_setting[setting]), each.a12, each.p_value, p)
-        for (setting, each), p in zip(tests.items(), all_adjusted, strict=True)
+        for (setting, each), p in zip(tests.items(), adjusted, strict=True)
     ]
     columns = (*keys, "median", "A12", "p", "p (Holm)")
     title = f"settings against the paper's ({len(base)} seeds, median {median(base):.1f})"
-    print_table(title, columns, sorted(found, key=itemgetter(-3), reverse=True))
+    print_table(title, columns, sorted(tested, key=itemgetter(-3), reverse=True))
+
+
+def print_blocked(keys: Sequence[str], by_setting: Settings) -> None:
+    """Print how each value does against the one nearest to the paper's, blocked.
+
+    A block is a seed and the values of the other settings. The differences of one seed are
+    averaged over its blocks, because these begin with the same populations; Wilcoxon's signed-rank
+    test is of one such number a seed. "better" is the share of blocks, ties half.
+    """
+    rows, p_values = [], []
+    for place, key in enumerate(keys):
+        values = [*dict.fromkeys(setting[place] for setting in by_setting)]
+        papers = min(values, key=lambda value: abs(float(value) - float(PAPERS[key])))
+        for value in filter(papers.__ne__, values):
+            blocks = np.array([
+                np.subtract(found, by_setting[*setting[:place], papers, *setting[place + 1 :]])
+                for setting, found in by_setting.items()
+                if setting[place] == value
+            ])  # fmt: skip
+            share = np.mean((blocks > 0) + (blocks == 0) / 2)
+            by_seed = blocks.mean(axis=0)
+            p_values.append(wilcoxon(by_seed).pvalue)
+            rows.append((key, value, papers, blocks.size, share, median(by_seed), p_values[-1]))
+    found = [(*row, p) for row, p in zip(rows, holm(p_values), strict=True)]
+    columns = ("setting", "value", "against", "blocks", "better", "difference", "p", "p (Holm)")
+    print_table("values against the paper's, blocked by seed and setting", columns, found)
 
 
 def operator_tables() -> None:
