@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mrsfi.engines import EngineOptions
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
-    EngineOptions,
     engine_options,
     file_option,
     generated_option,

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-from mrsfi.engines import Workers
+from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.cli.console import left, print_json, tell
 from mrsfi_runtime.cli.options import (
-    EngineOptions,
     engine_options,
     file_option,
     folder_option,

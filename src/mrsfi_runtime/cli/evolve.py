@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from mrsfi.engines import Workers
+from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import (
-    EngineOptions,
     engine_options,
     folder_option,
     generated_option,

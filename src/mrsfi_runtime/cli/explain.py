@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import Workers
+from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
-    EngineOptions,
     OneOf,
     engine_options,
     file_option,

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mrsfi.engines import EngineOptions
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.options import EngineOptions, engine_options, seeds_option
+from mrsfi_runtime.cli.options import engine_options, seeds_option
 from mrsfi_runtime.engine.settings import AUTO
 
 if TYPE_CHECKING:

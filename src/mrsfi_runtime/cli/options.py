@@ -8,16 +8,15 @@ from typing import Any, TypeVar, cast
 
 import click
 
-from mrsfi.engines import Workers
-from mrsfi.project import project
+from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import RESETS, NodeSettings
-from mrsfi_runtime.engine.settings import AUTO, ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
-from mrsfi_runtime.errors import UsageError, expected
-from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR, EngineRecord
+from mrsfi_runtime.engine.node_settings import RESETS
+from mrsfi_runtime.engine.settings import ENGINES, REFERENCE
+from mrsfi_runtime.errors import expected
+from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 from mrsfi_runtime.transport.dialect import ROS_VERSIONS
-from mrsfi_runtime.transport.server_address import CLIENTS, Client
+from mrsfi_runtime.transport.server_address import CLIENTS
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,8 +60,6 @@ def tell_of_metamodels() -> None:
 
 
 SIMULATION = "simulation"
-NODE_OPTIONS = ("node", "node_pace", "node_reset", "node_prefix")
-BUS_OPTIONS = ("url", "ros", "client", "side", "bundle", "timeout", "world_prefix", *NODE_OPTIONS)
 
 
 class OneOf(click.Choice[str]):
@@ -94,95 +91,6 @@ def options_as(
         return cast("F", decorated)
 
     return decorate
-
-
-@dataclass(frozen=True, slots=True)
-class EngineOptions:
-    """What the command line says of the engine; ``None`` where it says nothing."""
-
-    engine: str | None = None
-    url: str | None = None
-    ros: str | None = None
-    client: str | None = None
-    side: str | None = None
-    timeout: float | None = None
-    bundle: bool | None = None
-    world_prefix: str | None = None
-    node: str | None = None
-    node_pace: str | None = None
-    node_reset: str | None = None
-    node_prefix: str | None = None
-
-    def settings(
-        self, recorded: EngineRecord | None = None, default: str = REFERENCE
-    ) -> EngineSettings:
-        """Return the settings: as the command line says, or else a record, or else the default.
-
-        Options that make no sense together are a ``UsageError``.
-        """
-        recorded = recorded or EngineRecord()
-        implied = ROSBRIDGE if self.side == INJECTOR else None
-        name = self.engine or implied or recorded.name or default
-        given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
-        if name != ROSBRIDGE and given:
-            raise UsageError(
-                f"{_spelled(given[0])} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
-            )
-        bus = recorded if name == ROSBRIDGE else EngineRecord()
-        side = self.side or bus.side
-        url = self.url or bus.url
-        if recorded.is_foreign and (name != ROSBRIDGE or side != recorded.side):
-            whose = "simulation" if recorded.side == CI else "node"
-            raise UsageError(
-                f"this campaign was flown on somebody else's {whose}; expected the same again: "
-                f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
-            )
-        if side not in {BOTH, INJECTOR} and url is None:
-            raise UsageError(f"--side {side} needs --url: the server on which the sides meet")
-        world_prefix = self.world_prefix or bus.world_prefix
-        if world_prefix and url is None:
-            raise UsageError("--world-prefix needs --url: the server on which the world is")
-        return EngineSettings(
-            name=name,
-            url=url,
-            ros=int(self.ros or bus.ros or (project().ros if name == ROSBRIDGE else 1)),
-            client=cast("Client", self.client or bus.client or CLIENTS[0]),
-            has_simulation=side == BOTH or url is None,
-            is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
-            patience=Patience() if self.timeout is None else Patience(tick=self.timeout),
-            node=self._node(recorded, side, url),
-            world_prefix=world_prefix,
-        )
-
-    def _node(self, recorded: EngineRecord, side: str, url: str | None) -> NodeSettings | None:
-        """Return how the node is started and reached, if there is one.
-
-        Another node than that of a record is a ``RecordError``.
-        """
-        if side != INJECTOR:
-            given = [name for name in NODE_OPTIONS if getattr(self, name) is not None]
-            if given:
-                raise UsageError(f"{_spelled(given[0])} needs --side {INJECTOR}")
-            return None
-        known = recorded.node or {}
-        found = NodeSettings.of(
-            self.node or known.get("command"),
-            project().node,
-            url=url,
-            pace=self.node_pace or known.get("pace"),
-            reset=self.node_reset or known.get("reset"),
-            prefix=self.node_prefix or known.get("prefix", ""),
-        )
-        return found.again(recorded.node) if recorded.node is not None else found
-
-    def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
-        """Return what flies a campaign again: what is recorded, if that is somebody else's."""
-        return self.settings(recorded if recorded.is_foreign else None, default)
-
-
-def _spelled(option: str) -> str:
-    """Return an option as it is written."""
-    return f"--{option.replace('_', '-')}"
 
 
 _NODE_OPTIONS = (

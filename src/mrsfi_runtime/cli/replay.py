@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mrsfi.engines import EngineOptions
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.options import EngineOptions, FlightFiles, engine_options, recording_options
+from mrsfi_runtime.cli.options import FlightFiles, engine_options, recording_options
 from mrsfi_runtime.engine.settings import REFERENCE
 
 if TYPE_CHECKING:

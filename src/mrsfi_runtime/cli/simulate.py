@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mrsfi.engines import EngineOptions
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import (
     SIMULATION,
-    EngineOptions,
     FlightFiles,
     engine_options,
     file_option,

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi.engines import Workers
+from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     FILE,
-    EngineOptions,
     engine_options,
     file_option,
     seeds_option,

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi.engines import recorded_engine
-from mrsfi_runtime.cli.options import EngineOptions
+from mrsfi.engines import EngineOptions, recorded_engine
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import UsageError
