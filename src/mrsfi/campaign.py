@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi import reporting
-from mrsfi.campaign_folders import open_campaign, open_to_fly
-from mrsfi.engines import Workers
+from mrsfi.campaign_folders import open_campaign, open_to_fly, require_same
+from mrsfi.engines import EngineOptions, Workers, as_recorded
 from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
@@ -24,7 +24,7 @@ from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.engine.settings import REFERENCE
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
@@ -135,12 +135,17 @@ class Campaign:
         ------
         RecordError
             If the campaign is of other rules of the world, or has no such evaluation.
+        ReplayMismatch
+            If it does not fly as it is recorded.
         """
         with open_to_fly(self.folder) as campaign:
             recorded = campaign.store.evaluation(index)
             seed = self.settings.mission_seed
-            with EngineSettings().open(campaign.code, seed) as engine:
-                return fly(engine, campaign.pool, recorded.specification, seed)
+            settings = EngineOptions().again(campaign.store.manifest.engine, REFERENCE)
+            with settings.open(campaign.code, seed) as engine:
+                flight = fly(engine, campaign.pool, recorded.specification, seed)
+            require_same(self.folder, recorded, flight.outcome)
+            return flight
 
     def explain(self, index: int | None = None, keep: float = KEEP) -> Explanation | None:
         """Find out all about why one evaluation breaks goals.
@@ -167,7 +172,8 @@ class Campaign:
         with open_to_fly(self.folder) as campaign:
             some = [*evaluations_of(campaign, index)]
             about = explainer_of_campaign(campaign)
-            ((_, found),) = explained(about, some, EngineSettings(AUTO), Workers(), keep)
+            settings = as_recorded(campaign.store.manifest.engine)
+            ((_, found),) = explained(about, some, settings, Workers(), keep)
             return found
 
     def keep(

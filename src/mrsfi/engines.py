@@ -17,8 +17,8 @@ from mrsfi_runtime.engine.settings import (
     EngineSettings,
     require_address,
 )
-from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR, EngineRecord
+from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.record.manifest import BOTH, INJECTOR, EngineRecord
 from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 
 if TYPE_CHECKING:
@@ -85,30 +85,48 @@ class EngineOptions:
     node_reset: str | None = None
     node_prefix: str | None = None
 
+    def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
+        """Return what flies a campaign again: any engine of ours, or the external parts that did.
+
+        Parts that do not repeat themselves fly nothing again, which is a ``ReplayMismatch``; other
+        parts are refused as by ``settings``.
+        """
+        if recorded.unrepeated:
+            raise ReplayMismatch(
+                f"this campaign cannot be flown again: {recorded.unrepeated}; to fly one of its "
+                "specifications as a flight of its own: mrsfi simulate MISSION --faults FILE"
+            )
+        return self.settings(recorded if recorded.is_foreign else EngineRecord(), default)
+
     def settings(
         self, recorded: EngineRecord | None = None, default: str = REFERENCE
     ) -> EngineSettings:
         """Return the settings: as the command line says, or else a record, or else the default.
 
-        Options that make no sense together are a ``UsageError``.
+        Options that make no sense together are a ``UsageError``, and so are other parts than those
+        of a record.
         """
-        recorded = recorded or EngineRecord()
         implied = ROSBRIDGE if self.side == INJECTOR else None
-        name = self.engine or implied or recorded.name or default
+        name = self.engine or implied or (recorded and recorded.name) or default
         given = [option for option in _BUS_OPTIONS if getattr(self, option) is not None]
         if name != ROSBRIDGE and given:
             raise UsageError(
                 f"{_spelled(given[0])} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
             )
+        found = self._settings(name, recorded or EngineRecord())
+        asked = recorded_engine(found)
+        if recorded is not None and asked.parts != recorded.parts:
+            options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
+            raise UsageError(
+                f"this campaign was flown with {recorded.parts}; found {asked.parts}, whose counts "
+                f"do not belong to it; expected {options if recorded.is_foreign else 'no --side'}"
+            )
+        return found
+
+    def _settings(self, name: str, recorded: EngineRecord) -> EngineSettings:
         bus = recorded if name == ROSBRIDGE else EngineRecord()
         side = self.side or bus.side
         url = self.url or bus.url
-        if recorded.is_foreign and (name != ROSBRIDGE or side != recorded.side):
-            whose = "simulation" if recorded.side == CI else "node"
-            raise UsageError(
-                f"this campaign was flown on somebody else's {whose}; expected the same again: "
-                f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
-            )
         if side not in {BOTH, INJECTOR} and url is None:
             raise UsageError(f"--side {side} needs --url: the server on which the sides meet")
         world_prefix = self.world_prefix or bus.world_prefix
@@ -121,7 +139,7 @@ class EngineOptions:
             client=cast("Client", self.client or bus.client or CLIENTS[0]),
             has_simulation=side == BOTH or url is None,
             is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
-            patience=Patience() if self.timeout is None else Patience(tick=self.timeout),
+            patience=Patience.of(self.timeout or bus.timeout or Patience().tick),
             node=self._node(recorded, side, url),
             world_prefix=world_prefix,
         )
@@ -147,9 +165,9 @@ class EngineOptions:
         )
         return found.again(recorded.node) if recorded.node is not None else found
 
-    def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
-        """Return what flies a campaign again: what is recorded, if that is somebody else's."""
-        return self.settings(recorded if recorded.is_foreign else None, default)
+
+as_recorded: Choice = EngineOptions().again
+"""What flies a campaign again where nobody names an engine."""
 
 
 def _spelled(option: str) -> str:
@@ -169,6 +187,7 @@ def recorded_engine(settings: EngineSettings) -> EngineRecord:
         side=settings.side,
         is_bundled=settings.is_bundled,
         world_prefix=settings.world_prefix,
+        timeout=None if settings.patience == Patience() else settings.patience.tick,
         node=None if settings.node is None else asdict(settings.node),
     )
 

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
-from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
 from mrsfi.engines import Tell, Workers, own_engine, recorded_engine, silent
 from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
@@ -118,7 +118,7 @@ def resumed(
             f"evaluations and {store.n_failures} failures are recorded"
         )
         _require_ratio(store.settings, campaign.mission, ratio)
-        yield campaign, engine.tried(campaign.code, store.settings.mission_seed, tell)
+        yield campaign, tried_again(campaign, engine, tell)
 
 
 def _beyond(campaign: FlyableCampaign) -> str:

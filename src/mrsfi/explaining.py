@@ -179,7 +179,7 @@ def explained(
         engine = engine.tried(code, seed, tell)
     with flying(code, seed, engine, workers, tell) as (evaluator, own):
         for each in specifications:
-            if engine.is_foreign:
+            if engine.is_foreign and each.recorded is None:
                 require_repeatable(own, each)
             flights = Flights(evaluator.evaluate_many, explainer.measure, explainer.mission_seeds)
             if each.recorded is not None:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaign_folders import OpenCampaign, mission_of, open_to_fly
-from mrsfi.engines import Tell, opened, silent
+from mrsfi.campaign_folders import OpenCampaign, mission_of
+from mrsfi.engines import Choice, Tell, Workers, as_recorded, opened, silent
 from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
-from mrsfi.weaknesses import harvested, way_of
+from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import verdict
 from mrsfi_runtime.causes.cause import find_cause
@@ -90,7 +90,7 @@ def keep(
     name: str | None = None,
     limits: Mapping[str, int] | None = None,
     n_seeds: int = 1,
-    engine: EngineSettings | None = None,
+    engine: Choice = as_recorded,
     accepted: str = "",
 ) -> Regression:
     """Keep a way to break a goal beside the models of its mission, by its number from 1 on.
@@ -123,7 +123,7 @@ def keep(
     counts = regression.counts(goals, known.outcomes[specification])  # refuses other goals
     _require_new(regression, folders)
     if limits is None:
-        others = _flown(path, regression, specification, engine or EngineSettings(AUTO))
+        others = _flown(path, regression, specification, engine)
         regression = replace(regression, limits=_most([counts, *others]))
     contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
     specification_writer(folders.models, contents.__setitem__)(
@@ -148,17 +148,14 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
 
 
 def _flown(
-    path: Path, regression: Regression, specification: Specification, settings: EngineSettings
+    path: Path, regression: Regression, specification: Specification, engine: Choice
 ) -> Iterator[dict[str, int]]:
     """Yield what a witness has in all mission seeds but that of its campaign."""
-    first, *others = regression.mission_seeds
+    _, *others = regression.mission_seeds
     if others:
-        with (
-            open_to_fly(path) as campaign,
-            opened(campaign.code, first, settings) as engine,
-        ):
+        with flying_again(path, engine, Workers(1), silent) as (campaign, _, own):
             for seed in others:
-                outcome = engine.evaluate(specification, seed)
+                outcome = own.evaluate(specification, seed)
                 yield regression.counts(campaign.mission.goal_ids, outcome)
 
 

@@ -4,18 +4,17 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 
-from mrsfi.campaign_folders import OpenCampaign, load_own
-from mrsfi.engines import opened
+from mrsfi.campaign_folders import OpenCampaign
+from mrsfi.engines import Workers, as_recorded, silent
 from mrsfi.loading import specification_writer
-from mrsfi.weaknesses import harvested, way_of
+from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
 from mrsfi_runtime.analysis.report import Shown, look_at, write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.recording import Record
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.model.faults import Specification
 
 
 def report(
@@ -60,18 +59,22 @@ def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
 
 @contextmanager
 def _flying(campaign: OpenCampaign) -> Iterator[Record]:
-    """Yield what flies specifications again, or says why nothing does."""
-    store = campaign.store
+    """Yield what flies specifications again, or says why nothing does, each time the same."""
     with ExitStack() as stack:
 
         @cache
-        def engine() -> Engine:
-            if store.manifest.engine.is_foreign:
-                path = campaign.folder.path
-                raise RecordError(
-                    f"{path}: somebody else's simulation or node flew it, and is not asked"
-                )
-            code, seed = load_own(campaign.folder, store), store.settings.mission_seed
-            return stack.enter_context(opened(code, seed, EngineSettings(AUTO)))
+        def flown_by() -> Record | MrsfiError:
+            try:
+                flying = flying_again(campaign.folder.path, as_recorded, Workers(1), silent)
+                *_, engine = stack.enter_context(flying)
+            except MrsfiError as error:
+                return error
+            return engine.record
 
-        yield lambda specification: engine().record(specification)
+        def record(specification: Specification) -> Recording:
+            found = flown_by()
+            if isinstance(found, MrsfiError):
+                raise found
+            return found(specification)
+
+        yield record

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
 
-from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly, tried_again
 from mrsfi.engines import Choice, Tell, Workers, flying
 from mrsfi_runtime.analysis import fault_tree
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
@@ -92,12 +92,15 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 def flying_again(
     run: Path, engine: Choice, workers: Workers, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
-    """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
+    """Yield a campaign, what evaluates specifications of it, and an engine of this process.
+
+    Who may fly it is ``EngineOptions.again``'s to say; ``tried_again`` has made sure.
+    """
     with open_to_fly(run, tell) as campaign:
         settings = engine(campaign.store.manifest.engine)
         workers.require_sense(settings)
         seed = campaign.store.settings.mission_seed
-        settings = settings.tried(campaign.code, seed, tell)
+        settings = tried_again(campaign, settings, tell)
         with flying(campaign.code, seed, settings, workers, tell) as (evaluator, own):
             yield campaign, evaluator, own
 

@@ -86,8 +86,9 @@ def command(
     if weakness is None:
         raise click.UsageError("--weakness N is missing: which weakness of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
-        flown_by = engine.settings(campaign.store.manifest.engine, AUTO)
-        regression = keep(campaign, weakness, name, limits, n_seeds or 1, flown_by, accepted)
+        if engine != EngineOptions():
+            engine.again(campaign.store.manifest.engine)  # also where nothing is flown
+        regression = keep(campaign, weakness, name, limits, n_seeds or 1, engine.again, accepted)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 

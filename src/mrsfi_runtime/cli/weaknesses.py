@@ -96,7 +96,8 @@ def command(
         known = harvested(campaign)
         found = [way for way in known.ways if way.goal in goals]
         is_told = not is_bounds or any(files.values())
-        if is_told and (is_mildest or n_seeds is not None):
+        is_named = engine != EngineOptions()  # whoever is named has to be the one that flew it
+        if is_told and (is_mildest or n_seeds is not None or is_named):
             with flying_again(run, engine.again, workers, tell) as (flown, evaluator, own):
                 found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)

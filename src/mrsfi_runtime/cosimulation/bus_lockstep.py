@@ -44,7 +44,6 @@ from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Trans
 
 _SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
 _RETRY = 0.1
-_ATTEMPT = 2.0
 
 
 class BusLockstep:
@@ -71,7 +70,7 @@ class BusLockstep:
         self._topics = CountedTopics(transport, "simulation", self._proceed)
         self._truth = tuple(Heard(self._topics, topic) for topic in truth)
         self._clock = Heard(self._topics, CLOCK)
-        self._refusal: str | None = None
+        self._refusal: ProtocolError | None = None
         self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
         self._n_runs = 0
         self._flight: Flight | None = None
@@ -110,7 +109,7 @@ class BusLockstep:
             self._completion.wait(self._overdue)
             self._topics.close()
             self._mind.end()
-            self._call(STOP, self._patience.tick)
+            self._call(STOP)
             self._flight = None
         except TransportError as error:
             raise type(error)(f"run {self._n_runs}, {self._where()}: {error}") from error
@@ -128,21 +127,23 @@ class BusLockstep:
         return self._session + self._n_runs
 
     def _prepare(self, seed: int) -> None:
-        """Reset the simulation, again and again until it answers for this run."""
+        """Reset the simulation, again and again until it answers for this run.
+
+        An answer is waited for before the reset is asked for again: it may take its time.
+        """
         self._n_runs += 1
         self._refusal = None
         deadline = monotonic() + self._patience.handshake
         is_overtaken = False
         while True:
             self._setup({"data": [*Setup(self._run, seed, SEMANTICS)]})
-            said = self._said_to_reset()
+            reply = self._call(RESET)
+            said = reply.problem or str(reply.values.get("message"))
             if said == f"run {self._run}":
                 return
-            refusal = said if said.startswith(REFUSAL) else self._refusal
+            refusal = _refused(said) if said.startswith(REFUSAL) else self._refusal
             if refusal is not None:
-                raise ProtocolError(
-                    f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {refusal}"
-                )
+                raise refusal
             if said.startswith("run ") and not is_overtaken:
                 is_overtaken = True  # reset came before setup, as on a server of ROS 2
                 continue
@@ -150,23 +151,20 @@ class BusLockstep:
                 raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
-                    "--url URL)"
+                    "--url URL), or allow more with --timeout"
                 )
             sleep(_RETRY)
 
-    def _said_to_reset(self) -> str:
-        try:
-            reply = self._call(RESET, _ATTEMPT)
-        except TransportTimeout as error:
-            return str(error)
-        return reply.problem or str(reply.values.get("message"))
-
-    def _call(self, service: Service, timeout: float) -> Reply:
-        """Call a service of the simulation and wait for its reply."""
-        completion = self._completion = Completion()
+    def _call(self, service: Service) -> Reply:
+        """Call a service of the simulation and wait for its reply, or for its refusal."""
+        completion, timeout = Completion(), self._patience.tick
+        self._completion = completion
         self._transport.call(service, {}, completion.end)
-        late = TransportTimeout(f"{service.name} did not answer within {timeout:g} s")
-        completion.wait(lambda silence: late if silence > timeout else None)
+        late = TransportTimeout(
+            f"the simulation did not answer {service.name} within {timeout:g} s; look whether it "
+            "still runs, or allow more with --timeout"
+        )
+        completion.wait(lambda silence: self._refusal or (late if silence > timeout else None))
         reply: Reply = completion.result
         return reply
 
@@ -192,8 +190,8 @@ class BusLockstep:
         told = str(payload.get("data"))
         if self._topics.is_open:
             raise TransportError(f"the simulation failed: {told}")
-        if str(self._run) in told:  # it quotes our setup, which it does not understand
-            self._refusal = told
+        if self._flight is None and str(self._run) in told:  # it does not understand our setup
+            self._refusal = _refused(told)
 
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)
@@ -255,3 +253,7 @@ class BusLockstep:
 
     def _send_go(self, tick: int) -> None:
         self._go({"data": [self._run, tick, self._topics.announce()]})
+
+
+def _refused(said: str) -> ProtocolError:
+    return ProtocolError(f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {said}")

@@ -13,7 +13,10 @@ between a simulation and a team's own node."""
 
 @dataclass(frozen=True, slots=True)
 class EngineRecord:
-    """The engine that a campaign was flown by."""
+    """The engine that a campaign was flown by.
+
+    ``unrepeated`` says how it was seen not to repeat itself, and nothing if it was not.
+    """
 
     name: str = ""  # of a record that does not say
     url: str | None = None  # of the rosbridge server, without its token; embedded if none
@@ -22,12 +25,23 @@ class EngineRecord:
     side: str = BOTH
     is_bundled: bool = False  # whether all messages of a tick travelled as one
     world_prefix: str = ""  # of the topics of the simulation
+    timeout: float | None = None  # seconds for which the other side may be silent, if not as usual
     node: Mapping[str, Any] | None = None  # a team's own node, as engine.node_settings has it
+    unrepeated: str = ""
 
     @property
     def is_foreign(self) -> bool:
         """Whether the simulation or the collective intelligence was somebody else's."""
         return self.side != BOTH
+
+    @property
+    def parts(self) -> str:
+        """Which parts were external, in words; flights of other parts are no repetition."""
+        if self.side == CI:
+            return "an external simulation"
+        if self.side == INJECTOR:
+            return "an external node" if self.url is None else "an external node and simulation"
+        return "mrsfi's own simulation and the generated code"
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -36,8 +50,9 @@ class EngineRecord:
 
     def as_json(self) -> dict[str, Any]:
         """Return the entries of a manifest."""
+        told = {"engine": self.name} | ({"unrepeated": self.unrepeated} if self.unrepeated else {})
         if self.client is None:
-            return {"engine": self.name}
+            return told
         bus: dict[str, Any] = {"url": self.url, "client": self.client, "side": self.side}
         if self.is_bundled:
             bus["bundle"] = True
@@ -45,9 +60,11 @@ class EngineRecord:
             bus["ros"] = self.ros
         if self.world_prefix:
             bus["world_prefix"] = self.world_prefix
+        if self.timeout is not None:
+            bus["timeout"] = self.timeout
         if self.node is not None:
             bus["node"] = dict(self.node)
-        return {"engine": self.name, "bus": bus}
+        return {**told, "bus": bus}
 
     @classmethod
     def from_json(cls, manifest: Mapping[str, Any]) -> Self:
@@ -61,7 +78,9 @@ class EngineRecord:
             side=bus.get("side", BOTH),
             is_bundled=bool(bus.get("bundle", False)),
             world_prefix=bus.get("world_prefix", ""),
+            timeout=bus.get("timeout"),
             node=bus.get("node"),
+            unrepeated=manifest.get("unrepeated", ""),
         )
 
 

@@ -8,7 +8,7 @@ earlier one.
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from sqlite3 import Connection
@@ -288,6 +288,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Store a text under a key, in place of another one."""
         with database.transaction(self.path, self._connection) as connection:
             connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
+
+    def doubt(self, text: str) -> None:
+        """Record how what flies was seen not to repeat itself."""
+        engine = replace(self.manifest.engine, unrepeated=text)
+        self.manifest = replace(self.manifest, engine=engine)
+        self.keep("manifest", encoding.canonical(self.manifest.as_json()))
 
     def flights(self) -> tuple[RecordedFlight, ...]:
         """Return what was flown after the search, in order."""

@@ -25,6 +25,7 @@ from mrsfi_runtime.transport.dialect import type_name
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 from mrsfi_runtime.transport.topics import (
+    CALL_S,
     Payload,
     Provider,
     Publisher,
@@ -105,8 +106,10 @@ class RosbridgeTransport(ListenedTransport):
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
-        self._service(service).call(
-            roslibpy.ServiceRequest(request),
+        asked = {"service": service.name, "args": dict(request), "timeout": CALL_S}
+        identifier = f"call_service:{service.name}:{self._ros.id_counter}"
+        self._ros.call_async_service(
+            roslibpy.Message({"op": "call_service", "id": identifier, **asked}),
             self.told(lambda values: on_reply(Reply(dict(values)))),
             self.told(lambda problem: on_reply(Reply({}, str(problem) or "the service failed"))),
         )

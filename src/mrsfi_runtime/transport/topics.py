@@ -36,6 +36,9 @@ class Reply(NamedTuple):
     problem: str = ""
 
 
+CALL_S = 3600.0
+"""Seconds that a server is asked to give each call; the caller itself may wait for less."""
+
 Provider: TypeAlias = Callable[[Payload], Payload]
 """Answers the calls of a service: request to response."""
 

@@ -43,7 +43,7 @@ def test_the_command_line_beats_the_record():
     "options", [EngineOptions("reference"), EngineOptions("rosbridge", URL, side="both")]
 )
 def test_a_campaign_on_somebody_elses_simulation_stays_there(options):
-    with pytest.raises(UsageError, match="flown on somebody else's simulation"):
+    with pytest.raises(UsageError, match="flown with an external simulation; found mrsfi"):
         options.settings(recorded_engine(BUS))
 
 

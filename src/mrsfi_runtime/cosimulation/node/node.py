@@ -166,6 +166,11 @@ class Node(Mind):
         awaited = self._pace.awaited(self._mapping.answer.name)
         if self._n_answered is not None:
             awaited = f"{self._n_answered} commands, as it announced, and {self._n_now} came"
+        elif self._pace.kind == ANSWER and "answer" not in self._mapping.table:
+            awaited += (
+                "; if it answers on another topic, or on none, name that one as answer in [node] "
+                "of mrsfi.toml, or give each tick its time with --node-pace RATE"
+            )
         return TransportTimeout(
             f"the node was silent for {self._patience.tick:g} s; expected {awaited}; look whether "
             "it still runs, or allow more with --timeout"
@@ -304,7 +309,7 @@ class Node(Mind):
         is_overtaken = False
         while True:
             self._set_up(run, seed)
-            reply = self._ask(self._mapping.reset, {})
+            reply = self._call(self._mapping.reset, {}, self._patience.tick)
             said = reply.problem or str(reply.values.get("message", ""))
             if reply.values.get("success"):
                 if not said.startswith("run ") or said == f"run {run}":
@@ -316,7 +321,8 @@ class Node(Mind):
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"the node did not reset within {self._patience.handshake:g} s: "
-                    f"{self._mapping.reset.name}: {said or 'no success'}"
+                    f"{self._mapping.reset.name}: {said or 'no success'}; look whether it runs, "
+                    "or allow more with --timeout"
                 )
             if not reply.values.get("success"):
                 sleep(_LOOK)
@@ -340,7 +346,8 @@ class Node(Mind):
                 missing = ", ".join(sorted((self._ready or {*names}) - found))
                 raise TransportTimeout(
                     f"the node subscribed to {'no' if not found else 'not every'} topic within "
-                    f"{self._patience.handshake:g} s; nobody hears {missing}"
+                    f"{self._patience.handshake:g} s; nobody hears {missing}; look at [node] of "
+                    "mrsfi.toml, or allow more with --timeout"
                 )
             sleep(_LOOK / 2)
 
@@ -367,13 +374,20 @@ class Node(Mind):
         )
 
     def _ask(self, service: Service, request: Payload) -> Reply:
+        """Ask the server, which may be asked again if it does not answer."""
+        try:
+            return self._call(service, request, _ATTEMPT)
+        except TransportTimeout as error:
+            return Reply({}, str(error))
+
+    def _call(self, service: Service, request: Payload, timeout: float) -> Reply:
         """Call a service and wait for its reply."""
         completion = Completion()
         self._transport.call(service, request, completion.end)
-        late = Reply({}, f"no answer within {_ATTEMPT:g} s")
-        try:
-            completion.wait(lambda silence: TransportTimeout() if silence > _ATTEMPT else None)
-        except TransportTimeout:
-            return late
+        late = TransportTimeout(
+            f"{service.name} did not answer within {timeout:g} s; look whether the node still "
+            "runs, or allow more with --timeout"
+        )
+        completion.wait(lambda silence: late if silence > timeout else None)
         reply: Reply = completion.result
         return reply
