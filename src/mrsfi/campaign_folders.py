@@ -152,13 +152,10 @@ def find_evaluations(
     return best
 
 
-def tried_again(
-    campaign: FlyableCampaign, engine: EngineSettings, tell: Tell = silent
-) -> EngineSettings:
-    """Return settings that name an engine, which has flown the mission of a campaign.
+def tried_again(campaign: FlyableCampaign, engine: EngineSettings, tell: Tell) -> EngineSettings:
+    """Return settings that name an engine, as ``tried``, for a campaign that may be begun.
 
-    Ours flies it without faults. External parts fly the most critical evaluation, and where they
-    repeat themselves, another result than the record's is a ``ReplayMismatch``.
+    External parts that repeat themselves have to fly its most critical evaluation as recorded.
     """
     store = campaign.store
     seed, record = store.settings.mission_seed, store.manifest.engine

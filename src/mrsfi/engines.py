@@ -1,9 +1,9 @@
 """Engines and evaluators, opened as their settings say; imported when they are."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from mrsfi.project import project
@@ -32,8 +32,6 @@ Choice: TypeAlias = Callable[[EngineRecord], EngineSettings]
 """Says what flies a campaign again, of what it was begun with."""
 
 _N_PROCESSORS = os.cpu_count() or 1
-_NODE_OPTIONS = ("node", "node_pace", "node_reset", "node_prefix")
-_BUS_OPTIONS = ("url", "ros", "client", "side", "bundle", "timeout", "world_prefix", *_NODE_OPTIONS)
 
 
 def silent(_: str) -> None:
@@ -88,8 +86,7 @@ class EngineOptions:
     def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
         """Return what flies a campaign again: any engine of ours, or the external parts that did.
 
-        Parts that do not repeat themselves fly nothing again, which is a ``ReplayMismatch``; other
-        parts are refused as by ``settings``.
+        If these do not repeat themselves, nothing can: a ``ReplayMismatch``.
         """
         if recorded.unrepeated:
             raise ReplayMismatch(
@@ -103,35 +100,32 @@ class EngineOptions:
     ) -> EngineSettings:
         """Return the settings: as the command line says, or else a record, or else the default.
 
-        Options that make no sense together are a ``UsageError``, and so are other parts than those
-        of a record.
+        Options that make no sense together, or other parts than a record's, are a ``UsageError``.
         """
+        known = recorded or EngineRecord()
         implied = ROSBRIDGE if self.side == INJECTOR else None
-        name = self.engine or implied or (recorded and recorded.name) or default
-        given = [option for option in _BUS_OPTIONS if getattr(self, option) is not None]
+        name = self.engine or implied or known.name or default
+        given = [each.name for each in fields(self)[1:] if getattr(self, each.name) is not None]
         if name != ROSBRIDGE and given:
             raise UsageError(
                 f"{_spelled(given[0])} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
             )
-        found = self._settings(name, recorded or EngineRecord())
-        asked = recorded_engine(found)
-        if recorded is not None and asked.parts != recorded.parts:
-            options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
+        bus = known if name == ROSBRIDGE else EngineRecord()
+        side, url = self.side or bus.side, self.url or bus.url
+        parts = EngineRecord(url=url, side=side).parts
+        if recorded is not None and parts != recorded.parts:
+            again = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
             raise UsageError(
-                f"this campaign was flown with {recorded.parts}; found {asked.parts}, whose counts "
-                f"do not belong to it; expected {options if recorded.is_foreign else 'no --side'}"
+                f"this campaign was flown with {recorded.parts}; found {parts}, whose counts do "
+                f"not belong to it; expected {again if recorded.is_foreign else 'no --side'}"
             )
-        return found
-
-    def _settings(self, name: str, recorded: EngineRecord) -> EngineSettings:
-        bus = recorded if name == ROSBRIDGE else EngineRecord()
-        side = self.side or bus.side
-        url = self.url or bus.url
         if side not in {BOTH, INJECTOR} and url is None:
             raise UsageError(f"--side {side} needs --url: the server on which the sides meet")
         world_prefix = self.world_prefix or bus.world_prefix
         if world_prefix and url is None:
             raise UsageError("--world-prefix needs --url: the server on which the world is")
+        usual = Patience()
+        timeout = self.timeout or bus.timeout or usual.tick
         return EngineSettings(
             name=name,
             url=url,
@@ -139,20 +133,22 @@ class EngineOptions:
             client=cast("Client", self.client or bus.client or CLIENTS[0]),
             has_simulation=side == BOTH or url is None,
             is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
-            patience=Patience.of(self.timeout or bus.timeout or Patience().tick),
-            node=self._node(recorded, side, url),
+            patience=Patience(timeout, max(timeout, usual.handshake)),
+            node=self._node(known, side, url, given),
             world_prefix=world_prefix,
         )
 
-    def _node(self, recorded: EngineRecord, side: str, url: str | None) -> NodeSettings | None:
+    def _node(
+        self, recorded: EngineRecord, side: str, url: str | None, given: Sequence[str]
+    ) -> NodeSettings | None:
         """Return how the node is started and reached, if there is one.
 
         Another node than that of a record is a ``RecordError``.
         """
         if side != INJECTOR:
-            given = [name for name in _NODE_OPTIONS if getattr(self, name) is not None]
-            if given:
-                raise UsageError(f"{_spelled(given[0])} needs --side {INJECTOR}")
+            of_node = [name for name in given if name.startswith("node")]
+            if of_node:
+                raise UsageError(f"{_spelled(of_node[0])} needs --side {INJECTOR}")
             return None
         known = recorded.node or {}
         found = NodeSettings.of(

@@ -66,10 +66,12 @@ def begun(
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
     flown_by = engine.tried(code, settings.mission_seed, tell)
-    engine = looked_at(code, engine, settings, tell)
+    engine, doubt = looked_at(code, engine, settings, tell)
     flown_by = replace(flown_by, node=engine.node)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
+        if doubt:
+            campaign.store.doubt(doubt)
         yield campaign, flown_by
 
 
@@ -164,15 +166,19 @@ def evolve(
         if not store.n_evaluations and (wide := _beyond(campaign)):
             tell(f"beyond the pool's values it searches: {wide}")
 
+    def doubt(text: str) -> None:
+        tell(f"warning: {text}")
+        store.doubt(text)
+
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            search(campaign, many, progress, None if engine.side != CI else tell)
+            search(campaign, many, progress, None if engine.side != CI else doubt)
         if settings.unused(store.n_evaluations + store.n_failures):
             tell(
                 f"the search ended after {store.n_evaluations} of {settings.evaluations} "
                 "evaluations: it made no new specification any more"
             )
-        if explains and engine.explains:
+        if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
                     harvest(campaign, many, own, tell)
@@ -192,7 +198,7 @@ def search(
 ) -> None:
     """Run the search of a campaign to its end.
 
-    With a ``doubt``, the first specification is flown twice, and what differs is told.
+    With a ``doubt``, the first specification is flown twice, and it is told what differs.
     """
     settings = campaign.store.settings
     evaluate_many: EvaluateMany
@@ -213,7 +219,7 @@ def search(
     )
 
 
-def _first_flown_twice(evaluate_many: EvaluateMany, tell: Tell) -> EvaluateMany:
+def _first_flown_twice(evaluate_many: EvaluateMany, doubt: Tell) -> EvaluateMany:
     """Return what evaluates as before, and tells if the first specification flies in two ways."""
     is_first = True
 
@@ -224,10 +230,10 @@ def _first_flown_twice(evaluate_many: EvaluateMany, tell: Tell) -> EvaluateMany:
                 is_first = False
                 (again,) = evaluate_many(specifications[:1])
                 if again != found:
-                    tell(
-                        "warning: the simulation does not repeat itself: the first specification, "
-                        f"flown twice, gave {_shown(found)} and {_shown(again)}; what replay and "
-                        "explain say of this campaign may be chance"
+                    doubt(
+                        "the external simulation does not repeat itself: the first specification, "
+                        f"flown twice, had {_shown(found)} and {_shown(again)}; what was found may "
+                        "be chance"
                     )
             yield found
 

@@ -19,6 +19,7 @@ from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.files import telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
+from mrsfi_runtime.record.manifest import BOTH
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.regressions import folder_of
@@ -179,7 +180,7 @@ def explained(
         engine = engine.tried(code, seed, tell)
     with flying(code, seed, engine, workers, tell) as (evaluator, own):
         for each in specifications:
-            if engine.is_foreign and each.recorded is None:
+            if engine.side != BOTH and each.recorded is None:
                 require_repeatable(own, each)
             flights = Flights(evaluator.evaluate_many, explainer.measure, explainer.mission_seeds)
             if each.recorded is not None:

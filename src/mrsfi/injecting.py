@@ -44,13 +44,14 @@ def within_reach(
 
 def looked_at(
     code: MissionCode, engine: EngineSettings, settings: CampaignSettings, tell: Tell
-) -> EngineSettings:
+) -> tuple[EngineSettings, str]:
     """Fly one specification several times, and return settings by which each flies often enough.
 
-    That is once if the node repeats itself, and otherwise as often, as at a rate; it is told.
+    That is once if the node repeats itself, and otherwise as often, as at a rate: then it is told
+    and returned how it does not.
     """
     if engine.node is None:
-        return engine
+        return engine, ""
     space = SearchSpace.of(code.mission, code.pool)
     specification = random_specification(space, settings.faults, Random(settings.seed))
     with engine.open(code, settings.mission_seed) as opened:
@@ -61,10 +62,11 @@ def looked_at(
     seen += "was the same" if is_same else f"had {counts} believed violations"
     if is_same and not engine.node.is_free:
         tell(f"your node repeats itself: {seen}")
-        return engine
+        return engine, ""
     how = "runs by its own clock" if engine.node.is_free else "does not repeat itself"
-    tell(
-        f"warning: your node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
+    doubt = (
+        f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
         "median, and causes are not looked for: they may be chance"
     )
-    return replace(engine, node=replace(engine.node, repeats=N_LOOKS))
+    tell(f"warning: {doubt}")
+    return replace(engine, node=replace(engine.node, repeats=N_LOOKS)), doubt

@@ -12,6 +12,7 @@ from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
 from mrsfi_runtime.analysis.report import Shown, look_at, write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError
 from mrsfi_runtime.model.faults import Specification
@@ -63,18 +64,17 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record]:
     with ExitStack() as stack:
 
         @cache
-        def flown_by() -> Record | MrsfiError:
+        def flown_by() -> Engine | MrsfiError:
+            flying = flying_again(campaign.folder.path, as_recorded, Workers(1), silent)
             try:
-                flying = flying_again(campaign.folder.path, as_recorded, Workers(1), silent)
-                *_, engine = stack.enter_context(flying)
+                return stack.enter_context(flying)[2]
             except MrsfiError as error:
                 return error
-            return engine.record
 
         def record(specification: Specification) -> Recording:
-            found = flown_by()
-            if isinstance(found, MrsfiError):
-                raise found
-            return found(specification)
+            engine = flown_by()
+            if isinstance(engine, MrsfiError):
+                raise engine
+            return engine.record(specification)
 
         yield record

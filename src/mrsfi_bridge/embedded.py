@@ -93,17 +93,10 @@ class LocalClient:
         self._hub.services.advertise(self, name, type_name, ask)
 
     def call(
-        self,
-        service: str,
-        request: dict[str, Any],
-        reply: Callable[[bool, Any], None],
-        timeout_s: float = 0,
+        self, service: str, request: dict[str, Any], reply: Callable[[bool, Any], None]
     ) -> None:
-        """Call a service; ``reply`` gets success and the response, or failure and the reason.
-
-        ``timeout_s`` is the time that its provider has; 0 leaves it to the server.
-        """
-        self._hub.services.call(self, service, request, reply, timeout_s)
+        """Call a service; ``reply`` gets success and the response, or failure and the reason."""
+        self._hub.services.call(self, service, request, reply)
 
     def close(self) -> None:
         """End everything that the client does."""

@@ -74,6 +74,8 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
     yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.name)}}}"
     halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
     yield "\\\\\n".join((f"{summary.counted}, of digest", *halves))
+    if summary.unrepeated:
+        yield f"Caution: {in_latex(summary.unrepeated)}."
     if summary.harvest is not None:
         yield "\n".join(f"{in_latex(each)}." for each in summary.said)
         items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)

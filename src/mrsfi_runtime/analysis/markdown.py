@@ -42,6 +42,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     sections = [
         f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.name)}",
         _extent(summary),
+        *([f"**Caution**: {plain(summary.unrepeated)}."] if summary.unrepeated else []),
         *_weaknesses(summary),
         *_section(settings_table(summary.settings)),
         "## Fitness over the generations",

@@ -46,7 +46,8 @@ class Summary:
     the ways that it ``contained``. ``harvest`` is ``None`` if nobody looked for ``ways``; ``said``
     is the headline of ``verdicts`` and what stands out; ``sentences`` say by number what each fault
     of some ways did. ``front`` is ``None`` if it is over fewer than two. ``patterns`` are fault
-    types in the top, ``guilty`` those in the ways.
+    types in the top, ``guilty`` those in the ways. ``unrepeated`` says how an external simulation
+    or node was seen not to repeat itself, and nothing if it was not.
     """
 
     folder: Path
@@ -57,6 +58,7 @@ class Summary:
     settings: CampaignSettings
     measure: Measure
     semantics: int
+    unrepeated: str
     n_generations: int
     n_evaluations: int
     n_distinct: int
@@ -133,6 +135,7 @@ def summarise(
         settings=store.settings,
         measure=measure,
         semantics=store.manifest.semantics,
+        unrepeated=store.manifest.engine.unrepeated,
         n_generations=len(trend.generations),
         n_evaluations=len(columns),
         n_distinct=len(columns.distinct),
@@ -166,6 +169,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "settings": summary.settings.as_json(),
         "measure": {"violations": summary.measure.kind, "mission_seeds": summary.measure.n_seeds},
         "semantics": summary.semantics,
+        "unrepeated": summary.unrepeated or None,
         "n_generations": summary.n_generations,
         "n_evaluations": summary.n_evaluations,
         "n_distinct": summary.n_distinct,

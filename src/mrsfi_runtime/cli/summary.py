@@ -60,6 +60,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     click.echo(f"digest    {summary.digest}")
     click.echo(f"page      {campaign.folder.page}")
     if known is None:
-        click.echo(f"next      mrsfi explain {folder} --all")
+        doubt, advice = summary.unrepeated, f"mrsfi explain {folder} --all"
+        click.echo(f"caution   {doubt}" if doubt else f"next      {advice}")
     elif summary.ways:
         click.echo(f"next      mrsfi show {folder}")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Event
 from time import monotonic
-from typing import Any, Self
+from typing import Any
 
 from mrsfi_runtime.errors import MrsfiError
 
@@ -17,11 +17,6 @@ class Patience:
 
     tick: float = 10.0
     handshake: float = 30.0
-
-    @classmethod
-    def of(cls, timeout: float) -> Self:
-        """Return that of a ``--timeout``; one above the usual also counts before tick 0."""
-        return cls(timeout, max(timeout, cls().handshake))
 
 
 class Completion:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.settings import Limits, ServerSettings
 from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
@@ -40,6 +40,8 @@ from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 
 if TYPE_CHECKING:
     from mrsfi_runtime.transport.topics import Transport
+
+_LATER = 5.0
 
 
 class InjectorEngine(PlainEngine):
@@ -119,7 +121,9 @@ class InjectorEngine(PlainEngine):
             return PrefixedTransport(joined, node.prefix)
         # other users of this machine are no part of the mission
         token = secrets.token_urlsafe() if "{url}" in (node.command or "") else None
-        bridge = opened.enter_context(EmbeddedBridge(ServerSettings(token=token, types=types)))
+        limits = Limits(service_s=settings.patience.tick + _LATER)  # who waits is the first to tell
+        server = ServerSettings(token=token, types=types, limits=limits)
+        bridge = opened.enter_context(EmbeddedBridge(server))
         self._url = bridge.url if token is None else f"{bridge.url}/?token={token}"
         embedded = self._embedded = EmbeddedTransport(bridge)
         opened.callback(embedded.close)

@@ -64,19 +64,6 @@ class EngineSettings:
             return INJECTOR
         return BOTH if self.has_simulation else CI
 
-    @property
-    def is_foreign(self) -> bool:
-        """Whether the simulation or the collective intelligence is somebody else's."""
-        return self.side != BOTH
-
-    @property
-    def explains(self) -> bool:
-        """Whether it flies for explanations, too: not on somebody else's simulation alone.
-
-        Nor with a node that does not repeat itself.
-        """
-        return self.side != CI and (self.node is None or self.node.repeats == 1)
-
     def named(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
         """Return settings that name an engine: auto becomes compiled, if all of it compiles.
 

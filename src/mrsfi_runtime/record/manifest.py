@@ -53,18 +53,15 @@ class EngineRecord:
         told = {"engine": self.name} | ({"unrepeated": self.unrepeated} if self.unrepeated else {})
         if self.client is None:
             return told
-        bus: dict[str, Any] = {"url": self.url, "client": self.client, "side": self.side}
-        if self.is_bundled:
-            bus["bundle"] = True
-        if self.ros not in {None, 1}:
-            bus["ros"] = self.ros
-        if self.world_prefix:
-            bus["world_prefix"] = self.world_prefix
-        if self.timeout is not None:
-            bus["timeout"] = self.timeout
-        if self.node is not None:
-            bus["node"] = dict(self.node)
-        return {**told, "bus": bus}
+        unusual = {
+            "bundle": self.is_bundled,
+            "ros": None if self.ros == 1 else self.ros,
+            "world_prefix": self.world_prefix,
+            "timeout": self.timeout,
+            "node": self.node,
+        }
+        bus = {key: value for key, value in unusual.items() if value}
+        return {**told, "bus": {"url": self.url, "client": self.client, "side": self.side, **bus}}
 
     @classmethod
     def from_json(cls, manifest: Mapping[str, Any]) -> Self:

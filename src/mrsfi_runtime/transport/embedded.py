@@ -15,7 +15,6 @@ from mrsfi_runtime.errors import TransportClosed
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.topics import (
-    CALL_S,
     Payload,
     Provider,
     Publisher,
@@ -67,7 +66,7 @@ class EmbeddedTransport(ListenedTransport):
         def reply(is_answer: bool, values: Any) -> None:
             on_reply(Reply(values) if is_answer else Reply({}, str(values)))
 
-        self._run(lambda: self._client.call(service.name, request, self.told(reply), CALL_S))
+        self._run(lambda: self._client.call(service.name, request, self.told(reply)))
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, as callbacks are."""

@@ -25,7 +25,6 @@ from mrsfi_runtime.transport.dialect import type_name
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 from mrsfi_runtime.transport.topics import (
-    CALL_S,
     Payload,
     Provider,
     Publisher,
@@ -36,6 +35,7 @@ from mrsfi_runtime.transport.topics import (
 
 _PORTS = {"ws": 80, "wss": 443}
 _CLOSING = 6.0  # roslibpy gives the server 5 s to agree
+_ANSWERING = 3600.0  # that a server gives a provider; who waits for the answer gives less
 
 for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
     logging.getLogger(_name).addHandler(logging.NullHandler())
@@ -106,7 +106,7 @@ class RosbridgeTransport(ListenedTransport):
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
-        asked = {"service": service.name, "args": dict(request), "timeout": CALL_S}
+        asked = {"service": service.name, "args": dict(request), "timeout": _ANSWERING}
         identifier = f"call_service:{service.name}:{self._ros.id_counter}"
         self._ros.call_async_service(
             roslibpy.Message({"op": "call_service", "id": identifier, **asked}),

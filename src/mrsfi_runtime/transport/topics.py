@@ -36,9 +36,6 @@ class Reply(NamedTuple):
     problem: str = ""
 
 
-CALL_S = 3600.0
-"""Seconds that a server is asked to give each call; the caller itself may wait for less."""
-
 Provider: TypeAlias = Callable[[Payload], Payload]
 """Answers the calls of a service: request to response."""
 

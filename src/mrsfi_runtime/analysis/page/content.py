@@ -94,10 +94,15 @@ def campaign_page(
         "first": _first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
-        "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
+        "search": {"said": _said(summary), "charts": list(_charts(summary))},
         "evaluations": to_page(evaluations),
         "record": list(_record(summary, store)),
     }
+
+
+def _said(summary: Summary) -> str:
+    caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
+    return f"{caution}{trend_in_words(summary.trend)}"
 
 
 def _first_screen(

@@ -309,7 +309,7 @@ class Node(Mind):
         is_overtaken = False
         while True:
             self._set_up(run, seed)
-            reply = self._call(self._mapping.reset, {}, self._patience.tick)
+            reply = self._ask(self._mapping.reset, {})
             said = reply.problem or str(reply.values.get("message", ""))
             if reply.values.get("success"):
                 if not said.startswith("run ") or said == f"run {run}":
@@ -374,15 +374,8 @@ class Node(Mind):
         )
 
     def _ask(self, service: Service, request: Payload) -> Reply:
-        """Ask the server, which may be asked again if it does not answer."""
-        try:
-            return self._call(service, request, _ATTEMPT)
-        except TransportTimeout as error:
-            return Reply({}, str(error))
-
-    def _call(self, service: Service, request: Payload, timeout: float) -> Reply:
-        """Call a service and wait for its reply."""
-        completion = Completion()
+        """Call a service and wait for its reply; it is not asked again meanwhile."""
+        completion, timeout = Completion(), self._patience.tick
         self._transport.call(service, request, completion.end)
         late = TransportTimeout(
             f"{service.name} did not answer within {timeout:g} s; look whether the node still "
