@@ -186,5 +186,6 @@ def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
     raise ReplayMismatch(
         f"{folder}: evaluation {recorded.index} differs from its record: "
         f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
-        "mrsfi, Python or the kind of processor has changed since (manifest in campaign.sqlite)"
+        "mrsfi, Python, the kind of processor, or an external simulation or node has changed since "
+        "(manifest in campaign.sqlite)"
     )
