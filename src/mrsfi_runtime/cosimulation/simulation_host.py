@@ -32,7 +32,7 @@ from mrsfi_runtime.transport.topics import Payload, Transport
 class SimulationHost:
     """Serves one generated simulation, run after run.
 
-    ``patience`` says how long the CI may be silent in mid-run.
+    ``patience`` says how long the CI may be silent in mid-run, and before, while its node begins.
     """
 
     def __init__(
@@ -91,7 +91,8 @@ class SimulationHost:
 
     def _overdue(self, silence: float) -> MrsfiError | None:
         if self._refusal is None:
-            return self._topics.overdue(silence, self._patience.tick)
+            patience = self._patience.tick if self._topics.tick else self._patience.handshake
+            return self._topics.overdue(silence, patience)
         return self._refusal if silence > self._patience.tick else None
 
     def _on_setup(self, payload: Payload) -> None:

@@ -6,6 +6,7 @@ from queue import SimpleQueue
 from threading import Thread
 
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.lockstep import Mind
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import TransportClosed
@@ -126,6 +127,7 @@ def sides(
     tamper: Tamper | None = None,
     patience: Patience = PATIENCE,
     patience_of_ci: Patience | None = None,
+    mind: Mind | None = None,
 ) -> Iterator[tuple[SimulationHost, BusLockstep, QueuedTransport]]:
     """Yield the two sides of a mission on a bus, and the transport of the CI."""
     bus = QueuedBus(tamper)
@@ -135,7 +137,12 @@ def sides(
         yield (
             simulation,
             BusLockstep(
-                transport, code.mission, code.interface, code.truth, patience_of_ci or patience
+                transport,
+                code.mission,
+                code.interface,
+                code.truth,
+                patience_of_ci or patience,
+                mind,
             ),
             transport,
         )

@@ -3,10 +3,12 @@
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from threading import Thread
+from time import sleep
 
 import pytest
 
 from mrsfi_runtime.cosimulation import bus_lockstep
+from mrsfi_runtime.cosimulation.lockstep import Mind
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import (
@@ -360,6 +362,21 @@ def test_a_silent_ci_in_mid_run_ends_the_simulation():
         ):
             simulation.serve()
         thread.join()
+
+
+def test_a_simulation_waits_for_the_first_tick_while_a_node_gets_ready():
+    class Slow(Mind):
+        def begin(self, flight, run, seed):
+            sleep(0.8)
+
+    with sides(CODE, patience=HASTY, mind=Slow()) as (simulation, lockstep, _):
+        thread = Thread(target=simulation.serve)
+        thread.start()
+        outcome = BusEngine(CODE, 1, lockstep).evaluate(())
+        simulation.stop()
+        thread.join()
+
+    assert outcome == flown_in_process()
 
 
 def test_an_idle_simulation_waits_for_ever():

@@ -1,6 +1,7 @@
 """A team's node between what is heard and what is commanded."""
 
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -11,7 +12,7 @@ from mrsfi_runtime.cosimulation.node.reach import out_of_reach
 from mrsfi_runtime.cosimulation.node.relay import held_commands
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import TransportError
+from mrsfi_runtime.errors import TransportError, TransportTimeout
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Message
 from mrsfi_runtime.transport.topics import Topic
@@ -35,6 +36,7 @@ TWIST = {
     "type": "geometry_msgs/Twist",
     "fields": {"linear.x": "speed", "angular.z": "turn"},
 }
+DONE = {"topic": "/done", "type": "std_msgs/Empty"}
 TABLE = {"tells": [ODOMETRY, POSITION], "obeys": [TWIST]}
 
 
@@ -233,9 +235,28 @@ def test_an_answer_has_to_be_of_the_tick_and_of_its_commands(numbers, said):
         engine.evaluate(())
 
 
+REMEDIES = (
+    "if it answers on another topic, or on none, name that one as answer in [node] of mrsfi.toml, "
+    "or give each tick its time with --node-pace RATE; "
+)
+
+
+@pytest.mark.parametrize(
+    ("answer", "topic", "remedies"),
+    [({}, "/mission/answer", REMEDIES), ({"answer": DONE}, "/done", "")],
+)
+def test_of_a_node_that_never_answers_it_is_told_how_it_may(answer, topic, remedies):
+    said = f"expected a message on {topic}; {remedies}look whether it still runs, or allow more"
+    with (
+        engine_with(CODE, mapping(**answer), silent, pace="answer") as (engine, *_),
+        pytest.raises(TransportTimeout, match=re.escape(said)),
+    ):
+        engine.evaluate(())
+
+
 def test_any_message_may_answer():
     node = saying("/done", "std_msgs/Empty", *[{}] * T)
-    table = mapping(answer={"topic": "/done", "type": "std_msgs/Empty"})
+    table = mapping(answer=DONE)
 
     assert flown(table, node=node, pace="answer")[0] == flown(mapping())[0]
 

@@ -6,10 +6,14 @@ import pytest
 
 from mrsfi.engines import EngineOptions, recorded_engine
 from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.node_settings import NodeSettings
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.record.manifest import EngineRecord
 
 URL = "ws://127.0.0.1:9090"
+WORLD = EngineOptions("rosbridge", URL, side="ci")
+NODE = EngineSettings("rosbridge", node=NodeSettings("node"))
 BUS = EngineSettings("rosbridge", url=URL, client="twisted", has_simulation=False)
 
 
@@ -28,8 +32,12 @@ def test_options_become_settings():
 
 
 def test_a_record_gives_back_the_settings_it_was_made_of():
-    for settings in (EngineSettings(), EngineSettings("rosbridge"), BUS, replace(BUS, ros=2)):
-        assert EngineOptions().settings(recorded_engine(settings)) == settings
+    others = ({"ros": 2}, {"patience": Patience(45.0, 45.0)}, {"is_bundled": True})
+    buses = (BUS, *(replace(BUS, **other) for other in others))
+    for settings in (EngineSettings(), EngineSettings("rosbridge"), *buses):
+        record = EngineRecord.from_json(recorded_engine(settings).as_json())
+
+        assert EngineOptions().settings(record) == settings
 
 
 def test_the_command_line_beats_the_record():
@@ -45,6 +53,37 @@ def test_the_command_line_beats_the_record():
 def test_a_campaign_on_somebody_elses_simulation_stays_there(options):
     with pytest.raises(UsageError, match="flown with an external simulation; found mrsfi"):
         options.settings(recorded_engine(BUS))
+
+
+@pytest.mark.parametrize(
+    ("recorded", "options", "found"),
+    [
+        (BUS, EngineOptions("compiled"), "mrsfi's own simulation and the generated code"),
+        (EngineSettings(), WORLD, "an external simulation"),
+        (EngineSettings("rosbridge"), WORLD, "an external simulation"),
+        (EngineSettings(), EngineOptions(side="injector"), "an external node"),
+        (NODE, EngineOptions(url=URL), "an external node and simulation"),
+    ],
+)
+def test_a_campaign_is_flown_again_by_the_parts_that_flew_it(recorded, options, found):
+    record = recorded_engine(recorded)
+
+    with pytest.raises(UsageError, match=f"flown with {record.parts}; found {found}, whose counts"):
+        options.again(record)
+
+
+@pytest.mark.parametrize("name", ["auto", "compiled", "reference", "rosbridge"])
+def test_what_ours_flew_any_engine_of_ours_flies_again(name):
+    for recorded in (EngineSettings("compiled"), EngineSettings("rosbridge", URL)):
+        assert EngineOptions(name).again(recorded_engine(recorded)) == EngineSettings(name)
+
+
+def test_what_does_not_repeat_itself_is_gone_on_with_and_not_flown_again():
+    record = replace(recorded_engine(BUS), unrepeated="it has weather")
+
+    assert EngineOptions().settings(record) == BUS
+    with pytest.raises(ReplayMismatch, match="cannot be flown again: it has weather; to fly one"):
+        EngineOptions().again(record)
 
 
 def test_a_record_keeps_no_token():
