@@ -1,7 +1,7 @@
 """Engines and evaluators, opened as their settings say; imported when they are."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, TypeAlias, cast
@@ -134,21 +134,19 @@ class EngineOptions:
             has_simulation=side == BOTH or url is None,
             is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
             patience=Patience(timeout, max(timeout, usual.handshake)),
-            node=self._node(known, side, url, given),
+            node=self._node(known, side, url),
             world_prefix=world_prefix,
         )
 
-    def _node(
-        self, recorded: EngineRecord, side: str, url: str | None, given: Sequence[str]
-    ) -> NodeSettings | None:
+    def _node(self, recorded: EngineRecord, side: str, url: str | None) -> NodeSettings | None:
         """Return how the node is started and reached, if there is one.
 
         Another node than that of a record is a ``RecordError``.
         """
         if side != INJECTOR:
-            of_node = [name for name in given if name.startswith("node")]
-            if of_node:
-                raise UsageError(f"{_spelled(of_node[0])} needs --side {INJECTOR}")
+            for name in ("node", "node_pace", "node_reset", "node_prefix"):
+                if getattr(self, name) is not None:
+                    raise UsageError(f"{_spelled(name)} needs --side {INJECTOR}")
             return None
         known = recorded.node or {}
         found = NodeSettings.of(

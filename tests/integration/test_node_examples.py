@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import mrsfi
+from mrsfi_runtime.errors import RecordError
 from tests.support.cli import mrsfi_json, mrsfi_process
 from tests.support.interrupted import digest, evaluations
 from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, require_silence, yard
@@ -31,6 +33,21 @@ def test_without_faults_nothing_breaks_and_a_node_that_is_started_anew_flies_the
     assert flights[0] == flights[1]
     assert all(goal["true"] == goal["believed"] == 0 for goal in flights[0]["goals"])
     assert processes_in(place) == {}
+
+
+def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path, monkeypatch):
+    few = ("--evaluations", "4", "--population", "4", "--no-explain")
+    mrsfi_process(*SEARCH, *few, "--workers", "1", "--out", "runs/it", cwd=place)
+
+    monkeypatch.chdir(place)
+    (best,) = mrsfi.Campaign("runs/it").top(1)
+    flight = mrsfi.Campaign("runs/it").fly(best.index)
+    monkeypatch.chdir(tmp_path)  # where no table [node] says what it hears
+
+    assert flight.outcome == best.outcome
+    with pytest.raises(RecordError, match="this campaign was flown with another node; its "):
+        mrsfi.Campaign(place / "runs/it").fly(best.index)
+    require_silence(place)
 
 
 @slow

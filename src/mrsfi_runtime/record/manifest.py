@@ -66,19 +66,10 @@ class EngineRecord:
     @classmethod
     def from_json(cls, manifest: Mapping[str, Any]) -> Self:
         """Return what the entries of a manifest say."""
-        bus = manifest.get("bus", {})
-        return cls(
-            name=manifest.get("engine", ""),
-            url=bus.get("url"),
-            ros=bus.get("ros", 1) if bus else None,
-            client=bus.get("client"),
-            side=bus.get("side", BOTH),
-            is_bundled=bool(bus.get("bundle", False)),
-            world_prefix=bus.get("world_prefix", ""),
-            timeout=bus.get("timeout"),
-            node=bus.get("node"),
-            unrepeated=manifest.get("unrepeated", ""),
-        )
+        bus = {"ros": 1} | manifest["bus"] if "bus" in manifest else {}
+        told = {each.name: bus[each.name] for each in fields(cls) if each.name in bus}
+        told["is_bundled"] = bool(bus.get("bundle", False))
+        return cls(manifest.get("engine", ""), unrepeated=manifest.get("unrepeated", ""), **told)
 
 
 @dataclass(frozen=True, slots=True)
