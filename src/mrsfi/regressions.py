@@ -22,6 +22,7 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
+from mrsfi_runtime.record.manifest import BOTH, EngineRecord
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.regressions import Regression, folder_of, kept
@@ -118,6 +119,7 @@ def keep(
         following(settings.mission_seed, n_seeds),
         {way.goal: 0} if limits is None else limits,
         accepted=accepted,
+        side=campaign.store.manifest.engine.side,
     )
     goals = campaign.mission.goal_ids
     counts = regression.counts(goals, known.outcomes[specification])  # refuses other goals
@@ -248,6 +250,12 @@ def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
 def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:
     began, regression = monotonic(), found.regression
     try:
+        if regression.side not in {BOTH, settings.side}:
+            flown_with = EngineRecord(side=regression.side).parts
+            raise UsageError(
+                f"{regression.path}: its limits are counts of {flown_with}; expected that again, "
+                f"with --side {regression.side}"
+            )
         written = read_specification(regression.specification, code)
         if written.late:
             late = "; ".join(written.late)

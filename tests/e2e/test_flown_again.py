@@ -8,12 +8,13 @@ from shutil import copytree, rmtree
 
 import pytest
 
-import mrsfi
+from mrsfi.campaign import Campaign
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import MrsfiError
 from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.manifest import EngineRecord
 from mrsfi_runtime.record.store import CampaignStore
+from tests.support.cli import mrsfi
 from tests.support.external_world import OTHER, SAME, external_world
 from tests.support.rendezvous import NAME
 from tests.tiers import slow
@@ -70,7 +71,7 @@ def ended(place, operation, *options):
             code = main([*COMMANDS[operation], *options])
             return code, errors.getvalue().rstrip().rpartition("\n")[2]
         try:
-            CALLS[operation.removeprefix("Campaign.")](mrsfi.Campaign(RUN))
+            CALLS[operation.removeprefix("Campaign.")](Campaign(RUN))
         except MrsfiError as error:
             return error.exit_code, str(error)
     return 0, ""
@@ -96,7 +97,7 @@ def require_same(told, code, sentence):
 def report_of(place):
     """Write the report of the campaign, and return its page."""
     with chdir(place):
-        mrsfi.Campaign(RUN).report()
+        Campaign(RUN).report()
     return (place / RUN / "report.html").read_text(encoding="utf-8")
 
 
@@ -115,7 +116,7 @@ def test_the_external_simulation_that_flew_it_flies_it_again(place, url):
         require_same(all_ended(place, "weaknesses --map"), 0, "")  # which takes the longest
         page = report_of(place)
         with chdir(place):
-            flight = mrsfi.Campaign(RUN).fly(BEST)
+            flight = Campaign(RUN).fly(BEST)
 
     with CampaignStore.open(place / RUN) as store:
         assert flight.outcome == store.evaluation(BEST).outcome
@@ -155,6 +156,18 @@ def test_another_node_than_the_one_that_flew_it_is_refused_by_all(place):
 
     require_same(all_ended(place), 9, said)
     assert said in report_of(place)
+
+
+def test_what_is_kept_of_a_node_is_checked_with_a_node(place):
+    recorded_as(place, OF_NODE)
+    mrsfi("keep", RUN, "--weakness", "1", "--name", "one", cwd=place)
+
+    for words in (("check", NAME), ("keep", NAME, "--update")):
+        refused = mrsfi(*words, "--engine", "reference", cwd=place, expected=2)
+        assert (
+            "one.toml: its limits are counts of an external node; expected that again, with --side "
+            "injector"
+        ) in refused.stderr + refused.stdout
 
 
 def test_what_ours_flew_no_external_simulation_flies_again(place):

@@ -15,6 +15,7 @@ from typing import Any, Self
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
@@ -27,7 +28,8 @@ class Regression:
     ``limits`` are the most ticks of one of ``VIOLATIONS`` that goals may have, by their IDs, with
     each of the ``mission_seeds``; other goals are not looked at. ``path`` is their file, ``found``
     says for people where it comes from and what it did, ``accepted`` why that is accepted, if so,
-    and ``defect`` why nothing of this is known, if its files cannot be read.
+    ``side`` of which parts the counts are, as ``--side`` has it, and ``defect`` why nothing of this
+    is known, if its files cannot be read.
     """
 
     path: Path
@@ -37,6 +39,7 @@ class Regression:
     limits: Mapping[str, int]
     defect: MrsfiError | None = None
     accepted: str = ""
+    side: str = BOTH
 
     @property
     def name(self) -> str:
@@ -67,9 +70,10 @@ class Regression:
         """Return what ``load`` reads."""
         limits = "".join(f"{_key(goal)} = {most}\n" for goal, most in self.limits.items())
         accepted = f"accepted = {_quoted(self.accepted)}\n" if self.accepted else ""
+        side = "" if self.side == BOTH else f'side = "{self.side}"\n'
         return (
             f"found = {_quoted(self.found)}\n{accepted}"
-            f"violations = {json.dumps(self.violations)}\n"
+            f"{side}violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
             f"goals = {len(self.limits)}\n"
             f"\n[max]\n{limits}"
@@ -98,8 +102,8 @@ class Regression:
                 f"{path}: max: found {len(limits)} limits; expected {content['goals']}, as many as "
                 "goals says; restore the file, or correct goals if that is wanted"
             )
-        accepted = content.get("accepted", "")
-        return cls(path, content["found"], content["violations"], seeds, limits, None, accepted)
+        rest = content.get("accepted", ""), content.get("side", BOTH)
+        return cls(path, content["found"], content["violations"], seeds, limits, None, *rest)
 
 
 def kept(models: Path) -> tuple[Regression, ...]:
@@ -150,6 +154,7 @@ def _is_count(value: Any) -> bool:
 _RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "found": ("a text", lambda value: isinstance(value, str)),
     "accepted": ("a text", lambda value: value is None or isinstance(value, str)),
+    "side": (f"{CI} or {INJECTOR}", lambda value: value in (None, CI, INJECTOR)),
     "violations": (f"one of {', '.join(VIOLATIONS)}", lambda value: value in VIOLATIONS),
     "mission_seeds": (
         "a list of whole numbers >= 0, at least one",

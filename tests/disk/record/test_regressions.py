@@ -10,6 +10,7 @@ from mrsfi_runtime.record.regressions import Regression, kept
 SOUND = {
     "found": '"here"',
     "accepted": '"known"',
+    "side": '"ci"',
     "violations": '"true"',
     "mission_seeds": "[1, 2]",
     "goals": "1",
@@ -40,7 +41,7 @@ def test_what_is_kept_is_read_by_name(tmp_path):
     found = kept(tmp_path)
 
     sound = [
-        Regression(folder / f"{n}.toml", "here", "true", (1, 2), {"g1": 3}, None, "known")
+        Regression(folder / f"{n}.toml", "here", "true", (1, 2), {"g1": 3}, None, "known", "ci")
         for n in "ab"
     ]
     assert found == tuple(sound)
