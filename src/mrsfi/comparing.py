@@ -70,7 +70,7 @@ def compared(
     settings = [one for _, one in runs]
     with only_writer(folder):
         source = _hash_of_ours()
-        _require_same(dict(zip(places, settings, strict=True)), folders, source)
+        _require_same(dict(zip(places, settings, strict=True)), folders, source, engine.side)
         folder.runs.mkdir(exist_ok=True)
         for place, one in zip(places, settings, strict=True):
             if not place.database.is_file():
@@ -95,7 +95,7 @@ def compared(
 
 
 def _require_same(
-    runs: Mapping[CampaignFolder, CampaignSettings], folders: MissionFolders, source: str
+    runs: Mapping[CampaignFolder, CampaignSettings], folders: MissionFolders, source: str, side: str
 ) -> None:
     """Refuse what is recorded of runs unless it was made with the same as it would be today."""
     for place, settings in runs.items():
@@ -107,7 +107,8 @@ def _require_same(
             store.require_flyable()
             made_by = store.kept(_SOURCE, str) if any(store.next_indexes()) else source
             recorded = _subject(store.settings, store.manifest.sha256, made_by)
-        today = _subject(settings, files, source)
+            recorded["side"] = store.manifest.engine.side
+        today = _subject(settings, files, source) | {"side": side}
         other = sorted(key for key in {*recorded, *today} if recorded.get(key) != today.get(key))
         if other:
             raise RecordError(

@@ -9,8 +9,10 @@ from shutil import copytree, rmtree
 import pytest
 
 from mrsfi.campaign import Campaign
+from mrsfi.mission import load
 from mrsfi_runtime.cli.main import main
-from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.manifest import EngineRecord
 from mrsfi_runtime.record.store import CampaignStore
@@ -156,6 +158,16 @@ def test_another_node_than_the_one_that_flew_it_is_refused_by_all(place):
 
     require_same(all_ended(place), 9, said)
     assert said in report_of(place)
+
+
+def test_a_comparison_is_not_gone_on_with_by_other_parts(place, monkeypatch):
+    monkeypatch.chdir(place)
+    Path("case.toml").write_text("[search]\n", encoding="utf-8")
+    load(NAME).compare(["random"], 1, 2, case="case.toml")
+    world = EngineSettings("rosbridge", NOWHERE, has_simulation=False)
+
+    with pytest.raises(RecordError, match="found a run with other side: side both; expected side"):
+        load(NAME).compare(["random"], 2, 2, case="case.toml", engine=world)
 
 
 def test_what_is_kept_of_a_node_is_checked_with_a_node(place):
