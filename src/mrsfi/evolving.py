@@ -70,8 +70,7 @@ def begun(
     flown_by = replace(flown_by, node=engine.node)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
-        if doubt:
-            campaign.store.doubt(doubt)
+        campaign.store.doubt(doubt)
         yield campaign, flown_by
 
 

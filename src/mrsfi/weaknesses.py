@@ -92,10 +92,7 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 def flying_again(
     run: Path, engine: Choice, workers: Workers, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
-    """Yield a campaign, what evaluates specifications of it, and an engine of this process.
-
-    Who may fly it is ``EngineOptions.again``'s to say; ``tried_again`` has made sure.
-    """
+    """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
     with open_to_fly(run, tell) as campaign:
         settings = engine(campaign.store.manifest.engine)
         workers.require_sense(settings)

@@ -49,6 +49,8 @@ COMMANDS = {
     "compare RUN RUN": ("compare", RUN, RUN),
 }
 OPERATIONS = [*(f"Campaign.{name}" for name in CALLS), *COMMANDS]
+GOES_ON = {"evolve --resume": ("evolve", "--resume", RUN)}
+"""What flies on, also where nothing repeats itself."""
 
 
 @pytest.fixture
@@ -67,10 +69,11 @@ def ended(place, operation, *options):
     """Return the exit code and the last sentence of a call of the API, or of a command."""
     errors = StringIO()
     with chdir(place), redirect_stdout(StringIO()), redirect_stderr(errors):
-        if operation in COMMANDS:
-            if "it.zip" in COMMANDS[operation]:
+        words = (COMMANDS | GOES_ON).get(operation)
+        if words is not None:
+            if "it.zip" in words:
                 assert main(["pack", RUN, "--out", "it.zip"]) == 0
-            code = main([*COMMANDS[operation], *options])
+            code = main([*words, *options])
             return code, errors.getvalue().rstrip().rpartition("\n")[2]
         try:
             CALLS[operation.removeprefix("Campaign.")](Campaign(RUN))
@@ -130,6 +133,7 @@ def test_the_external_simulation_that_flew_it_flies_it_again(place, url):
 def test_another_external_simulation_is_refused_by_all(place, url):
     with world(place, url, OTHER):
         told = all_ended(place)
+        told["evolve --resume"] = ended(place, "evolve --resume")
         said = report_of(place)
 
     require_same(told, 7, " differs from its record: digest ")

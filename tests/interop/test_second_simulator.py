@@ -281,7 +281,7 @@ def test_a_campaign_searches_on_it_over_one_connection(options, place):
     again = mrsfi_process("replay", "campaign", cwd=place, timeout=300)
     assert "same as recorded" in again.stdout
     other = mrsfi("replay", "campaign", "--engine", "reference", cwd=place, expected=2)
-    assert "somebody else's simulation" in other.stderr
+    assert "this campaign was flown with an external simulation" in other.stderr
 
 
 def test_the_worlds_import_nothing_of_mrsfi():

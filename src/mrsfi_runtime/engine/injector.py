@@ -41,8 +41,6 @@ from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 if TYPE_CHECKING:
     from mrsfi_runtime.transport.topics import Transport
 
-_LATER = 5.0
-
 
 class InjectorEngine(PlainEngine):
     """Flies missions with a node between what is heard and what is commanded.
@@ -121,7 +119,7 @@ class InjectorEngine(PlainEngine):
             return PrefixedTransport(joined, node.prefix)
         # other users of this machine are no part of the mission
         token = secrets.token_urlsafe() if "{url}" in (node.command or "") else None
-        limits = Limits(service_s=settings.patience.tick + _LATER)  # who waits is the first to tell
+        limits = Limits(service_s=2 * settings.patience.handshake)  # who waits is the first to tell
         server = ServerSettings(token=token, types=types, limits=limits)
         bridge = opened.enter_context(EmbeddedBridge(server))
         self._url = bridge.url if token is None else f"{bridge.url}/?token={token}"

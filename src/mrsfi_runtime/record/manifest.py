@@ -13,10 +13,7 @@ between a simulation and a team's own node."""
 
 @dataclass(frozen=True, slots=True)
 class EngineRecord:
-    """The engine that a campaign was flown by.
-
-    ``unrepeated`` says how it was seen not to repeat itself, and nothing if it was not.
-    """
+    """The engine that a campaign was flown by."""
 
     name: str = ""  # of a record that does not say
     url: str | None = None  # of the rosbridge server, without its token; embedded if none
@@ -27,7 +24,7 @@ class EngineRecord:
     world_prefix: str = ""  # of the topics of the simulation
     timeout: float | None = None  # seconds for which the other side may be silent, if not as usual
     node: Mapping[str, Any] | None = None  # a team's own node, as engine.node_settings has it
-    unrepeated: str = ""
+    unrepeated: str = ""  # how it was seen not to repeat itself, if it was
 
     @property
     def is_foreign(self) -> bool:

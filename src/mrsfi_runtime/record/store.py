@@ -290,7 +290,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
 
     def doubt(self, text: str) -> None:
-        """Record how what flies was seen not to repeat itself."""
+        """Record how what flies was seen not to repeat itself, if it was."""
         engine = replace(self.manifest.engine, unrepeated=text)
         self.manifest = replace(self.manifest, engine=engine)
         self.keep("manifest", encoding.canonical(self.manifest.as_json()))
