@@ -133,6 +133,7 @@ def test_the_summary_says_what_was_found(focused):
         "settings",
         "measure",
         "semantics",
+        "unrepeated",
         "n_generations",
         "n_evaluations",
         "n_distinct",
