@@ -172,11 +172,7 @@ def evolve(
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
             search(campaign, many, progress, None if engine.side != CI else doubt)
-        if settings.unused(store.n_evaluations + store.n_failures):
-            tell(
-                f"the search ended after {store.n_evaluations} of {settings.evaluations} "
-                "evaluations: it made no new specification any more"
-            )
+        _tell_unused(store, tell)
         if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
@@ -187,6 +183,14 @@ def evolve(
                 tell(f"what breaks which goal is not looked for: {error}")
     if (store.n_generations, len(store.flights())) == before:
         tell("was finished already; its report is written anew")
+
+
+def _tell_unused(store: CampaignStore, tell: Tell) -> None:
+    if store.settings.unused(store.n_evaluations + store.n_failures):
+        tell(
+            f"the search ended after {store.n_evaluations} of {store.settings.evaluations} "
+            "evaluations: it made no new specification any more"
+        )
 
 
 def search(
