@@ -181,15 +181,53 @@ def _uncollected() -> Iterator[None]:
             gc.enable()
 
 
+class Objects:
+    """Makes objects of nodes that were checked; ``nodes`` has the node of each, ``by_node`` it."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[Any, Node] = {}
+        self.by_node: dict[Node, Any] = {}
+        self._resources = ResourceSet()
+
+    def root(self, tree: ModelTree) -> Any:
+        """Return the root object of a sound model; what it refers to was made before it."""
+        uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
+        resource = self._resources.create_resource(uri)
+        resource.append(self._built(tree.root, resource.uuid_dict))
+        for reference, targets in tree.resolved:
+            for target in targets:
+                put(self.by_node[reference.source], reference.slot, self.by_node[target])
+        return self.by_node[tree.root]
+
+    def _built(self, node: Node, by_id: dict[str, Any]) -> Any:
+        built = node.metaclass()
+        self.nodes[built] = node
+        self.by_node[node] = built
+        known = slots(node.metaclass)
+        texts = [
+            (known[name], each)
+            for name, text in node.attributes.items()
+            for each in (text.split() if known[name].many else [text])
+        ]
+        texts += [(known[child.tag], child.text) for child in node.children]
+        for slot, text in texts:
+            if not slot.holds_elements:
+                put(built, slot, slot.type.from_string(text))
+            if slot.is_id:
+                by_id[text] = built
+        for child in node.children:
+            if known[child.tag].is_contained:
+                put(built, known[child.tag], self._built(child, by_id))
+        return built
+
+
 class _Loading:
     """Reads a mission and its faults: nodes first, objects once the nodes are sound."""
 
     def __init__(self) -> None:
-        self._nodes: dict[Any, Node] = {}
-        self._objects: dict[Node, Any] = {}
-        self._report = Report(self._nodes)
+        self._objects = Objects()
+        self._report = Report(self._objects.nodes)
         self._files = ModelFiles(self._report)
-        self._resources = ResourceSet()
 
     @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
@@ -230,7 +268,7 @@ class _Loading:
             model.is_whole = report.n_dangling == n_dangling
             is_sound = report.n_unsound - n_unsound == report.n_dangling - n_dangling
             if is_sound and (mission is None or mission.root is not None):
-                model.root = self._object(model.tree)
+                model.root = self._objects.root(model.tree)
         return model
 
     def _made(self, mission: ReadModel, faults: ReadModel | None) -> LoadedModels | None:
@@ -242,40 +280,11 @@ class _Loading:
             faults=None if faults is None else faults.root,
             mission_path=mission.path,
             faults_path=None if faults is None else faults.path,
-            nodes=self._nodes,
+            nodes=self._objects.nodes,
             files=tuple(
-                LoadedFile(file.path, file.spelling, tuple(map(self._objects.get, file.roots)))
+                LoadedFile(
+                    file.path, file.spelling, tuple(map(self._objects.by_node.get, file.roots))
+                )
                 for file in self._files
             ),
         )
-
-    def _object(self, tree: ModelTree) -> Any:
-        """Return the root object of a sound model; what it refers to was made before it."""
-        uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
-        resource = self._resources.create_resource(uri)
-        resource.append(self._built(tree.root, resource.uuid_dict))
-        for reference, targets in tree.resolved:
-            for target in targets:
-                put(self._objects[reference.source], reference.slot, self._objects[target])
-        return self._objects[tree.root]
-
-    def _built(self, node: Node, by_id: dict[str, Any]) -> Any:
-        built = node.metaclass()
-        self._nodes[built] = node
-        self._objects[node] = built
-        known = slots(node.metaclass)
-        texts = [
-            (known[name], each)
-            for name, text in node.attributes.items()
-            for each in (text.split() if known[name].many else [text])
-        ]
-        texts += [(known[child.tag], child.text) for child in node.children]
-        for slot, text in texts:
-            if not slot.holds_elements:
-                put(built, slot, slot.type.from_string(text))
-            if slot.is_id:
-                by_id[text] = built
-        for child in node.children:
-            if known[child.tag].is_contained:
-                put(built, known[child.tag], self._built(child, by_id))
-        return built

@@ -20,7 +20,7 @@ MAX_TEXT_LENGTH = 2_000
 
 _INT_RANGE = range(-(2**31), 2**31)
 _INTEGER = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
-_DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 
@@ -101,7 +101,7 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
         yield "NumberSyntax", is_whole, "a whole number of 32 bits, such as 20; correct it"
     else:
         yield "FiniteNumber", not _NOT_FINITE.fullmatch(text), "a finite number; correct it"
-        yield "NumberSyntax", bool(_DOUBLE.fullmatch(text)), "a number such as 2.5; correct it"
+        yield "NumberSyntax", bool(DOUBLE.fullmatch(text)), "a number such as 2.5; correct it"
         is_near = abs(float(text)) <= MOST
         yield "NumberMagnitude", is_near, "a number between -1.0E12 and 1.0E12; correct it"
     allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)

@@ -15,8 +15,7 @@ from m2t.diagnostics import Report, shown
 from m2t.importing.identities import give_ids
 from m2t.importing.notes import KINDS, Note, Notes
 from m2t.importing.reading import ROOT, SETUP_NAMESPACE, PublishedReader
-from m2t.load import FAULTS_XMI, MISSION_XMI
-from m2t.metaclasses import contained
+from m2t.load import FAULTS_XMI, MISSION_XMI, Objects
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_root
 from m2t.write.xmi import dumps
@@ -89,21 +88,27 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         report.add(setup, "RootElement", finding)
         report.require_no_errors()
     reader = PublishedReader(setup, origins, report, notes)
-    mission, specifications = _roots(setup, reader, report)
-    reader.resolve()
+    roots = _roots(setup, reader, report)
+    if not roots[0].attributes.get("name"):
+        roots[0].attributes["name"] = folder.name[:MAX_NAME_LENGTH]
+        notes.add("default", roots[0], "name", f"is absent; set to {folder.name}")
+    for root in roots:
+        give_ids(root, notes)
+    trees = [reader.checked(root) for root in roots]
     report.require_no_errors()
-    if not mission.name:
-        mission.name = folder.name[:MAX_NAME_LENGTH]
-        notes.add("default", mission, "name", f"is absent; set to {folder.name}")
-    for root in (mission, *specifications):
-        give_ids(root, reader.own_ids, notes)
+    objects = Objects()
+    mission, *specifications = map(objects.root, trees)
+    origins.update((element, origins[node]) for element, node in objects.nodes.items())
     if not specifications:
         specifications.append(load_metamodels().faults_class(ID="faults"))
         origins[specifications[0]] = setup
         # A pool for the team to fill, so that the folder is that of a whole mission.
         said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
         notes.add("default", setup, "specification", said)
-    _require_sound(mission, specifications, reader, report)
+    check_mission(mission, report)
+    for pool in specifications:
+        check_faults(pool, mission.duration, report)
+    report.require_no_errors()
     notes += [
         Note("inconsistent", found.line, found.element, found.constraint, found.message)
         for found in report
@@ -129,18 +134,20 @@ def _require_free(folder: Path, *, is_forced: bool) -> None:
         raise UsageError(f"{message}name another with --out")
 
 
-def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, list[Any]]:
+def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
+    """Return the mission and the specifications of a file, as nodes of our metamodels."""
     missions = setup.tagged("mission")
     if len(missions) != 1:
         finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
         report.add(setup, "RequiredFeature" if not missions else "SingleValue", finding)
         report.require_no_errors()
     known = load_metamodels()
-    mission = reader.element(missions[0], known.mission_class)
-    found = setup.tagged("specification")
-    specifications = [reader.element(child, known.faults_class) for child in found]
+    roots = [reader.model(missions[0], known.mission_class)]
+    roots += [reader.model(child, known.faults_class) for child in setup.tagged("specification")]
     reader.drop_rest()
-    return mission, specifications
+    reader.copy_elsewhere(roots[0])
+    report.require_no_errors()
+    return roots
 
 
 def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
@@ -151,18 +158,6 @@ def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
             name = f"faults_{number}_{root.ID}.xmi"
         models[name] = root
     return models
-
-
-def _require_sound(mission: Any, pools: list[Any], reader: PublishedReader, report: Report) -> None:
-    """Refuse models that would not load: what is wrong is told by line of the published file."""
-    for root in (mission, *pools):
-        for element in contained(root):
-            reader.require_all(element)
-    report.require_no_errors()
-    check_mission(mission, report)
-    for root in pools:
-        check_faults(root, mission.duration, report)
-    report.require_no_errors()
 
 
 def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:

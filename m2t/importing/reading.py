@@ -1,27 +1,35 @@
-"""Turn the nodes of a published file into objects of our metamodels.
+"""Turn the nodes of a published file into nodes of our metamodels, which are checked as any other.
 
 It is an XMI file, whose root ``Setup`` holds a mission and fault specifications. Most features
 have the names of ours; the tables have those that differ, and what to put where the old format
-says nothing.
+says nothing. What is not known is dropped with a note. All else keeps its text, so that
+``m2t.check`` refuses what ``mrsfi validate`` refuses, by the same rules. References keep theirs,
+too: a ``PublishedFile`` finds what they mean.
 """
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from m2t.check.attribute_values import require_value
-from m2t.check.structure import Reference, report_count
-from m2t.diagnostics import Defect, Report, shown
+from m2t.check.attribute_values import DOUBLE
+from m2t.check.references import resolve
+from m2t.check.structure import ModelTree, Reference, check_structure
+from m2t.diagnostics import Report, shown
 from m2t.importing.notes import Notes
-from m2t.metaclasses import Slot, concrete_classes, conforms, copies, put, slots, values
+from m2t.metaclasses import Slot, concrete_classes, slots
 from m2t.metamodel_contract import BOUNDS
-from m2t.read.nodes import XMI, Node, follow
+from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.nodes import XMI, XSI, Node, Spelling, follow
 
 SETUP_NAMESPACE = "acs_project_setup"
 NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
 ROOT = "Setup"
 
-RENAMED: Mapping[str, Mapping[str, str]] = {"Message": {"from": "sender", "to": "receiver"}}
+RENAMED: Mapping[str, Mapping[str, str]] = {
+    "Message": {"from": "sender", "to": "receiver"},
+    "Fault": {"probability": "likelihood"},
+}
 """Old names of features by class, with ours."""
 
 WRAPPED: Mapping[str, Mapping[str, str]] = {
@@ -64,6 +72,9 @@ _ZERO = re.compile(r"[+-]?(0*\.?0*)", re.ASCII)
 _COPIED = ("Area", "Coordinates")
 """Classes whose elements are copied where the old format refers to one."""
 
+_AFFECTED = "affected"
+_EXACT = 2.0**53
+
 
 class _Given:
     """What a file says of an element; what is taken is gone, and the rest gets dropped."""
@@ -76,21 +87,18 @@ class _Given:
             name = child.tag if child.namespace in NAMESPACES else f"{child.namespace} {child.tag}"
             self.children.setdefault(name, []).append(child)
 
-    def take_text(self, name: str) -> str | None:
-        """Return an attribute, which may be written as an element."""
-        text = self.attributes.pop(name, None)
-        if text is None and name in self.children:
-            text = self.children.pop(name)[0].text.strip()
-        return text
-
     def take_children(self, name: str) -> list[Node]:
         return self.children.pop(name, [])
 
     def rename(self, old: str, new: str) -> None:
-        places: tuple[dict[str, Any], dict[str, Any]] = (self.attributes, self.children)
-        for kept in places:
-            if old in kept:
-                kept[new] = kept.pop(old)
+        """Call a feature otherwise; one that is given by both names is given twice."""
+        again = self.take_children(old)
+        if old in self.attributes:
+            text = self.attributes.pop(old)
+            if self.attributes.setdefault(new, text) is not text:
+                again.append(_made(self.node, new, None, text=text))
+        if again:
+            self.children.setdefault(new, []).extend(again)
 
     def unwrap(self, name: str, inner: str) -> Iterator["_Given"]:
         """Lift what a wrapper holds; yield the wrapper with what is left."""
@@ -100,7 +108,9 @@ class _Given:
             if inner in wrapper.attributes:
                 texts = (self.attributes.get(name, ""), wrapper.attributes.pop(inner))
                 self.attributes[name] = " ".join(texts).strip()
-            elif inner not in wrapper.children and (wrapper.attributes or wrapper.children):
+            elif inner not in wrapper.children and (
+                wrapper.attributes or wrapper.children or node.text.strip()
+            ):
                 lifted.append(node)
                 continue
             lifted.extend(wrapper.take_children(inner))
@@ -109,82 +119,69 @@ class _Given:
             self.children[name] = lifted
 
 
+@dataclass(slots=True, eq=False)
+class PublishedFile(ModelFile):
+    """A model of a published file, checked as a file of its own; ``found`` follows references."""
+
+    found: Callable[[str], Node | None] = field(kw_only=True, repr=False)
+
+    def find(self, fragment: str) -> Node | None:
+        """Return the node that a fragment means anywhere in the published file."""
+        return self.found(fragment)
+
+
 class PublishedReader:
     """Reads the elements of one published file, of which those with an xmi:id are ``by_xmi_id``.
 
-    ``origins`` gets the node of every object that is made, ``own_ids`` the ID that the file gives
-    it, if any. What cannot be carried over is reported as it is read, what is missing by
-    ``require_all``.
+    ``origins`` gets the node of the file for every node that is made. What cannot be carried over
+    is noted as it is read.
     """
 
     def __init__(self, root: Node, origins: dict[Any, Node], report: Report, notes: Notes) -> None:
         self._origins = origins
-        self.own_ids: dict[Any, str] = {}
         self._root = root
         self._report = report
         self._notes = notes
-        self._objects: dict[Node, Any] = {}
-        self._references: list[Reference] = []
+        self._read: dict[Node, Node] = {}
+        self._elsewhere: list[Reference] = []
+        self._checked_xmi_ids: dict[str, Node] = {}
         self.by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
         for node in root.walk():
             if "ID" in node.attributes:
                 self._by_id.setdefault(node.attributes["ID"], []).append(node)
-            if (identity := node.xmi_id) is None:
-                continue
-            first = self.by_xmi_id.setdefault(identity, node)
-            if first is not node:
-                finding = (
-                    f"has xmi:id {shown(identity)}, as has an element in line {first.line}; "
-                    "expected different ones, because references use them; change one"
-                )
-                report.add(node, "UniqueId", finding)
+            if node.xmi_id is not None:
+                self.by_xmi_id.setdefault(node.xmi_id, node)
 
-    def element(self, node: Node, metaclass: Any) -> Any:
-        """Return an object with all that it contains; references stay open."""
-        instance = metaclass()
-        self._origins[instance] = node
-        self._objects[node] = instance
-        given = _Given(node)
-        for old, new in RENAMED.get(metaclass.name, {}).items():
-            given.rename(old, new)
-        for name, inner in WRAPPED.get(metaclass.name, {}).items():
-            for wrapper in given.unwrap(name, inner):
-                self._drop(wrapper, "")
-        for slot in slots(metaclass).values():
-            self._feature(instance, slot, given)
-        self._drop(given, metaclass.name)
-        return instance
+    def model(self, node: Node, metaclass: Any) -> Node:
+        """Return the root of a model, without the areas and coordinates that it refers to."""
+        root = _made(node, metaclass.name, None)
+        root.namespace = metaclass.ePackage.nsURI
+        return self._element(root, node, metaclass)
 
-    def resolve(self) -> None:
-        """Resolve all references; copy areas and coordinates that are referred to."""
-        for reference in self._references:
-            instance, slot = self._objects[reference.source], reference.slot
-            found = [self._target(reference, text) for text in reference.targets]
-            targets = [target for target in found if target is not None]
-            if len(targets) > 1 and not slot.many:
-                report_count(reference.node, slot, len(targets), self._report)
-                continue
-            if slot.is_contained:
-                targets = [self._copied(target, reference.node) for target in targets]
-            elif len(set(targets)) < len(targets):
-                message = "names an element more than once; kept once"
-                self._notes.add("inconsistent", reference.node, slot.name, message)
-            for target in dict.fromkeys(targets):
-                put(instance, slot, target)
+    def copy_elsewhere(self, root: Node) -> None:
+        """Copy areas and coordinates that are referred to; report what stands in other files."""
+        tree = ModelTree(root, self._files(root), references=self._elsewhere)
+        resolve(tree, None, self._report)
+        points_first = sorted(tree.resolved, key=lambda each: each[0].slot.type.name == "Area")
+        for reference, targets in points_first:
+            if reference.slot.type.name in _COPIED:
+                for target in targets:
+                    self._copy(target, reference.source, reference.slot.name, reference.node)
 
-    def _copied(self, target: Any, node: Node) -> Any:
-        made = copies([target])
-        self._origins |= dict.fromkeys(made.values(), node)
-        return made[target]
+    def checked(self, root: Node) -> ModelTree:
+        """Return a model whose nodes were checked as those of any other; report what is wrong."""
+        files = self._files(root)
+        tree = check_structure(files.containing(root), root.metaclass, files, self._report)
+        assert tree is not None  # the root is of that class
+        resolve(tree, None, self._report)
+        return tree
 
-    def require_all(self, element: Any) -> None:
-        """Report what the metamodel requires of an element and the file does not give."""
-        for slot in slots(element.eClass).values():
-            is_given = slot.many or element.eIsSet(slot.feature)
-            count = len(values(element, slot)) if is_given else 0
-            if count < slot.lower_bound:
-                report_count(element, slot, count, self._report)
+    def _files(self, root: Node) -> ModelFiles:
+        """Return the one file of a model; xmi:ids are unique over all models."""
+        ids = self._checked_xmi_ids
+        file = PublishedFile(root.path, Spelling("UTF-8"), (root,), by_xmi_id=ids, found=self._find)
+        return ModelFiles(self._report, file)
 
     def drop_rest(self) -> None:
         """Note what of the root is not carried over."""
@@ -193,70 +190,142 @@ class PublishedReader:
             given.take_children(name)
         self._drop(given, "")
 
-    def _feature(self, instance: Any, slot: Slot, given: _Given) -> None:
-        if slot.name == "task":
-            self._task(instance, slot, given)
-        elif slot.holds_elements:
-            self._elements(instance, slot, given)
-        elif not slot.is_id:
-            self._attribute(instance, slot, given)
-        elif (own := given.take_text(slot.name)) is not None:
-            self.own_ids[instance] = own
+    def _copy(self, target: Node, parent: Node, tag: str, node: Node) -> None:
+        made = self._add(parent, node, tag)
+        made.metaclass = target.metaclass
+        made.attributes = {name: text for name, text in target.attributes.items() if name != "ID"}
+        for child in target.children:
+            self._copy(child, made, child.tag, node)
 
-    def _task(self, goal: Any, slot: Slot, given: _Given) -> None:
+    def _add(self, parent: Node, node: Node, tag: str, text: str = "") -> Node:
+        """Add a child to a node that was made, and remember where it comes from."""
+        made = _made(node, tag, parent, text=text)
+        self._origins[made] = node
+        parent.children.append(made)
+        return made
+
+    def _element(self, made: Node, node: Node, metaclass: Any) -> Node:
+        """Give a node what the file says of an element, and all that it contains."""
+        made.metaclass = metaclass
+        made.prefixes = {"": metaclass.ePackage.nsURI}
+        if node.xmi_id is not None:
+            made.qualified[XMI, "id"] = node.xmi_id
+        self._origins[made] = node
+        self._read[node] = made
+        given = self._given(node, metaclass.name)
+        for slot in slots(metaclass).values():
+            if slot.name == "task":
+                self._tasks(made, slot, given)
+            if slot.is_contained:
+                self._parts(made, slot, given)
+            elif slot.is_reference:
+                self._refer(made, slot, given)
+            else:
+                self._values(made, slot, given)
+        self._report_older(made, given)
+        self._drop(given, metaclass.name)
+        return made
+
+    def _given(self, node: Node, class_name: str) -> _Given:
+        """Return what the file says of an element, in features of the names and depth of ours."""
+        given = _Given(node)
+        for old, new in RENAMED.get(class_name, {}).items():
+            given.rename(old, new)
+        for name, inner in WRAPPED.get(class_name, {}).items():
+            for wrapper in given.unwrap(name, inner):
+                self._drop(wrapper, "")
+        return given
+
+    def _tasks(self, goal: Node, slot: Slot, given: _Given) -> None:
         """Take the one of nine containments that the old format has in place of a class."""
         known = concrete_classes(slot.type.ePackage, slot.type)
-        wrappers = [_Given(node) for node in given.take_children(slot.name)]
-        tasks = [
-            (child, known[name])
-            for wrapper in wrappers
-            for tag in list(wrapper.children)
-            if (name := tag[:1].upper() + tag[1:]) in known
-            for child in wrapper.take_children(tag)
-        ]
-        for wrapper in wrappers:
-            self._drop(wrapper, "")
-        if len(tasks) > 1:
-            listed = ", ".join(child.tag for child, _ in tasks)
-            finding = f"has {len(tasks)} tasks ({listed}); expected one; delete the others"
-            self._report.add(given.node, "SingleValue", finding)
-        for child, metaclass in tasks[:1]:
-            put(goal, slot, self.element(child, metaclass))
+        for node in given.take_children(slot.name):
+            wrapper = _Given(node)
+            names = {tag: tag[:1].upper() + tag[1:] for tag in wrapper.children}
+            for tag in [tag for tag, name in names.items() if name in known]:
+                for child in wrapper.take_children(tag):
+                    self._part(goal, slot, child, known[names[tag]])
+            if len(wrapper.children) < len(names):
+                self._drop(wrapper, "")
+            else:
+                given.children.setdefault(slot.name, []).append(node)
 
-    def _elements(self, instance: Any, slot: Slot, given: _Given) -> None:
-        parts = given.take_children(slot.name)
-        if slot.is_reference or slot.type.name in _COPIED:
-            links = [child for child in parts if slot.is_reference or "href" in child.attributes]
-            parts = [child for child in parts if child not in links]
-            texts = given.attributes.pop(slot.name, "").split()
-            texts += [child.attributes.get("href", child.text.strip()) for child in links]
-            self._references.append(Reference(given.node, slot, given.node, tuple(texts)))
-        if len(parts) > 1 and not slot.many:
-            report_count(given.node, slot, len(parts), self._report)
-        for child in parts if slot.many else parts[:1]:
-            put(instance, slot, self.element(child, slot.type))
+    def _parts(self, made: Node, slot: Slot, given: _Given) -> None:
+        is_copied = slot.type.name in _COPIED
+        text = given.attributes.pop(slot.name, "")
+        if text and is_copied:
+            self._elsewhere.append(Reference(made, slot, given.node, tuple(text.split())))
+        elif text:
+            made.attributes[slot.name] = text
+        for child in given.take_children(slot.name):
+            href = child.attributes.get("href")
+            if href is None:
+                self._part(made, slot, child)
+                continue
+            self._elsewhere.append(Reference(made, slot, child, (href,)))
+            if not is_copied:
+                self._add(made, child, slot.name).attributes["href"] = href
 
-    def _attribute(self, instance: Any, slot: Slot, given: _Given) -> None:
-        text = given.take_text(slot.name)
-        text = self._default(instance, slot, given.node) if text is None else text
-        if text is None:
-            return
-        text = _whole(text) if slot.type.name == "EInt" else text
-        try:
-            require_value(slot, text)
-        except Defect as defect:
-            self._report.add(given.node, defect.constraint, defect.finding)
-            return
-        put(instance, slot, slot.type.from_string(text))
+    def _part(self, made: Node, slot: Slot, child: Node, metaclass: Any = None) -> None:
+        """Add what an element contains, of the class that its place or its xsi:type says."""
+        prefix, _, name = (child.xsi_type or "").rpartition(":")
+        if metaclass is None and child.prefixes.get(prefix, "") in NAMESPACES:
+            metaclass = concrete_classes(slot.type.ePackage, slot.type).get(name)
+        part = self._add(made, child, slot.name)
+        if metaclass is not None or child.xsi_type is not None:
+            part.qualified[XSI, "type"] = (
+                child.xsi_type or "" if metaclass is None else metaclass.name
+            )
+        self._element(part, child, metaclass or slot.type)
 
-    def _default(self, instance: Any, slot: Slot, node: Node) -> str | None:
+    def _refer(self, made: Node, slot: Slot, given: _Given) -> None:
+        if slot.name in given.attributes:
+            made.attributes[slot.name] = given.attributes.pop(slot.name)
+        for child in given.take_children(slot.name):
+            rest = _Given(child)
+            href = rest.attributes.pop("href", None)
+            for target in (child.text.split() or [""]) if href is None else [href]:
+                self._add(made, child, slot.name).attributes["href"] = target
+            self._drop(rest, "")
+
+    def _values(self, made: Node, slot: Slot, given: _Given) -> None:
+        """Take the values of an attribute, of which those that are elements may become one."""
+        children = given.take_children(slot.name)
+        texts = [child.text.strip() for child in children]
+        text = given.attributes.pop(slot.name, None)
+        if text is None and texts and not slot.many:
+            text = texts[0]
+            self._drop(_Given(children.pop(0)), "")
+        elif text is None and not texts and not slot.is_id:
+            text = self._default(made, slot, given.node)
+        if text is not None:
+            made.attributes[slot.name] = _whole(text) if slot.type.name == "EInt" else text
+        for child in children:
+            self._add(made, child, slot.name, child.text.strip())
+            self._drop(_Given(child), "")
+
+    def _report_older(self, made: Node, given: _Given) -> None:
+        """Report a fault that strikes an element of another class than its type does here."""
+        for slot in slots(made.metaclass).values():
+            is_here = slot.name in made.attributes or made.tagged(slot.name)
+            if is_here or not slot.name.startswith(_AFFECTED):
+                continue
+            for name in (*given.attributes, *given.children):
+                if name.startswith(_AFFECTED):
+                    finding = (
+                        f"has {name}, so that the file is of an older metamodel; expected "
+                        f"{slot.name}, the {slot.type.name.lower()} that is struck; correct it"
+                    )
+                    self._report.add(made, "KnownFeature", finding)
+
+    def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
         """Return and note what an absent attribute means; ``None`` if it stays unset."""
         if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
-        special = DEFAULTS.get((instance.eClass.name, slot.name))
+        special = DEFAULTS.get((made.metaclass.name, slot.name))
         if special is not None:
             text, meaning = special(self._duration()), "; set to {}"
-        elif slot.type.name in USUAL and instance.eClass.name != "MessageData":
+        elif slot.type.name in USUAL and made.metaclass.name != "MessageData":
             text = USUAL[slot.type.name]
             meaning = ", which means {} in Eclipse" if text else ", which means empty"
         else:
@@ -266,40 +335,25 @@ class PublishedReader:
 
     def _duration(self) -> int:
         """Return what the mission lasts, which is read before all else; 0 if that is wrong."""
-        return int(next(iter(self._origins)).duration)
-
-    def _target(self, reference: Reference, text: str) -> Any:
-        """Return the object that a reference leads to; ``None`` after a report."""
-        node = self._find(text.rpartition("#")[2])
-        target = None if node is None else self._objects.get(node)
-        wanted = reference.slot.type
-        if target is not None and conforms(target.eClass, wanted):
-            return target
-        constraint, found = "ResolvedReference", "no element of the file"
-        if target is not None:
-            constraint, found = "ReferenceType", f"a {target.eClass.name}"
-        finding = (
-            f"refers to {shown(text)} as {reference.slot.name}, which is {found}; expected the "
-            f"xmi:id of a {wanted.name}; correct the reference"
-        )
-        self._report.add(reference.node, constraint, finding)
-        return None
+        text = next(iter(self._origins)).attributes.get("duration", "")
+        return int(text) if text.isdecimal() else 0
 
     def _find(self, fragment: str) -> Node | None:
-        """Return a node by xmi:id, by path of Eclipse, or by an ID that only one element has."""
-        if fragment in self.by_xmi_id:
-            return self.by_xmi_id[fragment]
-        if fragment.startswith("/"):
-            return follow(self._root, fragment.partition("/")[2].partition("/")[2])
-        known = self._by_id.get(fragment, [])
-        return known[0] if len(known) == 1 else None
+        """Return what became of a node: by xmi:id, path, or an ID that only one element has."""
+        found = self.by_xmi_id.get(fragment)
+        if found is None and fragment.startswith("/"):
+            found = follow(self._root, fragment.partition("/")[2].partition("/")[2])
+        elif found is None:
+            named = self._by_id.get(fragment, [])
+            found = named[0] if len(named) == 1 else None
+        return None if found is None else self._read.get(found)
 
     def _drop(self, given: _Given, class_name: str) -> None:
         node = given.node
         for name, text in given.attributes.items():
             self._drop_attribute(node, name, text, class_name)
         for (namespace, name), text in node.qualified.items():
-            if namespace != XMI and node.parent is not None:
+            if namespace != XMI and (namespace, name) != (XSI, "type") and node.parent is not None:
                 self._notes.add("dropped", node, name, f"belongs to no model ({shown(text)})")
         for child in [child for kept in given.children.values() for child in kept]:
             is_ours = child.namespace in NAMESPACES
@@ -332,7 +386,11 @@ def _misplaced(node: Node, container_id: str) -> str:
     return f"is {shown(container_id)}, but {node.parent.description} contains it; kept it there"
 
 
+def _made(node: Node, tag: str, parent: Node | None, text: str = "") -> Node:
+    return Node(node.path, node.line, "", tag, parent, node.prefixes, text=text)
+
+
 def _whole(text: str) -> str:
-    """Return a whole number without its fraction, as an integer has none: 1000.0 is 1000."""
-    head, point, fraction = text.partition(".")
-    return text if not point or fraction.strip("0") else head
+    """Return a whole number as integers are written: Java writes a double of 1000 as 1000.0."""
+    number = float(text) if DOUBLE.fullmatch(text) else 0.5
+    return str(int(number)) if number.is_integer() and abs(number) < _EXACT else text

@@ -86,12 +86,13 @@ class ModelFile:
 
 
 class ModelFiles:
-    """All files of the models being loaded; each is read once."""
+    """All files of the models being loaded; each is read once, but for one that is at hand."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: Report, known: ModelFile | None = None) -> None:
         self._report = report
-        self._files: dict[Path, ModelFile | None] = {}
-        self._by_name: dict[Path, ModelFile] = {}
+        at_hand = () if known is None else (known,)
+        self._files: dict[Path, ModelFile | None] = {resolved_path(f.path): f for f in at_hand}
+        self._by_name: dict[Path, ModelFile] = {file.path: file for file in at_hand}
         self._n_bytes = 0
         self._n_elements = 0
 

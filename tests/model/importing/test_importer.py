@@ -81,7 +81,6 @@ def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_defa
             "CAPACITY",
         ),
         ('ID="o2"', 'ID="o1"', "obstacles 'o1'", "ID"),
-        ('goalMembers="', 'goalMembers="{r2} ', "goals 'g1'", "members"),
         (
             'ID="m10" goal_ID="g4" header="h" from="{r2}"',
             'ID="m10" goal_ID="g4" header="h" from="{r3}"',
