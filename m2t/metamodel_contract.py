@@ -74,7 +74,7 @@ FaultSpecification: {_IDENTIFIED}, val Fault[*] faults, val Trigger[*] triggers
 Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish, attr EDouble[?] likelihood,
     ref Trigger[?] trigger
 Trigger: {_IDENTIFIED}, attr TriggerEvent[1] event, ref Goal[?] goal, ref Robot[?] robot,
-    val Area[?] area, ref Fault[*] faults, attr EInt[?] delay, attr EInt[?] duration
+    val Area[?] area, ref Area[?] at, ref Fault[*] faults, attr EInt[?] delay, attr EInt[?] duration
 FaultType:
 MessageFault extends FaultType: ref Message[1] affectedMessage
 RobotFault extends FaultType: ref Robot[1] affectedRobot

@@ -224,7 +224,11 @@ class Trigger(Identified):
     )
     area = annotated(
         ecore.EReference(containment=True),
-        "The area that the robot enters.",
+        "The area that the robot enters, if it is one of the trigger's own.",
+    )
+    at = annotated(
+        ecore.EReference(),
+        "The area that the robot enters, if it is one of the mission, in place of one of its own.",
     )
     faults = annotated(
         ecore.EReference(upper=-1, derived_class=Values),
@@ -832,6 +836,7 @@ Fault.activateSensor.eType = ActivateSensor.eClass
 Trigger.goal.eType = Goal.eClass
 Trigger.robot.eType = Robot.eClass
 Trigger.area.eType = Area.eClass
+Trigger.at.eType = Area.eClass
 Trigger.faults.eType = Fault.eClass
 MessageFault.affectedMessage.eType = Message.eClass
 RobotFault.affectedRobot.eType = Robot.eClass

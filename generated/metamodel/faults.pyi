@@ -164,7 +164,9 @@ class Trigger(Identified):
     robot: Robot | None
     """The robot that enters the area."""
     area: Area | None
-    """The area that the robot enters."""
+    """The area that the robot enters, if it is one of the trigger's own."""
+    at: Area | None
+    """The area that the robot enters, if it is one of the mission, in place of one of its own."""
     faults: EList[Fault]
     """The faults of which any is to change something."""
     delay: int
@@ -179,6 +181,7 @@ class Trigger(Identified):
         goal: Goal | None = ...,
         robot: Robot | None = ...,
         area: Area | None = ...,
+        at: Area | None = ...,
         faults: Iterable[Fault] = ...,
         delay: int | None = ...,
         duration: int | None = ...,

@@ -219,24 +219,29 @@ class _Checker:
             what = f"is an unknown element of {node.description}{of}"
             self._unknown(child, child.tag, what, node, "element")
         elif slot.is_contained:
-            return self._contain(slot, child)
+            return self._contain(node, slot, child)
         elif slot.is_reference:
             self._refer(node, slot, child)
         else:
             self._value(node, slot, child.text)
         return child
 
-    def _contain(self, slot: Slot, child: Node) -> Node:
+    def _contain(self, node: Node, slot: Slot, child: Node) -> Node:
         try:
             if "href" in child.attributes:
-                node, kind = self._part(child, slot.type)
+                part, kind = self._part(child, slot.type)
             else:
-                node, kind = child, self._concrete_type(slot.type, child)
+                part, kind = child, self._concrete_type(slot.type, child)
         except Defect as defect:
-            self._report.add(child, defect.constraint, defect.finding)
+            beside = [
+                f", or use <{other.name} href=...>, which refers to one"
+                for other in slots(node.metaclass).values()
+                if other.is_reference and other.type is slot.type and "href" in child.attributes
+            ]
+            self._report.add(child, defect.constraint, "".join((defect.finding, *beside)))
             return child
-        self.element(node, kind)
-        return node
+        self.element(part, kind)
+        return part
 
     def _part(self, child: Node, declared: Any) -> tuple[Node, Any]:
         """Return the root of another file that an element with an href stands for, and its class.

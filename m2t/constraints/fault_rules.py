@@ -115,10 +115,11 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
         report.add(fault, "WindowInsideMission", finding)
 
 
+_AREA = "area or at"
 _EVENTS: Mapping[str, tuple[str, ...]] = {
     "VIOLATED": ("goal",),
     "REACHED": ("goal",),
-    "ENTERED": ("robot", "area"),
+    "ENTERED": ("robot", _AREA),
     "EFFECT": ("faults",),
 }
 """What a trigger of each event refers to; one of an effect may be about no fault, but never is."""
@@ -128,12 +129,14 @@ _REACHABLE = ("GatherSamples", "Visit", "Track")
 
 def fits_event(trigger: Any) -> bool:
     """Return whether a trigger refers to what its event is about, and to nothing else."""
-    event, given = trigger.event.name, _given_to(trigger)
+    event, names = trigger.event.name, _given_to(trigger)
+    given = tuple(_AREA if name in ("area", "at") else name for name in names)
     return given == _EVENTS.get(event) or (event == "EFFECT" and not given)
 
 
 def _given_to(trigger: Any) -> tuple[str, ...]:
-    return tuple(name for name in ("goal", "robot", "area", "faults") if getattr(trigger, name))
+    known = ("goal", "robot", "area", "at", "faults")
+    return tuple(name for name in known if getattr(trigger, name))
 
 
 def _check_trigger(trigger: Any, report: Report) -> None:

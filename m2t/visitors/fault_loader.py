@@ -70,7 +70,7 @@ def _fault(fault: Any) -> Call:
 
 def _trigger(trigger: Any) -> Call:
     of = (trigger.goal, trigger.robot, *trigger.faults)
-    area = trigger.area
+    area = trigger.at if trigger.area is None else trigger.area
     return Call(
         "Trigger",
         (

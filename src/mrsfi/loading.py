@@ -15,7 +15,7 @@ from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
-from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification, original
 from mrsfi_runtime.model.gate import Gate
 
 if TYPE_CHECKING:
@@ -71,16 +71,16 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     pool = pool_from_text(rendered_file("fault_loader.py", models))
     try:
         require_effects(code.pool, pool)
-        specification = Gate(code.mission, pool).admitted(pool.written_specification())
+        specification = Gate(code.mission, pool, code.pool.by_id).admitted(
+            pool.written_specification()
+        )
     except SpecificationError as error:
         lines = {each.ID: models.nodes[each].line for each in models.pool}
         named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)
         where = f"{path}:{named}" if named else path
         raise SpecificationError(f"{where}: {error}", error.faults) from error
-    known = code.pool.by_id  # a search may have numbered a fault of it: f9.1
-    unknown = tuple(
-        each.id for each in pool if known.keys().isdisjoint({each.id, each.id.rpartition(".")[0]})
-    )
+    known = code.pool.by_id
+    unknown = tuple(each.id for each in pool if original(each.id, known) not in known)
     late = tuple(
         f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
         f"which ends beyond the mission; its last tick is {code.mission.duration - 1}"

@@ -6,7 +6,7 @@ Source paper, sections III-B b) and III-E a).
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
@@ -119,6 +119,12 @@ def numbered(faults: Iterable[str]) -> tuple[str, ...]:
     """Return a name for each timed fault, by pool faults: ``f9.1``, ``f9.2`` for two of ``f9``."""
     numbers: dict[str, count[int]] = defaultdict(lambda: count(1))
     return tuple(f"{fault}.{next(numbers[fault])}" for fault in faults)
+
+
+def original(name: str, faults: Container[str]) -> str:
+    """Return which of some faults a timed one is by its name; with a number, a copy of it."""
+    base, _, number = name.rpartition(".")
+    return base if base and name not in faults and number.isdecimal() else name
 
 
 def fault_ticks(specification: Specification, duration: int) -> int:

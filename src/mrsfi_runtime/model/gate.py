@@ -12,14 +12,14 @@ Source paper, sections III-C b), III-E b) and c). The paper says *same message* 
 place and *same class* in another; this key serves the purpose it states.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from numbers import Integral, Real
 from operator import attrgetter
 from typing import Any
 
 from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.fault_types import FaultType, Mode, Parameter, Range, Units
-from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault, original
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, describe, touched
 
@@ -116,17 +116,22 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     """Admits fault specifications to one mission and pool; what it finds out, it remembers.
 
     By ID of a fault it has its type, the number of its values if no more is asked of them, and what
-    no other may touch at the same time: itself, and its targets.
+    no other may touch at the same time: itself, and its targets. The faults of a written
+    specification may be copies of ``originals``, by ID.
     """
 
-    def __init__(self, mission: Mission, pool: FaultPool) -> None:
+    def __init__(
+        self, mission: Mission, pool: FaultPool, originals: Container[str] | None = None
+    ) -> None:
         super().__init__()
         self.mission = mission
         self.pool = pool
+        self._originals = pool.by_id if originals is None else originals
 
     def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
         fault = self.pool[fault_id]
-        keys: tuple[Target | str, ...] = (fault_id, *touched(self.mission, fault))
+        itself = f"{original(fault_id, self._originals)}: {fault.words}"
+        keys: tuple[Target | str, ...] = (itself, *touched(self.mission, fault))
         parameters = fault.kind.parameters
         is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)
         self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
