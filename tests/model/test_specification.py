@@ -18,6 +18,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import pool_from_text
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
+from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.models.copies import FAULTS, copy_models, edit
 from tests.support.triggers import in_xmi, with_triggers
 from tests.support.world import paper_code
@@ -108,6 +109,22 @@ def test_what_waits_is_written_with_its_triggers_and_flies_as_in_the_pool(tmp_pa
     as_written = engine.evaluate(written.written_specification(), pool=written)
     assert as_written == engine.evaluate(timed, pool=pool)
     assert sum(applied > 0 for applied in as_written.applied) > 4
+
+
+def test_an_area_of_the_mission_is_entered_as_one_of_the_trigger(tmp_path):
+    folder, path = copy_models(tmp_path), _target(tmp_path)
+    robot = '<triggers ID="t" event="ENTERED"><robot href="mission.xmi#r1"/>'
+    at = f'{robot}<at href="mission.xmi#a8"/></triggers></faults:F'
+    edit(folder / FAULTS, "</faults:F", at)
+
+    write_specification(folder, [("f9", 0, 9, {}, "t")], path, identifier="s")
+
+    assert inspect_folder(folder).diagnostics == ()
+    area = Area("a8", Coordinates(500.0, 500.0, 1.0), 40.0)
+    for models in (load_mission_folder(folder), load_specification(path)):
+        pool = pool_from_text(rendered_file("fault_loader.py", models))
+        assert pool.triggers == (Trigger("t", Event.ENTERED, ("r1",), area),)
+    assert '<at href="../models/uuv/mission.xmi#a8"/>' in path.read_text(encoding="ascii")
 
 
 def test_empty_specification_loads_with_the_mission_beside_it(folder):

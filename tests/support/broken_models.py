@@ -240,13 +240,37 @@ TriggerInWindow | <faults ID="f1"
 TriggerOfEvent | </faults:F | <triggers ID="t" event="REACHED" faults="f1"/></faults:F | ID="t"
     triggers 't' | is REACHED and has faults; expected goal, and nothing else; correct it
 TriggerOfEvent | </faults:F | <triggers ID="t" event="ENTERED"/></faults:F | ID="t"
-    triggers 't' | is ENTERED and has nothing; expected robot and area, and nothing else
+    triggers 't' | is ENTERED and has nothing; expected robot and area or at, and nothing else
 ReachableGoal | </faults:F
     <triggers ID="t" event="REACHED"><goal href="mission.xmi#g3"/></triggers></faults:F | ID="t"
     triggers 't' | until goal 'g3' is reached, and SufficientEnergy has nothing to reach; expected
 TriggerCanHappen | </faults:F | <triggers ID="t" event="EFFECT"/></faults:F | ID="t"
     triggers 't' | waits for no fault but those that wait for it, and never happens; expected
 """
+
+
+END = "</faults:F"
+_AT = '<at href="mission.xmi#a8"/>'
+_AREAS = [
+    (
+        "TriggerOfEvent",
+        f'event="ENTERED"><robot href="mission.xmi#r1"/><area ID="a" radius="1.0"/>{_AT}',
+        "triggers 't'",
+        "is ENTERED and has robot and area and at; expected robot and area or at, and nothing else",
+    ),
+    (
+        "TriggerOfEvent",
+        f'event="VIOLATED"><goal href="mission.xmi#g3"/>{_AT}',
+        "triggers 't'",
+        "is VIOLATED and has goal and at; expected goal, and nothing else",
+    ),
+    (
+        "ContainedElement",
+        'event="ENTERED"><robot href="mission.xmi#r1"/><area href="mission.xmi#a8"/>',
+        "area of triggers 't'",
+        "correct the href, or use <at href=...>, which refers to one",
+    ),
+]
 
 
 def _broken(file: str, table: str) -> list[Broken]:
@@ -263,6 +287,10 @@ BROKEN = [
     *_broken(MISSION, _IN_MISSION),
     *_broken(FAULTS, _IN_FAULTS),
     Broken("FileSize", "<center/>", "<c>" * 200, "<c>", MISSION, "nests more", MISSION),
+    *(
+        Broken(constraint, END, f'<triggers ID="t" {held}</triggers>{END}', 'ID="t"', *told, FAULTS)
+        for constraint, held, *told in _AREAS
+    ),
     _too_long("name", 'name="KAL"', 'ID="r3"', "robots 'r3'", 200),
     _too_long("header", 'header="h"', "hhh", "messages 'm1'", 2000),
 ]

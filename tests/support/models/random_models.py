@@ -263,7 +263,7 @@ def _make_sense(mission: Any, rng: random.Random) -> None:
                 goal.area.ID, goal.area.radius = f"area-of-{goal.ID}", 2.5
 
 
-_REFERRED = {"VIOLATED": ("goal",), "REACHED": ("goal",), "ENTERED": ("robot", "area")}
+_REFERRED = {"VIOLATED": ("goal",), "REACHED": ("goal",), "ENTERED": ("robot", "at", "area")}
 _REACHABLE = ("GatherSamples", "Visit", "Track")
 
 
@@ -278,12 +278,14 @@ def _make_triggers_sense(faults: Any, mission: Any, rng: random.Random) -> None:
                 trigger.event = metaclasses.faults.getEClassifier("TriggerEvent").eLiterals[0]
                 goals = [*mission.goals]
         wanted = _REFERRED.get(trigger.event.name, ("faults",))
+        wanted = rng.choice((wanted, tuple(name for name in wanted if name != "at")))[:2]
         area = trigger.area or metaclasses.mission.getEClassifier("Area")()
         area.ID, area.radius = area.ID or f"area-of-{trigger.ID}", area.radius or 2.5
         for name, value in (
             ("goal", rng.choice(goals)),
             ("robot", rng.choice(mission.robots)),
             ("area", area),
+            ("at", mission.missionArea),
         ):
             trigger.eSet(name, value if name in wanted else None)
         if "faults" not in wanted:

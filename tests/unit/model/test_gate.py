@@ -1,5 +1,6 @@
 """Which timed faults are admitted, whoever made them."""
 
+from dataclasses import replace
 from fractions import Fraction
 from math import inf, nan
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.gate import LAST, MOST, Gate, at_work
 from mrsfi_runtime.record import encoding
 from tests.support.world import paper_code
@@ -73,6 +74,40 @@ def f8(delay):
 def test_what_makes_no_sense_is_refused(specification, message):
     with pytest.raises(SpecificationError, match=message):
         GATE.admitted(specification)
+
+
+def copies(*names: str) -> FaultPool:
+    """Return a written specification of copies of f7, of a message that carries no speed."""
+    fault = replace(CODE.pool["f7"], target="m1", start=0, finish=9)
+    return FaultPool("written", tuple(replace(fault, id=name) for name in names))
+
+
+@pytest.mark.parametrize("names", [("f7.1", "f7.2"), ("f7", "f7.1"), ("gone.1", "gone.2")])
+def test_written_copies_of_one_fault_never_overlap_even_if_they_touch_nothing(names):
+    written = copies(*names)
+    gate = Gate(CODE.mission, written, CODE.pool.by_id)
+
+    with pytest.raises(SpecificationError, match=f"'{names[1]}' .0 … 9. overlap"):
+        gate.admitted(written.written_specification())
+
+
+@pytest.mark.parametrize("names", [("f7", "f6"), ("f7.1", "f6.1"), ("f7.a", "f7.b"), (".1", ".2")])
+def test_written_faults_that_are_no_copies_of_one_may_overlap_where_they_touch_nothing(names):
+    written = copies(*names)
+
+    admitted = Gate(CODE.mission, written, CODE.pool.by_id).admitted(
+        written.written_specification()
+    )
+
+    assert [timed.fault for timed in admitted] == [*names]
+
+
+def test_faults_of_the_pool_are_no_copies_whatever_they_are_called():
+    written = copies("pump.1", "pump.2")
+
+    gate = Gate(CODE.mission, written, {"pump.1", "pump.2"})
+
+    assert len(gate.admitted(written.written_specification())) == 2
 
 
 def test_what_comes_out_is_of_pythons_own_kinds():
