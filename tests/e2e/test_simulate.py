@@ -65,6 +65,23 @@ def test_a_specification_that_cannot_be_flown_ends_with_5(windows, told, command
     assert f"{path}:{told}" in error
 
 
+COPY = """<faults ID="f7.{n}" name="f7" start="{start}" finish="50"><decrementSpeed VAL="1">
+<affectedMessage href="mission.xmi#m1"/></decrementSpeed></faults>"""
+
+
+def test_overlapping_copies_of_one_fault_end_with_5_even_if_they_touch_nothing(place):
+    path = place / "models" / MISSION / "twice.xmi"
+    copies = "".join(COPY.format(n=n, start=start) for n, start in ((1, 29), (2, 30)))
+    path.write_text(
+        '<faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
+        f'xmlns:faults="http://mrsfi.org/faults/1.0" ID="s">{copies}</faults:FaultSpecification>'
+    )
+
+    error = mrsfi("simulate", MISSION, "--faults", path, cwd=place, expected=5).stderr
+
+    assert f"{path}:1, 2: faults 'f7.1' (29 … 50) and 'f7.2' (30 … 50) overlap" in error
+
+
 def test_log_and_trace_have_every_tick(place):
     mrsfi("simulate", MISSION, "--log", "flight.log", "--trace", "flight.csv", cwd=place)
 
