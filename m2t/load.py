@@ -26,6 +26,7 @@ from m2t.read.model_files import ModelFiles, local_path
 from m2t.read.nodes import Node, Spelling
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.files import settle
+from mrsfi_runtime.project_file import metamodels_chosen
 
 MISSION_XMI = "mission.xmi"
 FAULTS_XMI = "faults.xmi"
@@ -96,19 +97,22 @@ class Inspection:
         return self.draft
 
 
+@metamodels_chosen()
 def load_mission_folder(folder: Path) -> LoadedModels:
     """Load ``mission.xmi`` and, if it exists, ``faults.xmi`` of a mission folder.
 
     All errors of both files are one ``ModelError``, one a line; warnings are left to
-    ``inspect_folder``.
+    ``inspect_folder``. The metamodels are those of the project that the working folder is in.
     """
     return inspect_folder(folder).require_models()
 
 
+@metamodels_chosen()
 def load_specification(path: Path) -> LoadedModels:
     """Load a fault specification, as ``faults``, and the mission that it refers to.
 
-    All errors of both files, one a line, are a ``ModelError``.
+    All errors of both files, one a line, are a ``ModelError``. The metamodels are those of the
+    project that the working folder is in.
     """
     return inspect_specification(path).require_models()
 

@@ -19,6 +19,7 @@ from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.model.gate import at_work
+from mrsfi_runtime.project_file import metamodels_chosen
 
 SpecificationRow: TypeAlias = (
     tuple[str, int, int, Mapping[str, float]] | tuple[str, int, int, Mapping[str, float], str]
@@ -26,6 +27,7 @@ SpecificationRow: TypeAlias = (
 """ID of a pool fault, first tick, last tick, and values by parameter name; the ID of a trigger."""
 
 
+@metamodels_chosen()
 def write_specification(
     models: Path | LoadedModels,
     rows: Sequence[SpecificationRow],

@@ -10,7 +10,7 @@ from m2t.generate import rendered_file
 from m2t.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
-from mrsfi.project import from_here, project, root
+from mrsfi.project import from_here, project
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import EngineSettings
@@ -20,6 +20,7 @@ from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore, Evaluation

@@ -9,9 +9,10 @@ from m2t.generate import diff as diff  # noqa: PLC0414 - for importers, as the n
 from m2t.generate import generate as generate  # noqa: PLC0414
 from m2t.generate import stale
 from m2t.load import MISSION_XMI, LoadedModels
-from mrsfi.project import from_here, project, root
+from mrsfi.project import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
+from mrsfi_runtime.project_file import root
 from mrsfi_runtime.readiness import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from mrsfi.engines import Tell, Workers, evaluator, opened, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate
 from mrsfi.loading import load_fresh, read_specification
-from mrsfi.project import choose_metamodels
 from mrsfi.renaming import rename
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate, at_work
+from mrsfi_runtime.project_file import choose_metamodels
 from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
 
 if TYPE_CHECKING:

@@ -2,12 +2,19 @@
 
 import os
 import re
+import shutil
+import subprocess
+import sys
 import tomllib
 from dataclasses import fields
+from functools import partial
+from pathlib import Path
 
 import pytest
 
 import mrsfi as api
+from m2t.load import load_mission_folder, load_specification
+from m2t.specification import write_specification
 from mrsfi.project import project
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, attribute, copy_metamodels
@@ -143,3 +150,34 @@ def test_a_script_reads_them_too(place, monkeypatch):
 
     assert "collective_intelligence.py" in uuv.generate()
     assert uuv.fly().robots == ("r1", "r2", "r3")
+
+
+def test_a_script_that_loads_models_reads_them_too_from_anywhere_inside(place, monkeypatch):
+    _own_metamodels(place)
+    (place / "metamodels").rename(place / "src")
+    (place / "mrsfi.toml").write_text('[project]\nmetamodels = "src"\n', encoding="utf-8")
+    monkeypatch.chdir(place / "models")
+
+    models = load_mission_folder(Path(MISSION))
+
+    assert models.mission.robots[0].payload == 3.5
+    assert "MRSFI_METAMODELS" not in os.environ
+    write_specification(models, [("f9", 0, 9, {})], Path("one.xmi"), identifier="one")
+    assert load_specification(Path("one.xmi")).mission.robots[0].payload == 3.5
+
+
+def test_the_script_of_the_page_edits_models_of_the_projects_metamodels(place):
+    _own_metamodels(place)
+    shutil.rmtree(place / "generated")
+    environment = {**os.environ, "PYTHONPATH": f"{place}{os.pathsep}{ROOT}"}
+    page = (ROOT / "docs" / "editing-models.md").read_text(encoding="utf-8")
+    script = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[0]
+    run = partial(subprocess.run, cwd=place, check=True)
+    chosen = {**environment, "MRSFI_METAMODELS": "metamodels"}
+    run([sys.executable, "-m", "m2t.classes", "generated/metamodel"], env=chosen)
+
+    run([sys.executable, "-c", script], env=environment)
+
+    text = (place / "models" / MISSION / "mission.xmi").read_text(encoding="utf-8")
+    assert 'payload="3.5"' in text
+    assert 'name="JEN" speed="6.0"' in text

@@ -10,10 +10,10 @@ from typing import Any, cast
 
 import click
 
-from mrsfi.project import metamodels_chosen
 from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.console import steady_output
 from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.project_file import metamodels_chosen
 
 _INTERRUPTED = 130
 

@@ -1,0 +1,83 @@
+"""The settings file of a team's project, and the metamodels that the project chooses."""
+
+import os
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from mrsfi_runtime.errors import UsageError
+
+SETTINGS = "mrsfi.toml"
+FOLDERS = ("metamodels", "models", "generated", "runs")
+_METAMODELS = ("mission.ecore", "faults.ecore")
+_CHOSEN = "MRSFI_METAMODELS"
+"""Environment variable with the folder of the metamodels, for this process and those it starts."""
+
+
+def root() -> Path:
+    """Return the root of the project that the working folder is in."""
+    here = Path.cwd()
+    return next((place for place in (here, *here.parents) if (place / SETTINGS).is_file()), here)
+
+
+def project_metamodels() -> Path | None:
+    """Return the folder of the metamodels of the project, if it has any.
+
+    Settings that cannot be read, or name a folder without metamodels, are a ``UsageError``.
+    """
+    file = root() / SETTINGS
+    named = settings(file)[0].get("metamodels") if file.is_file() else None
+    folder = file.parent / (named or "metamodels")
+    has_own = all((folder / name).is_file() for name in _METAMODELS)
+    if named and not has_own:
+        raise UsageError(
+            f"{file}: found metamodels = '{named}'; expected a folder that has "
+            f"{' and '.join(_METAMODELS)}"
+        )
+    return folder if has_own else None
+
+
+def choose_metamodels() -> bool:
+    """Let this process read the metamodels of the project; return whether it has any to choose."""
+    metamodels = None if _CHOSEN in os.environ else project_metamodels()
+    if metamodels is None:
+        return False
+    os.environ[_CHOSEN] = str(metamodels.resolve())
+    return True
+
+
+@contextmanager
+def metamodels_chosen() -> Iterator[None]:
+    """Let everything in the body read the metamodels of the project, if it has any of its own."""
+    is_chosen = choose_metamodels()
+    try:
+        yield
+    finally:
+        if is_chosen:
+            del os.environ[_CHOSEN]
+
+
+def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Return what a settings file says of the project, name by name, and of its node."""
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"{file}: cannot be read: {error}; expected settings in TOML") from error
+    table, node = document.get("project", {}), document.get("node")
+    for name, found in document.items():
+        if name not in {"project", "node"} or not isinstance(found, dict):
+            raise UsageError(f"{file}: found '{name}'; expected the tables [project] and [node]")
+    for name, value in table.items():
+        _require(file, name, value)
+    return dict(table), node
+
+
+def _require(file: Path, name: str, value: Any) -> None:
+    """Refuse a setting that means nothing."""
+    if name not in (*FOLDERS, "ros"):
+        expected = ", ".join((*FOLDERS, "ros"))
+        raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
+    if name in FOLDERS and (not isinstance(value, str) or not value):
+        raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
