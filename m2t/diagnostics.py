@@ -49,6 +49,7 @@ class Constraint:
 
 _REASONS: Mapping[str, str] = {
     "file": "says something about the file, of which nothing is left once Eclipse has loaded it",
+    "metamodel": "says something about a metamodel, which is read before any model",
     "refused": "Eclipse refuses to load such a file",
     "dropped": "Eclipse drops what is wrong while it loads the file, without a word",
 }
@@ -73,6 +74,8 @@ FiniteNumber (mission): numbers are finite
 NumberMagnitude (mission): numbers are no larger than the simulation can reckon with
 EnumLiteral (refused): enumerations have one of their literals
 StringLength (mission): texts stay within their limits
+NameSyntax (metamodel): in metamodels, names and literals are letters, digits and _ of ASCII, a
+    letter first
 IdSyntax (mission): IDs begin with a letter and hold letters, digits, _ - . and spaces
 ReservedId (mission): IDs of a mission become names that Python and generated code leave free
 UniqueId (mission): IDs are unique over all classes of a file

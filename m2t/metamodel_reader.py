@@ -17,6 +17,7 @@ from pyecore.resources import URI, ResourceSet
 from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
 from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, needs
+from m2t.read.model_files import local_path
 from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
@@ -25,26 +26,35 @@ _STORED = {"volatile": False, "transient": False, "derived": False, "changeable"
 
 
 class _Values(NamedTuple):
-    """What the values of a type look like, in words and as a pattern."""
+    """What the values of a type look like, in words and as a pattern, and which rule says so."""
 
     described: str
     pattern: str
+    constraint: str = "NumberSyntax"
 
     def has(self, text: str) -> bool:
         return re.fullmatch(self.pattern, text, re.ASCII | re.DOTALL) is not None
 
 
 _VALUES: Mapping[str, _Values] = {
-    "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
+    "Name": _Values(
+        "a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*", "NameSyntax"
+    ),
     "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
-    "Some": _Values("a text that is not empty", r".+"),
+    "Some": _Values("a text that is not empty", r".+", "RequiredFeature"),
     "EString": _Values("a text", r".*"),
     "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
     "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
-    "EBoolean": _Values("true or false", r"true|false"),
+    "EBoolean": _Values("true or false", r"true|false", "EnumLiteral"),
 }
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
+
+_SHOWN_URI = 200
+_REFERRING = {"eType", "eSuperTypes"}
+_ADDRESS = re.compile("[^ #]+(?=#)")
+_ECORE_FILE = "/org.eclipse.emf.ecore/model/Ecore.ecore"
+"""How addresses of the workbench end that mean Ecore itself."""
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
@@ -85,6 +95,8 @@ class MetamodelReader:
         self._resources = ResourceSet()
         self._kinds: dict[Node, str] = {}
         self._classifiers: dict[str, Node] = {}
+        self._files: dict[str, Path] = {}
+        self._named = {ECORE: ECORE}
 
     def read(self, path: Path, root_class: str) -> Any:
         """Return the package of a file, named like it, whose models begin with ``root_class``.
@@ -96,6 +108,12 @@ class MetamodelReader:
             finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
             self.report.add(root, "RootElement", finding)
             raise self.report.error()
+        self._files[path.name] = path
+        self._named |= {root.attributes.get("nsURI", ""): path.name}
+        for node in root.walk():
+            for name in _REFERRING & node.attributes.keys():
+                text = node.attributes[name]
+                node.attributes[name] = _ADDRESS.sub(lambda at: self._address(path, at[0]), text)
         self._check(root, "EPackage")
         if root.attributes.get("name") != root.path.stem:
             finding = f"is the package; expected the name {root.path.stem}; restore it"
@@ -117,7 +135,9 @@ class MetamodelReader:
     def _loaded(self, root: Node) -> Any:
         """Let pyecore load a checked file; remember which node each element comes from."""
         try:
-            resource = self._resources.get_resource(_CheckedFile(str(root.path)))
+            file = _CheckedFile(str(root.path))
+            file.root = root
+            resource = self._resources.get_resource(file)
             package = resource.contents[0]
         except Exception as error:  # pyecore raises anything
             raise ModelError(
@@ -127,6 +147,22 @@ class MetamodelReader:
             ) from error
         self._place(package, root)
         return package
+
+    def _address(self, path: Path, address: str) -> str:
+        """Return the name of the metamodel file that an address in a file means, or Ecore's URI.
+
+        Eclipse writes nsURIs and addresses of its workbench as well: of a plug-in, or of a project,
+        which may be another folder here. What means nothing stays as it is.
+        """
+        place = local_path(path.parent, address)
+        name = address.rpartition("/")[2] if place is None else place.name
+        known = self._files.get(name)
+        is_platform = address.startswith("platform:/")
+        if is_platform and address.endswith(_ECORE_FILE):
+            return ECORE
+        if known and (is_platform if place is None else place.resolve() == known.resolve()):
+            return name
+        return self._named.get(address, address)
 
     def _place(self, element: Any, node: Node) -> None:
         self._nodes[element] = node
@@ -156,7 +192,7 @@ class MetamodelReader:
                 self.report.add(node, "KnownFeature", finding)
             elif not (values := _VALUES[types[name]]).has(text):
                 finding = f"has {name} {shown(text)}; expected {values.described}; correct it"
-                self.report.add(node, "NumberSyntax", finding)
+                self.report.add(node, values.constraint, finding)
         for namespace, name in node.qualified:
             if (namespace, name) not in {(XSI, "type"), (XMI, "version")}:
                 finding = f"has attribute {shown(name)} of namespace {shown(namespace)}; delete it"
@@ -203,9 +239,14 @@ class MetamodelReader:
 
     def _require(self, node: Node, target: str, kind: str) -> None:
         found = self._target(node, target)
-        if found is None or self._kinds.get(found) != kind:
-            finding = f"refers to {shown(target)}, which is no {kind}; correct the reference"
-            self.report.add(node, "ResolvedReference", finding)
+        if found is not None and self._kinds.get(found) == kind:
+            return
+        address = target.rpartition(" ")[2].rpartition("#")[0]
+        finding = f"refers to {shown(target)}, which is no {kind}"
+        if address and address not in (*self._files, ECORE):
+            known = ", ".join((*self._files, *self._named))
+            finding += f": found the URI {address[:_SHOWN_URI]!r}; expected one of {known}"
+        self.report.add(node, "ResolvedReference", f"{finding}; correct the reference")
 
     def _target(self, node: Node, target: str) -> Node | None:
         """Return the node of the classifier that a reference names, here or in an earlier file."""
@@ -236,11 +277,20 @@ class MetamodelReader:
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
-    """A file that pyecore reads without comments, which it would take for elements."""
+    """A file that pyecore reads without comments, which it would take for elements.
+
+    ``root`` has its attributes as they were checked.
+    """
+
+    root: Node
 
     def create_instream(self) -> BytesIO:
         parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
-        return BytesIO(etree.tostring(etree.parse(self.plain, parser)))
+        tree = etree.parse(self.plain, parser)
+        for element, node in zip(tree.iter(), self.root.walk(), strict=True):
+            for name, text in node.attributes.items():
+                element.set(name, text)
+        return BytesIO(etree.tostring(tree))
 
 
 def _held(known: Needs, holding: str) -> list[str]:
@@ -296,7 +346,8 @@ def _check_feature(slot: Slot, report: Report) -> None:
     text = getattr(feature, "defaultValueLiteral", None)
     if text is not None and (expected := _missed(text, slot.type)):
         finding = f"has the default {shown(text)}; expected {expected}; correct it"
-        report.add(feature, "NumberSyntax", finding)
+        kind = _VALUE_TYPES.get(slot.type.name)
+        report.add(feature, "EnumLiteral" if kind is None else kind.constraint, finding)
 
 
 def _missed(text: str, kind: Any) -> str:
