@@ -122,7 +122,7 @@ def keep(
         side=campaign.store.manifest.engine.side,
     )
     goals = campaign.mission.goal_ids
-    counts = regression.counts(goals, known.outcomes[specification])  # refuses other goals
+    counts = regression.counts(goals, known.outcomes[specification], "--max")  # refuses other goals
     _require_new(regression, folders)
     if limits is None:
         others = _flown(path, regression, specification, engine)
@@ -260,6 +260,8 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
         if written.late:
             late = "; ".join(written.late)
             raise SpecificationError(f"{late}; expected the mission that it was kept for")
+        for oddity in regression.idle(code.mission.duration):
+            tell(oddity)
         flown = replace(code, pool=written.pool)
         with opened(flown, found.seeds[0], settings, tell) as engine:
             others = {

@@ -230,6 +230,7 @@ def edited(kind, found, replaced):
             "max: found goal 'g7'; expected goals of the mission: g1",
         ),
         (edited(".toml", "[max]", "[max"), 2, "cannot be read ("),
+        (edited(".toml", "g1 = ", "g1 = " + "9" * 5_000), 2, "cannot be read ("),
     ],
 )
 def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage, code, told):
@@ -243,6 +244,30 @@ def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage,
     assert f"{NAME}: 1 of 2 hold" in done.stdout
     (error,) = ET.parse(kept / "found.xml").getroot().iter("error")
     assert told in error.attrib["message"]
+
+
+@pytest.mark.parametrize("most", ["120", "9" * 30])
+def test_a_limit_that_nothing_exceeds_is_a_warning_when_it_is_kept_and_when_it_is_flown(
+    most, place
+):
+    words = ("--weakness", "2", "--name", "idle", "--max", f"g1={most}")
+
+    kept = mrsfi("keep", "runs/it", *words, cwd=place)
+    checked = mrsfi("check", *REFERENCE, cwd=place)
+
+    warning = (
+        f"models/{NAME}/regressions/idle.toml: max: g1 = {most} can never be exceeded in a mission "
+        "of 120 ticks; expected fewer ticks"
+    )
+    assert warning in kept.stderr.splitlines()
+    assert warning in checked.stderr.splitlines()
+    assert f"{NAME}: 1 of 1 hold" in checked.stdout
+
+
+def test_a_limit_that_can_be_exceeded_goes_without_a_warning(kept):
+    edit(limits(kept), "g1 = ", "g1 = 119 # ")
+
+    assert "exceeded" not in mrsfi("check", *REFERENCE, cwd=kept).stderr
 
 
 def test_weaknesses_are_looked_for_at_any_depth_and_without_a_mission(kept):
@@ -299,9 +324,10 @@ def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
         (("--weakness", "2"), "is kept already"),
         (
             ("--weakness", "1", "--max", "g9=0"),
-            "found goal 'g9'; expected goals of the mission: g1",
+            "mrsfi: --max: found goal 'g9'; expected goals of the mission: g1",
         ),
         (("--weakness", "1", "--max", "g1"), "found 'g1'; expected GOAL=TICKS"),
+        (("--weakness", "1", "--max", f"g1={'9' * 5_000}"), "99'; expected GOAL=TICKS"),
         ((), "--weakness N is missing"),
         (("--weakness", "1", "--name", "../out"), "expected the name of a file"),
         (("--weakness", "1", "--name", ""), "expected the name of a file"),

@@ -14,6 +14,8 @@ from mrsfi_runtime.engine.settings import AUTO
 if TYPE_CHECKING:
     from mrsfi_runtime.record.regressions import Regression
 
+_MOST_DIGITS = 99
+
 
 def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str, int] | None:
     if text is None:
@@ -21,8 +23,8 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     limits = {}
     for part in text.split(","):
         goal, _equals, ticks = part.strip().partition("=")
-        if not goal or not ticks.isdecimal():
-            message = f"found '{part.strip()}'; expected GOAL=TICKS, such as g2=0"
+        if not goal or not ticks.isdecimal() or len(ticks) > _MOST_DIGITS:
+            message = f"found '{part.strip()[:_MOST_DIGITS]}'; expected GOAL=TICKS, such as g2=0"
             raise click.BadParameter(message)
         limits[goal] = int(ticks)
     return limits
@@ -89,6 +91,9 @@ def command(
         if engine != EngineOptions():
             engine.again(campaign.store.manifest.engine)  # also where nothing is flown
         regression = keep(campaign, weakness, name, limits, n_seeds or 1, engine.again, accepted)
+        oddities = [*regression.idle(campaign.mission.duration)]
+    for oddity in oddities:
+        tell(oddity)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 

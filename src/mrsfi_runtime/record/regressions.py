@@ -8,12 +8,12 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
+from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError, expected
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 from mrsfi_runtime.record.settings import VIOLATIONS
@@ -51,20 +51,30 @@ class Regression:
         """File of its fault specification."""
         return self.path.with_suffix(".xmi")
 
-    def counts(self, goals: tuple[str, ...], outcome: Outcome) -> dict[str, int]:
-        """Return what a flight has of what is limited; a goal that there is not is refused."""
+    def counts(self, goals: tuple[str, ...], outcome: Outcome, said_by: str = "") -> dict[str, int]:
+        """Return what a flight has of what is limited; a goal that there is not is refused.
+
+        ``said_by`` is what says the limits, if that is not the file.
+        """
         found = dict(zip(goals, getattr(outcome, self.violations), strict=True))
         for goal in self.limits:
             if goal not in found:
-                raise UsageError(
-                    f"{self.path}: max: found goal '{goal}'; expected goals of the mission: "
-                    f"{', '.join(goals)}"
-                )
+                known = expected(goal, goals, "goals of the mission:")
+                raise UsageError(f"{said_by or f'{self.path}: max'}: found goal '{goal}'; {known}")
         return {goal: found[goal] for goal in self.limits}
 
     def exceeded(self, counts: Mapping[str, int]) -> tuple[str, ...]:
         """Return the goals that have more than is kept, by what ``counts`` returned."""
         return tuple(goal for goal, ticks in counts.items() if ticks > self.limits[goal])
+
+    def idle(self, duration: int) -> Iterator[str]:
+        """Yield a warning for each limit that no flight of so many ticks can exceed."""
+        for goal, most in self.limits.items():
+            if most >= duration:
+                yield (
+                    f"{self.path}: max: {goal} = {most} can never be exceeded in a mission of "
+                    f"{duration} ticks; expected fewer ticks"
+                )
 
     def text(self) -> str:
         """Return what ``load`` reads."""
@@ -84,18 +94,18 @@ class Regression:
         """Read the file of some limits; what it lacks, or has of a wrong kind, is refused."""
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        except (OSError, ValueError) as error:  # also numbers of thousands of digits
             raise UsageError(
                 f"{path}: cannot be read ({error}); expected the limits of a kept weakness in TOML"
             ) from error
         for key in content:
             if key not in _RULES:
                 raise UsageError(f"{path}: found unknown key '{key}'; expected {', '.join(_RULES)}")
-        for key, (expected, accepts) in _RULES.items():
+        for key, (wanted, accepts) in _RULES.items():
             value = content.get(key)
             if not accepts(value):
                 found = "nothing" if value is None else repr(value)
-                raise UsageError(f"{path}: {key}: found {found}; expected {expected}")
+                raise UsageError(f"{path}: {key}: found {found}; expected {wanted}")
         seeds, limits = tuple(content["mission_seeds"]), content["max"]
         if content.get("goals", len(limits)) != len(limits):  # files of before do not say
             raise UsageError(
