@@ -17,7 +17,6 @@ from pyecore.resources import URI, ResourceSet
 from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
 from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, needs
-from m2t.read.model_files import local_path
 from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
@@ -53,8 +52,6 @@ _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startsw
 _SHOWN_URI = 200
 _REFERRING = {"eType", "eSuperTypes"}
 _ADDRESS = re.compile("[^ #]+(?=#)")
-_ECORE_FILE = "/org.eclipse.emf.ecore/model/Ecore.ecore"
-"""How addresses of the workbench end that mean Ecore itself."""
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
@@ -95,8 +92,7 @@ class MetamodelReader:
         self._resources = ResourceSet()
         self._kinds: dict[Node, str] = {}
         self._classifiers: dict[str, Node] = {}
-        self._files: dict[str, Path] = {}
-        self._named = {ECORE: ECORE}
+        self._named = {ECORE: ECORE, "Ecore.ecore": ECORE}
 
     def read(self, path: Path, root_class: str) -> Any:
         """Return the package of a file, named like it, whose models begin with ``root_class``.
@@ -108,12 +104,10 @@ class MetamodelReader:
             finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
             self.report.add(root, "RootElement", finding)
             raise self.report.error()
-        self._files[path.name] = path
-        self._named |= {root.attributes.get("nsURI", ""): path.name}
+        self._named |= {path.name: path.name, root.attributes.get("nsURI", ""): path.name}
         for node in root.walk():
             for name in _REFERRING & node.attributes.keys():
-                text = node.attributes[name]
-                node.attributes[name] = _ADDRESS.sub(lambda at: self._address(path, at[0]), text)
+                node.attributes[name] = _ADDRESS.sub(self._address, node.attributes[name])
         self._check(root, "EPackage")
         if root.attributes.get("name") != root.path.stem:
             finding = f"is the package; expected the name {root.path.stem}; restore it"
@@ -148,21 +142,14 @@ class MetamodelReader:
         self._place(package, root)
         return package
 
-    def _address(self, path: Path, address: str) -> str:
-        """Return the name of the metamodel file that an address in a file means, or Ecore's URI.
+    def _address(self, found: re.Match[str]) -> str:
+        """Return the file, or Ecore's nsURI, that an address of Eclipse means, if it means one.
 
-        Eclipse writes nsURIs and addresses of its workbench as well: of a plug-in, or of a project,
-        which may be another folder here. What means nothing stays as it is.
+        The workbench knows files by projects and plug-ins, which are other folders here.
         """
-        place = local_path(path.parent, address)
-        name = address.rpartition("/")[2] if place is None else place.name
-        known = self._files.get(name)
-        is_platform = address.startswith("platform:/")
-        if is_platform and address.endswith(_ECORE_FILE):
-            return ECORE
-        if known and (is_platform if place is None else place.resolve() == known.resolve()):
-            return name
-        return self._named.get(address, address)
+        address = found[0]
+        name = address.rpartition("/")[2] if address.startswith("platform:/") else address
+        return self._named.get(name, address)
 
     def _place(self, element: Any, node: Node) -> None:
         self._nodes[element] = node
@@ -243,8 +230,8 @@ class MetamodelReader:
             return
         address = target.rpartition(" ")[2].rpartition("#")[0]
         finding = f"refers to {shown(target)}, which is no {kind}"
-        if address and address not in (*self._files, ECORE):
-            known = ", ".join((*self._files, *self._named))
+        if address and address not in self._named.values():
+            known = ", ".join(self._named)
             finding += f": found the URI {address[:_SHOWN_URI]!r}; expected one of {known}"
         self.report.add(node, "ResolvedReference", f"{finding}; correct the reference")
 

@@ -222,7 +222,6 @@ class PublishedReader:
                 self._refer(made, slot, given)
             else:
                 self._values(made, slot, given)
-        self._report_older(made, given)
         self._drop(given, metaclass.name)
         return made
 
@@ -244,7 +243,7 @@ class PublishedReader:
             names = {tag: tag[:1].upper() + tag[1:] for tag in wrapper.children}
             for tag in [tag for tag, name in names.items() if name in known]:
                 for child in wrapper.take_children(tag):
-                    self._part(goal, slot, child, known[names[tag]])
+                    self._part(goal, slot, child, names[tag])
             if len(wrapper.children) < len(names):
                 self._drop(wrapper, "")
             else:
@@ -266,17 +265,13 @@ class PublishedReader:
             if not is_copied:
                 self._add(made, child, slot.name).attributes["href"] = href
 
-    def _part(self, made: Node, slot: Slot, child: Node, metaclass: Any = None) -> None:
-        """Add what an element contains, of the class that its place or its xsi:type says."""
-        prefix, _, name = (child.xsi_type or "").rpartition(":")
-        if metaclass is None and child.prefixes.get(prefix, "") in NAMESPACES:
-            metaclass = concrete_classes(slot.type.ePackage, slot.type).get(name)
+    def _part(self, made: Node, slot: Slot, child: Node, name: str = "") -> None:
+        """Add what an element contains, of the class that is named, here or by its xsi:type."""
         part = self._add(made, child, slot.name)
-        if metaclass is not None or child.xsi_type is not None:
-            part.qualified[XSI, "type"] = (
-                child.xsi_type or "" if metaclass is None else metaclass.name
-            )
-        self._element(part, child, metaclass or slot.type)
+        if name := name or (child.xsi_type or "").rpartition(":")[2]:
+            part.qualified[XSI, "type"] = name
+        known = concrete_classes(slot.type.ePackage, slot.type)
+        self._element(part, child, known.get(name, slot.type))
 
     def _refer(self, made: Node, slot: Slot, given: _Given) -> None:
         if slot.name in given.attributes:
@@ -287,6 +282,8 @@ class PublishedReader:
             for target in (child.text.split() or [""]) if href is None else [href]:
                 self._add(made, child, slot.name).attributes["href"] = target
             self._drop(rest, "")
+        if slot.name not in made.attributes and not made.tagged(slot.name):
+            self._report_older(made, slot.name, given)
 
     def _values(self, made: Node, slot: Slot, given: _Given) -> None:
         """Take the values of an attribute, of which those that are elements may become one."""
@@ -304,19 +301,12 @@ class PublishedReader:
             self._add(made, child, slot.name, child.text.strip())
             self._drop(_Given(child), "")
 
-    def _report_older(self, made: Node, given: _Given) -> None:
-        """Report a fault that strikes an element of another class than its type does here."""
-        for slot in slots(made.metaclass).values():
-            is_here = slot.name in made.attributes or made.tagged(slot.name)
-            if is_here or not slot.name.startswith(_AFFECTED):
-                continue
-            for name in (*given.attributes, *given.children):
-                if name.startswith(_AFFECTED):
-                    finding = (
-                        f"has {name}, so that the file is of an older metamodel; expected "
-                        f"{slot.name}, the {slot.type.name.lower()} that is struck; correct it"
-                    )
-                    self._report.add(made, "KnownFeature", finding)
+    def _report_older(self, made: Node, name: str, given: _Given) -> None:
+        """Report a fault that strikes something else than its type does here, if this is one."""
+        for other in (*given.attributes, *given.children):
+            if name.startswith(_AFFECTED) and other.startswith(_AFFECTED):
+                finding = f"has {other}, so that the file is of an older metamodel; expected {name}"
+                self._report.add(made, "KnownFeature", f"{finding}; correct it")
 
     def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
         """Return and note what an absent attribute means; ``None`` if it stays unset."""

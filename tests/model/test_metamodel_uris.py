@@ -11,10 +11,7 @@ from tests.support.own_metamodels import copy_metamodels
 ECORE = "http://www.eclipse.org/emf/2002/Ecore#//"
 MISSION, FAULTS = "http://mrsfi.org/mission/1.0#//", "http://mrsfi.org/faults/1.0#//"
 
-KNOWN = {
-    MISSION_FILE: ["mission.ecore", ECORE[:-3], MISSION[:-3]],
-    FAULTS_FILE: ["mission.ecore", "faults.ecore", ECORE[:-3], MISSION[:-3], FAULTS[:-3]],
-}
+KNOWN = [ECORE[:-3], "Ecore.ecore", "mission.ecore", MISSION[:-3], "faults.ecore", FAULTS[:-3]]
 
 
 @pytest.fixture
@@ -32,8 +29,6 @@ def rewrite(path, old, new):
     ("file", "old", "new"),
     [
         (FAULTS_FILE, "mission.ecore#//", MISSION),
-        (FAULTS_FILE, "mission.ecore#//", "./mission.ecore#//"),
-        (FAULTS_FILE, "mission.ecore#//", "../metamodels/mission.ecore#//"),
         (FAULTS_FILE, "mission.ecore#//", "platform:/resource/team/metamodels/mission.ecore#//"),
         (FAULTS_FILE, "mission.ecore#//", "platform:/resource/elsewhere/model/mission.ecore#//"),
         (FAULTS_FILE, "mission.ecore#//", "platform:/plugin/org.mrsfi/model/mission.ecore#//"),
@@ -58,7 +53,6 @@ def test_addresses_that_eclipse_writes_mean_the_same_metamodels(file, old, new, 
     [
         (FAULTS_FILE, "mission.ecore#//Goal", "http://mrsfi.org/mission/2.0"),
         (FAULTS_FILE, "mission.ecore#//Goal", "platform:/plugin/org.mrsfi/model/missions.ecore"),
-        (FAULTS_FILE, "mission.ecore#//Goal", "platform:/resource/team/other/mission.ecore"),
         (FAULTS_FILE, "mission.ecore#//Goal", "other/mission.ecore"),
         (MISSION_FILE, f"{ECORE}EDouble", "http://www.eclipse.org/emf/2003/XMLType"),
         (MISSION_FILE, f"{ECORE}EDouble", "platform:/plugin/org.eclipse.emf.ecore/model/XML.ecore"),
@@ -71,7 +65,8 @@ def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, folder
         read_metamodels(folder)
 
     (line,) = str(caught.value).splitlines()
-    assert f": found the URI '{uri}'; expected one of {', '.join(KNOWN[file])}; correct" in line
+    known = KNOWN[: 4 if file == MISSION_FILE else 6]
+    assert f": found the URI '{uri}'; expected one of {', '.join(known)}; correct" in line
 
 
 def test_a_name_that_no_metamodel_has_is_told_from_an_address(folder):

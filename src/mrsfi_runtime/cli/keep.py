@@ -91,9 +91,8 @@ def command(
         if engine != EngineOptions():
             engine.again(campaign.store.manifest.engine)  # also where nothing is flown
         regression = keep(campaign, weakness, name, limits, n_seeds or 1, engine.again, accepted)
-        oddities = [*regression.idle(campaign.mission.duration)]
-    for oddity in oddities:
-        tell(oddity)
+        for oddity in regression.idle(campaign.mission.duration):
+            tell(oddity)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 

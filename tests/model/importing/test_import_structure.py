@@ -180,6 +180,5 @@ def test_a_file_of_an_older_metamodel_is_called_that(old, new, pond, tmp_path):
 
     assert str(caught.value) == (
         f"{pond}:16: fixedObstacleCoordinates of faults 'f2' has affectedMessage, so that the file "
-        "is of an older metamodel; expected affectedObstacle, the obstacle that is struck; correct "
-        "it [KnownFeature]"
+        "is of an older metamodel; expected affectedObstacle; correct it [KnownFeature]"
     )
