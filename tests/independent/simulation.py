@@ -166,6 +166,7 @@ class Mission:
         root = etree.parse(path).getroot()
         self.duration = int(root.get("duration"))
         self.area = disc_of(root.find("missionArea"))
+        self.areas = {each.get("ID"): disc_of(each) for each in root.iter("missionArea", "area")}
         self.robots: list[Robot] = []
         self.sensors: list[Sensor] = []
         for element in root.findall("robots"):
@@ -552,10 +553,12 @@ class Trigger:
         self.id, self.event = element.get("ID"), element.get("event")
         self.faults = element.get("faults", "").split()
         self.delay, self.duration = int(element.get("delay", 0)), element.get("duration")
-        names = [parts[tag].get("href").split("#")[1] for tag in parts if tag != "area"]
+        refers = {tag: parts[tag].get("href").split("#")[1] for tag in parts if tag != "area"}
+        at = refers.pop("at", None)
+        names = [*refers.values()]
         self.goal = next((each for each in mission.goals if [each.id] == names), None)
         self.robot = mission.number[names[0]] if self.event == "ENTERED" else -1
-        self.area = disc_of(parts["area"]) if "area" in parts else None
+        self.area = disc_of(parts["area"]) if "area" in parts else mission.areas.get(at)
 
     def happens(self, flight: "Flight") -> bool:
         """The third column of the table."""

@@ -162,6 +162,8 @@ def _triggers(rng: Random, of: Shape) -> Iterator[str]:
     for _ in range(3):
         faults = " ".join(f"f{n}" for n in rng.sample(range(len(FAULT_TYPES)), 5))
         found.append(("EFFECT", "", f' faults="{faults}"'))
+    at = f'<robot href="mission.xmi#{robots[0]}"/><at href="mission.xmi#whole"/>'
+    found.append(("ENTERED", at, ""))
     for n, (event, content, more) in enumerate(found):
         lasts = rng.choice(("", "", ' duration="1"', f' duration="{rng.randint(2, 30)}"'))
         delay = rng.choice((0, 0, 1, 7))
