@@ -201,11 +201,11 @@ class Campaign:
             reporting.report(campaign, ratio, latex=latex)
             return campaign.folder.latex if latex else campaign.folder.report
 
-    def pack(self, out: Path | str) -> None:
-        """Pack it into an archive that ``mrsfi check`` flies again, elsewhere."""
+    def pack(self, out: Path | str) -> str:
+        """Pack it into an archive that ``mrsfi check`` flies again; return the archive's digest."""
         from mrsfi.packing import pack  # noqa: PLC0415 - seldom used
 
-        pack(self.folder, Path(out))
+        return pack(self.folder, Path(out))
 
     def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
         """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""

@@ -107,19 +107,24 @@ def resumed(
     """Yield a campaign from before to its only writer, with what it goes on with."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
-        for name, version in store.manifest.versions.items():
-            now = installed_version(name)
-            if now != version:
-                tell(
-                    f"warning: begun with {name} {version}, going on with {now}: "
-                    "the result may differ from that of one run"
-                )
+        tell_of_versions(store.manifest, tell)
         tell(
             f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
             f"evaluations and {store.n_failures} failures are recorded"
         )
         _require_ratio(store.settings, campaign.mission, ratio)
         yield campaign, tried_again(campaign, engine, tell)
+
+
+def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
+    """Tell which of the versions that decide a result are others today."""
+    for name, version in manifest.versions.items():
+        now = installed_version(name)
+        if now != version:
+            tell(
+                f"warning: begun with {name} {version}, going on with {now}: "
+                "the result may differ from that of one run"
+            )
 
 
 def _beyond(campaign: FlyableCampaign) -> str:

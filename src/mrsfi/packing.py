@@ -1,76 +1,245 @@
-"""A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it."""
+"""A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it.
+
+An archive has a list of the hashes of the campaign's files, which ``sha256sum -c`` reads, and the
+digest of that list in ``REPRODUCE.md``. To repeat it, mrsfi compares the files with the list. Then
+it makes the campaign once more from its own settings, models and code, and compares the two: so a
+changed result differs, whatever was changed to fit it.
+"""
 
 import lzma
+import shutil
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import replace
+from hashlib import sha256
+from itertools import zip_longest
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
+from typing import Any, TypeAlias
 
-from mrsfi.campaign_folders import fly_all, open_campaign, open_to_fly
-from mrsfi.engines import Choice, Tell, opened, silent
-from mrsfi_runtime.errors import MrsfiError, RecordError
-from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi.campaign_folders import FlyableCampaign, open_to_fly
+from mrsfi.engines import Choice, Tell, Workers, opened, silent
+from mrsfi.evolving import evolve, tell_of_versions
+from mrsfi.reporting import report
+from mrsfi_runtime.causes.harvest import KEPT
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    MrsfiError,
+    RecordError,
+    ReplayMismatch,
+    SpecificationError,
+    WorkerLost,
+)
+from mrsfi_runtime.files import telling, whole_file
+from mrsfi_runtime.imported_copies import IMPORTED
+from mrsfi_runtime.record import encoding
+from mrsfi_runtime.record.folder import CampaignFolder, no_writer
+from mrsfi_runtime.record.store import CampaignStore
 
-_TOLD = "REPRODUCE.md"
+_LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
+_FEW = 5  # changed members that a message names
+_FAILED = "Traceback (most recent call last)"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
 _MOST_BYTES = 4 * 1024**3
-_UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
-"""What reading an archive raises; the last if it is encrypted, or compressed in an unknown way."""
+_NO_ZIP = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError)
+_UNREADABLE = (*_NO_ZIP, RuntimeError, ValueError, KeyError)
+"""What reading an archive raises; the last three if it is encrypted or compressed as nobody knows,
+a name is no text, or it has no list."""
+
+_Contents: TypeAlias = Mapping[tuple[str, str], Sequence[Any]]
+"""What a campaign found, by kind and name."""
 
 
-def pack(run: Path, out: Path) -> None:
-    """Write a campaign into an archive: its folder but for its lock, and how to fly it again."""
-    folder = CampaignFolder(run)
-    with open_campaign(run) as campaign:
-        told = _told(out, campaign.store.manifest.versions, campaign.store.digest())
+def pack(run: Path, out: Path, tell: Tell = silent) -> str:
+    """Write a campaign's files into an archive; return the digest of the list of their hashes."""
+    folder, hashes = CampaignFolder(run), dict[str, str]()
     with (
-        only_writer(folder),
+        CampaignStore.open(run) as store,
+        no_writer(folder),
         whole_file(out) as file,
-        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
+        zipfile.ZipFile(file, "w") as archive,
     ):
-        archive.writestr(zipfile.ZipInfo(_TOLD, _EPOCH), told, zipfile.ZIP_DEFLATED)
-        for path in sorted(path for path in run.rglob("*") if path.is_file()):
-            if path != folder.lock:
-                info = zipfile.ZipInfo(f"campaign/{path.relative_to(run).as_posix()}", _EPOCH)
-                archive.writestr(info, path.read_bytes(), zipfile.ZIP_DEFLATED)
+
+        def add(name: str, content: bytes) -> None:
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), content, zipfile.ZIP_DEFLATED)
+            hashes[name] = sha256(content).hexdigest()
+
+        for path in folder.files():
+            if path.resolve() != out.resolve():
+                add(f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
+        add(_LISTED, "".join(f"{found}  {name}\n" for name, found in hashes.items()).encode())
+        add(_TOLD, _told(store, hashes[_LISTED]))
+    if folder.summary.exists() and folder.summary.stat().st_mtime < folder.database.stat().st_mtime:
+        tell(
+            f"warning: {folder.summary} is older than the record; where they differ, mrsfi check "
+            f"ends with exit code 7; write it anew with: mrsfi report {run}"
+        )
+    return hashes[_LISTED]
 
 
-def _told(out: Path, versions: Mapping[str, str], digest: str) -> str:
+def _told(store: CampaignStore, digest: str) -> bytes:
+    versions = store.manifest.versions
     listed = "\n".join(f"- {name} {version}" for name, version in versions.items())
     return (
         f"# A campaign of mrsfi\n\nIn `campaign/` are its models, its generated code, its settings "
         f"and every evaluation.\nIt was made with\n\n{listed}\n\nTo repeat all of it:\n\n"
-        f"    pip install mrsfi=={versions.get('mrsfi')}\n    mrsfi check {out.name}\n\n"
-        f"The digest over all evaluations is `{digest}`.\n"
-    )
+        f"    pip install mrsfi=={versions.get('mrsfi')}\n"
+        f"    mrsfi check ARCHIVE --digest {digest}\n\n"
+        f"The digest is the SHA-256 of `{_LISTED}`.\n"
+    ).encode()
 
 
-def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str]:
-    """Fly every evaluation of an archive again; return how many, and their digest."""
-    with _unpacked(archive) as run, open_to_fly(run, tell) as campaign:
-        store = campaign.store
-        seed, settings = store.settings.mission_seed, engine(store.manifest.engine)
-        with opened(campaign.code, seed, settings, tell) as flown_by:
-            return sum(1 for _ in fly_all(campaign, flown_by)), store.digest()
+def repeat(
+    archive: Path, engine: Choice, digest: str | None = None, tell: Tell = silent
+) -> tuple[Mapping[str, int], str, str]:
+    """Make a campaign once more; return how much is as recorded, its digest and the archive's.
+
+    ``digest`` is what ``pack`` returned. Members that are not as they were packed are a
+    ``RecordError``; results that are others are a ``ReplayMismatch``.
+    """
+    with _unpacked(archive, digest) as (run, found), CampaignStore.open(run) as store:
+        manifest, again = store.manifest, run.with_name("again")
+        if manifest.engine.is_foreign:
+            raise RecordError(
+                f"{archive}: members are as packed (digest {found}); flights are not repeated: an "
+                "external simulation or node flew them; expected a campaign that mrsfi flew alone"
+            )
+        if not store.n_evaluations:
+            raise ReplayMismatch(f"{archive}: holds no evaluation; expected at least one")
+        tell(f"{archive}: members are as packed; mrsfi now runs the code that it holds")
+        tell_of_versions(manifest, tell)
+        unwanted = shutil.ignore_patterns(store.path.name, CampaignFolder(run).summary.name)
+        shutil.copytree(run, again, ignore=unwanted)
+        CampaignStore.create(again, store.settings, manifest).close()
+        with open_to_fly(again, tell) as made:
+            _make(made, store, engine, tell)
+            return (
+                _compared(run, _contents(run, store), _contents(again, made.store)),
+                store.digest(),
+                found,
+            )
+
+
+def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Choice, tell: Tell) -> None:
+    """Fly what was flown after a recorded search, then search, look for weaknesses and report."""
+    code, seed = campaign.code, recorded.settings.mission_seed
+    settings = engine(recorded.manifest.engine).named(code, seed, tell)
+    with opened(code, seed, settings) as one, suppress(SpecificationError):
+        campaign.store.append_flights(
+            replace(each, found=one.attempt(each.specification, each.mission_seed))
+            for each in recorded.flights()
+        )
+    explains = recorded.kept(KEPT, str) is not None
+    try:
+        evolve(campaign, settings, Workers(), nullcontext(lambda _: None), explains=explains)
+    except WorkerLost:
+        raise
+    except EvaluationError:  # so many failed that the search ended
+        pass
+    before = recorded.path.parent
+    if CampaignFolder(before).summary.exists():
+        pick = _summary(before).get("pick")
+        ratio = str(pick.get("ratio")) if isinstance(pick, dict) else None
+        report(campaign, ratio, lambda _: lambda: None)
+
+
+def _contents(run: Path, store: CampaignStore) -> _Contents:
+    rows = {
+        (f"{table}s", f"{table} {row[0]}"): [
+            _FAILED if _FAILED in str(each) else each for each in row
+        ]
+        for table in ("evaluation", "failure", "generation", "flight")
+        for row in store.rows(table)
+    }
+    files = [*run.glob("critical/[0-9]*.xmi"), *run.glob("weaknesses/[0-9]*.xmi")]
+    parts: dict[str, Any] = {str(path.relative_to(run)): path.read_bytes() for path in files}
+    parts |= {f"summary.json, {name}": value for name, value in _summary(run).items()}
+    parts["weaknesses"] = store.kept(KEPT, str)
+    return rows | {("parts of the report", name): [part] for name, part in parts.items()}
+
+
+def _summary(run: Path) -> dict[str, Any]:
+    """Return the entries of a summary but for the campaign's name; none if it makes no sense."""
+    with suppress(OSError, ValueError):
+        told = encoding.object_from_text(CampaignFolder(run).summary.read_text(encoding="utf-8"))
+        return {name: value for name, value in told.items() if name != "campaign"}
+    return {}
+
+
+def _compared(run: Path, recorded: _Contents, again: _Contents) -> Mapping[str, int]:
+    """Return how many there are of each kind, if all are as recorded."""
+    every = {**recorded, **again}
+    other = [each for each in every if recorded.get(each) != again.get(each)]
+    numbers, others = Counter(kind for kind, _ in every), Counter(kind for kind, _ in other)
+    for each in other:
+        pairs = zip_longest(recorded.get(each, ()), again.get(each, ()))
+        shown = [f"{now!s:.200}, recorded {then!s:.200}" for then, now in pairs if then != now]
+        same = ", ".join(f"{n - others[kind]} of {n} {kind}" for kind, n in numbers.items())
+        raise ReplayMismatch(
+            f"{run}: {each[1]} differs from its record: {'; '.join(shown)}. As recorded are {same}"
+        )
+    return numbers
 
 
 @contextmanager
-def _unpacked(archive: Path) -> Iterator[Path]:
+def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
+    """Yield the folder of a campaign that was packed, and the digest of its list of hashes."""
+    listed, told = _members(archive)
+    found = sha256(listed).hexdigest()
+    if digest is not None and digest.lower() != found:
+        raise RecordError(
+            f"{archive}: found digest {found}; expected {digest}; it is another archive, or its "
+            "list of hashes was changed with its members"
+        )
     with TemporaryDirectory() as place:
-        try:
+        run = Path(place) / "campaign"
+        with telling(Path(gettempdir()), "set TMPDIR to a folder with more room"):
             with zipfile.ZipFile(archive) as content:
-                if sum(each.file_size for each in content.infolist()) > _MOST_BYTES:
-                    raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
-                content.extractall(place)  # which leaves the folder with no name in it
-        except _UNREADABLE as error:
-            raise RecordError(
-                f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
-            ) from error
+                content.extractall(place)
+            (run / "generated" / IMPORTED).mkdir(parents=True, exist_ok=True)  # if it was empty
         try:
-            yield Path(place) / "campaign"
+            with CampaignStore.open(run) as store:
+                if told != _told(store, found):
+                    raise _changed(archive, [f"{_TOLD} was changed"])
+            yield run, found
         except MrsfiError as error:
             error.args = (str(error).replace(place, str(archive)),)
             raise
+
+
+def _members(archive: Path) -> tuple[bytes, bytes]:
+    """Return the list of hashes and the text beside it, if all other members are as listed."""
+    try:
+        with zipfile.ZipFile(archive) as content:
+            members = content.infolist()
+            if sum(each.file_size for each in members) > _MOST_BYTES:
+                raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
+            found = {each.filename: sha256(content.read(each)).hexdigest() for each in members}
+            listed, told = content.read(_LISTED), content.read(_TOLD)
+            lines = (line.split("  ", 1) for line in listed.decode().splitlines())
+            expected = {name: hashed for hashed, name in lines}
+    except _UNREADABLE as error:
+        raise RecordError(
+            f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
+        ) from error
+    expected |= {name: found[name] for name in (_LISTED, _TOLD)}
+    names = {name for name, _ in found.items() ^ expected.items()}
+    changes = [
+        f"{name} was {'changed' if name in expected else 'added'}"
+        if name in found
+        else f"{name} is missing"
+        for name in sorted(names)
+    ]
+    if changes or len(found) < len(members):
+        raise _changed(archive, changes or ["a member is there twice"])
+    return listed, told
+
+
+def _changed(archive: Path, changes: Sequence[str]) -> RecordError:
+    more = f" and {len(changes) - _FEW} more" if len(changes) > _FEW else ""
+    return RecordError(
+        f"{archive}: {', '.join(changes[:_FEW])}{more}; expected it as `mrsfi pack` wrote it"
+    )

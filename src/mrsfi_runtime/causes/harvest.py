@@ -46,6 +46,9 @@ N_SEEDS = 5
 MOST = 1000
 """Flights that a harvest takes at most, however many its search took."""
 
+KEPT = "weaknesses"
+"""Key of what a record keeps of weaknesses."""
+
 _SHARE_ALONE = 0.4  # of the flights, at most, for what single faults do
 _N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is known to
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
@@ -90,7 +93,7 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     One that covers knows all but other mission seeds by itself.
     """
     mission, seed = space.gate.mission, store.settings.mission_seed
-    kept, flights = store.kept(_KEPT, partial(_Kept.of, mission)), store.flights()
+    kept, flights = store.kept(KEPT, partial(_Kept.of, mission)), store.flights()
     if (
         kept is None
         or kept.n_evaluations != store.n_evaluations
@@ -157,13 +160,10 @@ def harvest(
     n_taken, some = flights.n_taken, [way.shown for way in least(ways(found))]
     go_on = partial(fly, limit=None)
     mild = mildest(space, known, some, go_on, record, seeds[:N_MILD]) if some else ()
-    store.keep(_KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
+    store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
-
-
-_KEPT = "weaknesses"  # what it is called in a record
 
 
 class _Kept(NamedTuple):

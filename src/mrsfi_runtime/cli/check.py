@@ -30,6 +30,11 @@ if TYPE_CHECKING:
     "nothing unless they hold there too."
 )
 @file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
+@click.option(
+    "--digest",
+    metavar="HEX",
+    help="Refuse an ARCHIVE unless mrsfi pack printed this digest for it.",
+)
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
@@ -39,6 +44,7 @@ def command(
     engine: EngineOptions,
     n_seeds: int | None,
     junit: Path | None,
+    digest: str | None,
     github: bool,
     is_json: bool,
 ) -> None:
@@ -50,8 +56,11 @@ def command(
     the others are flown all the same, and the exit code is the lowest of such. Nothing kept is no
     pass either.
 
-    An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record;
-    the code that flies is the archive's. Options of kept weaknesses are refused.
+    The files of an archive of mrsfi pack are compared with its list of their hashes. Then its
+    campaign is made once more, by the code in the archive, and compared with what is recorded:
+    evaluations, failures, flights, fitness, weaknesses, summary. Whoever changes another file and
+    the list changes the digest that mrsfi pack printed; --digest compares it. Options of kept
+    weaknesses are refused.
 
     \b
     Examples:
@@ -59,21 +68,18 @@ def command(
       mrsfi check uuv_sampling --junit regressions.xml
       mrsfi check uuv_sampling --engine reference --seeds 5
       mrsfi check uuv_sampling --json | jq '.uuv_sampling[].state'
+      mrsfi check for-the-paper.zip --digest 3f0c…
     """
     from mrsfi.folders import find_mission
-    from mrsfi.packing import repeat
     from mrsfi.regressions import check_all, missions_with_kept
     from mrsfi_runtime.cli import verdicts
-    from mrsfi_runtime.cli.replay import print_same
 
     if mission is not None and mission.endswith(".zip"):
-        if generated or n_seeds or junit or github:
-            raise click.UsageError(
-                f"{mission} is an archive, flown as recorded: --generated, --seeds, --junit and "
-                "--github are of kept weaknesses"
-            )
-        print_same(*repeat(Path(mission), engine.again, tell), is_json=is_json)
+        is_of_kept = bool(generated or n_seeds or junit or github)
+        _repeat(Path(mission), engine, digest, is_of_kept=is_of_kept, is_json=is_json)
         return
+    if digest is not None:
+        raise click.UsageError("--digest is of an archive of mrsfi pack; expected ARCHIVE")
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")
     settings = engine.settings(default=AUTO)
@@ -96,6 +102,26 @@ def command(
     if github:
         verdicts.print_annotations(every)
     _end(every)
+
+
+def _repeat(
+    archive: Path, engine: EngineOptions, digest: str | None, *, is_of_kept: bool, is_json: bool
+) -> None:
+    from mrsfi.packing import repeat
+
+    if is_of_kept:
+        raise click.UsageError(
+            f"{archive} is an archive, flown as recorded: --generated, --seeds, --junit and "
+            "--github are of kept weaknesses"
+        )
+    numbers, campaign, found = repeat(archive, engine.again, digest, tell)
+    if is_json:
+        print_json({"is_same": True, "digest": campaign, "archive": found, "numbers": numbers})
+        return
+    told = ", ".join(f"{n} of {n} {kind}" for kind, n in numbers.items())
+    click.echo(f"same: {told}; campaign digest {campaign}")
+    expected = "as given" if digest else "compare it with the one that mrsfi pack printed"
+    click.echo(f"archive digest {found}: {expected}")
 
 
 def _end(every: "Sequence[Checked]") -> None:

@@ -26,5 +26,6 @@ def command(run: Path, out: Path | None) -> None:
     from mrsfi.packing import pack
 
     path = out or Path(f"{run.resolve().name}.zip")
-    pack(run, path)
+    digest = pack(run, path, tell)
     tell(f"written    {path}")
+    click.echo(f"digest     {digest}")

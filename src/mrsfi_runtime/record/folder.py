@@ -5,7 +5,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import Self
@@ -63,6 +63,16 @@ class CampaignFolder:
                 _copy_files({path.name: path for path in found if OURS not in path.name}, target)
             (self.generated / IMPORTED).mkdir()
             _copy_files(imported, self.generated / IMPORTED)
+
+    def files(self) -> list[Path]:
+        """Return the campaign's own files in order, without lock, bytecode and unfinished ones."""
+        places = {*vars(self).values()} - {self.path, self.lock}
+        found = {path for place in places for path in (place, *place.rglob("*"))}
+        return sorted(
+            path
+            for path in found
+            if path.is_file() and path.parent.name != "__pycache__" and OURS not in path.name
+        )
 
     def hashes(self) -> dict[str, str]:
         """Return SHA-256 of every copied file by name."""
@@ -159,11 +169,24 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _seize(folder: CampaignFolder, descriptor: int) -> None:
+@contextmanager
+def no_writer(folder: CampaignFolder) -> Iterator[None]:
+    """Let nobody write a campaign while the body reads it; its folder may be read-only."""
+    with ExitStack() as stack:
+        with suppress(OSError):  # copied without it, or not to be read at all
+            descriptor = os.open(folder.lock, os.O_RDONLY | os.O_CLOEXEC)
+            stack.callback(os.close, descriptor)
+            _seize(folder, descriptor, is_shared=True)
+        yield
+
+
+def _seize(folder: CampaignFolder, descriptor: int, *, is_shared: bool = False) -> None:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+        kind = fcntl.LOCK_SH if is_shared else fcntl.LOCK_EX
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+        if not is_shared:
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
     except BlockingIOError as error:
         holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip()
         raise RecordError(

@@ -94,13 +94,13 @@ class RecordedFlight:
         faults, (found, *rest) = encoding.lists([specification, text])
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
-            return cls(seed, known, FailedFlight(found))
+            return cls(int(seed), known, FailedFlight(found))
         names = {*encoding.COUNTS, "digest", database.MARGINS}
         if rest or not isinstance(found, dict) or {*found, database.MARGINS} != names:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
         told = str(found["digest"]), found.get(database.MARGINS)
-        return cls(seed, known, _outcome(encoding.COUNTS, counts, *told))
+        return cls(int(seed), known, _outcome(encoding.COUNTS, counts, *told))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -308,6 +308,10 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         with database.transaction(self.path, self._connection) as connection:
             connection.execute(database.FLIGHT_TABLE)
             connection.executemany("INSERT INTO flight VALUES (?, ?, ?, ?)", rows)
+
+    def rows(self, table: str) -> list[tuple[Any, ...]]:
+        """Return all rows of a table, as they are stored."""
+        return self._select(f"SELECT * FROM {table} ORDER BY idx")
 
     def digest(self) -> str:
         """Return SHA-256 over specification, outcome and fitness of all evaluations in order.
