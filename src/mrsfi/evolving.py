@@ -36,6 +36,7 @@ from mrsfi_runtime.search.space import SearchSpace
 Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Is told how far a search is, after each generation."""
 
+_UNEXPLAINED = "unexplained"  # key of what a record keeps where weaknesses were left out
 _VERSIONED = ("python", "mrsfi", "deap", "numpy", "pyecore")
 
 
@@ -153,15 +154,16 @@ def evolve(
     workers: Workers,
     watched: AbstractContextManager[Progress],
     *,
-    explains: bool = True,
+    explains: bool | None = None,
     tell: Tell = silent,
 ) -> None:
     """Search to the end, and then find all the ways in which goals break.
 
-    ``watched`` yields what is told after each generation. Somebody else's simulation is not asked
-    again after the search.
+    ``watched`` yields what is told after each generation. ``explains`` is as before if left out.
+    Somebody else's simulation is not asked again after the search.
     """
     path, store = campaign.folder.path, campaign.store
+    explains = _explains(store, explains)
     settings = store.settings
     seed, before = settings.mission_seed, (store.n_generations, len(store.flights()))
 
@@ -196,6 +198,14 @@ def _tell_unused(store: CampaignStore, tell: Tell) -> None:
             f"the search ended after {store.n_evaluations} of {store.settings.evaluations} "
             "evaluations: it made no new specification any more"
         )
+
+
+def _explains(store: CampaignStore, asked: bool | None) -> bool:
+    """Return whether to look for weaknesses: as asked, or unless it was not to be until now."""
+    if asked is False:
+        store.keep(_UNEXPLAINED, "")
+    is_wanted = store.kept(_UNEXPLAINED, str) is None or bool(store.flights())
+    return is_wanted if asked is None else asked
 
 
 def search(

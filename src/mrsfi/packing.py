@@ -15,7 +15,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from hashlib import sha256
-from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from typing import Any, TypeAlias
@@ -41,6 +40,7 @@ from mrsfi_runtime.record.store import CampaignStore
 
 _LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
 _FEW = 5  # changed members that a message names
+_BEFORE, _SHOWN = 30, 150  # characters that one shows before and after a first difference
 _FAILED = "Traceback (most recent call last)"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
 _MOST_BYTES = 4 * 1024**3
@@ -109,6 +109,7 @@ def repeat(
             )
         if not store.n_evaluations:
             raise ReplayMismatch(f"{archive}: holds no evaluation; expected at least one")
+        CampaignFolder(run).require_hashes(manifest.sha256)
         tell(f"{archive}: members are as packed; mrsfi now runs the code that it holds")
         tell_of_versions(manifest, tell)
         unwanted = shutil.ignore_patterns(store.path.name, CampaignFolder(run).summary.name)
@@ -149,7 +150,7 @@ def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Choice, te
 def _contents(run: Path, store: CampaignStore) -> _Contents:
     rows = {
         (f"{table}s", f"{table} {row[0]}"): [
-            _FAILED if _FAILED in str(each) else each for each in row
+            "an error" if _FAILED in str(each) else each for each in row
         ]
         for table in ("evaluation", "failure", "generation", "flight")
         for row in store.rows(table)
@@ -174,12 +175,15 @@ def _compared(run: Path, recorded: _Contents, again: _Contents) -> Mapping[str, 
     every = {**recorded, **again}
     other = [each for each in every if recorded.get(each) != again.get(each)]
     numbers, others = Counter(kind for kind, _ in every), Counter(kind for kind, _ in other)
-    for each in other:
-        pairs = zip_longest(recorded.get(each, ()), again.get(each, ()))
-        shown = [f"{now!s:.200}, recorded {then!s:.200}" for then, now in pairs if then != now]
+    if other:
+        then, now = (str(each.get(other[0])) for each in (recorded, again))
+        pairs = enumerate(zip(then, now, strict=False))
+        begin = next((max(0, place - _BEFORE) for place, (a, b) in pairs if a != b), 0)
         same = ", ".join(f"{n - others[kind]} of {n} {kind}" for kind, n in numbers.items())
         raise ReplayMismatch(
-            f"{run}: {each[1]} differs from its record: {'; '.join(shown)}. As recorded are {same}"
+            f"{run}: {other[0][1]} differs from its record: found {now[begin:][:_SHOWN]}, recorded "
+            f"{then[begin:][:_SHOWN]}; as recorded are {same}. Expected the same bit for bit; look "
+            "whether the archive, mrsfi, Python or the kind of processor has changed since"
         )
     return numbers
 

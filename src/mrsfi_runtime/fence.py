@@ -1,8 +1,8 @@
 """The fence around what a team wrote: regions, what they import, and functions of a search.
 
 Whatever such code raises becomes an error of its own, also what ends a process as a rule; what it
-prints goes to standard error; and when it gets no further for long, it is stopped. Time decides no
-result: what is stopped is recorded nowhere.
+prints goes to standard error; the working folder is put back after it; and when it gets no further
+for long, it is stopped. Time decides no result: what is stopped is recorded nowhere.
 """
 
 import os
@@ -121,7 +121,7 @@ class _Guard:
         self._lock = RLock()
         self._watched: dict[int, _Watch] = {}
         self._watcher: Thread | None = None
-        self._output = -1
+        self._output = self._folder = -1
         os.register_at_fork(after_in_child=self._watched.clear)
 
     @contextmanager
@@ -147,6 +147,8 @@ class _Guard:
             self._watcher = Thread(target=self._look, daemon=True)
             self._watcher.start()
         os._exit = self._exit  # type: ignore[assignment]  # the real one ends a command in silence
+        with suppress(OSError):  # none to be read
+            self._folder = os.open(".", os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         with suppress(OSError, AttributeError, ValueError):  # a stream is closed
             sys.stdout.flush()
             self._output = os.dup(1)
@@ -159,7 +161,10 @@ class _Guard:
         if self._output >= 0:
             os.dup2(self._output, 1)
             os.close(self._output)
-            self._output = -1
+        if self._folder >= 0:
+            os.fchdir(self._folder)
+            os.close(self._folder)
+        self._output = self._folder = -1
 
     def _exit(self, status: int) -> None:
         if get_ident() in self._watched:

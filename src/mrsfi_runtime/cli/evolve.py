@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 _FREE = frozenset(
-    {"resume", "ratio", "no_explain", "is_json"}
+    {"resume", "ratio", "explain", "is_json"}
     | {option.name for options in (EngineOptions, Workers) for option in fields(options)}
 )
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
@@ -78,7 +78,12 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
 )
 @click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
-@click.option("--no-explain", is_flag=True, help="Do not look for the causes of the ten worst.")
+@click.option(
+    "--explain/--no-explain",
+    default=None,
+    help="Look for weaknesses after the search, or leave out weaknesses, other mission seeds, "
+    "mildest forms and what report, show and keep say of them [default: --explain, or as begun].",
+)
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(
     ctx: click.Context,
@@ -87,7 +92,7 @@ def command(
     workers: Workers,
     resume: Path | None,
     ratio: str | None,
-    no_explain: bool,
+    explain: bool | None,
     is_json: bool,
     **given: Any,
 ) -> None:
@@ -135,10 +140,11 @@ def command(
         path = campaign.folder.path
         watched = search_progress(campaign.store)
         try:
-            evolve(campaign, flown_by, workers, watched, explains=not no_explain, tell=tell)
+            evolve(campaign, flown_by, workers, watched, explains=explain, tell=tell)
         except (KeyboardInterrupt, TransportError, WorkerLost):
-            tell(f"what was found until now is kept; see it with: mrsfi report {path}")
-            tell(f"go on with: mrsfi evolve --resume {path}")
+            if any(campaign.store.next_indexes()):
+                tell(f"what was found until now is kept; see it with: mrsfi report {path}")
+                tell(f"go on with: mrsfi evolve --resume {path}")
             raise
         report(campaign, ratio, is_json=is_json, draw=process.draw)
 
