@@ -8,7 +8,7 @@ for long, it is stopped. Time decides no result: what is stopped is recorded now
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from ctypes import c_ulong, py_object, pythonapi
 from dataclasses import dataclass
 from threading import RLock, Thread, get_ident
@@ -52,7 +52,11 @@ def fenced(
     limit = _limit()
     n_most = max(limit, patience) / _LOOK if limit else float("inf")
     try:
-        with _GUARD.watching(_Watch(told, progress, n_most)):
+        with ExitStack() as left, _GUARD.watching(_Watch(told, progress, n_most)):
+            with suppress(OSError):  # a folder that cannot be read
+                here = os.open(".", os.O_RDONLY | os.O_CLOEXEC)
+                left.callback(os.close, here)
+                left.callback(os.fchdir, here)
             yield
     except (MrsfiError, KeyboardInterrupt):
         raise
@@ -121,7 +125,7 @@ class _Guard:
         self._lock = RLock()
         self._watched: dict[int, _Watch] = {}
         self._watcher: Thread | None = None
-        self._output = self._folder = -1
+        self._output = -1
         os.register_at_fork(after_in_child=self._watched.clear)
 
     @contextmanager
@@ -147,8 +151,6 @@ class _Guard:
             self._watcher = Thread(target=self._look, daemon=True)
             self._watcher.start()
         os._exit = self._exit  # type: ignore[assignment]  # the real one ends a command in silence
-        with suppress(OSError):  # none to be read
-            self._folder = os.open(".", os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         with suppress(OSError, AttributeError, ValueError):  # a stream is closed
             sys.stdout.flush()
             self._output = os.dup(1)
@@ -161,10 +163,7 @@ class _Guard:
         if self._output >= 0:
             os.dup2(self._output, 1)
             os.close(self._output)
-        if self._folder >= 0:
-            os.fchdir(self._folder)
-            os.close(self._folder)
-        self._output = self._folder = -1
+            self._output = -1
 
     def _exit(self, status: int) -> None:
         if get_ident() in self._watched:

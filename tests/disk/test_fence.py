@@ -1,6 +1,7 @@
 """What a team wrote is fenced: it fails as itself, whatever it does."""
 
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,23 @@ def test_whatever_a_region_raises_is_its_error(tmp_path, body, told):
         fly(tmp_path, body)
 
     assert told in str(failed.value)
+
+
+@pytest.mark.parametrize("end", ["return False", "raise ValueError"])
+def test_the_working_folder_is_put_back_after_it(tmp_path, monkeypatch, end):
+    place, away = tmp_path / "place", tmp_path / "away"
+    away.mkdir()
+    place.mkdir()
+    monkeypatch.chdir(place)
+
+    with suppress(EvaluationError):
+        fly(
+            tmp_path,
+            f"import os\nos.chdir({str(away)!r})\n{end}",
+            f"import os\nos.chdir({str(away)!r})",
+        )
+
+    assert Path.cwd() == place
 
 
 @pytest.mark.parametrize("text", ["import sys\nsys.exit(0)\n", "raise GeneratorExit\n"])
