@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from hashlib import sha256
 
 import pytest
 
@@ -27,6 +28,9 @@ SPOILED = {
     "encrypted": lambda content: with_entries(content, 1, 8),
     "compressed in no known way": lambda content: with_entries(content, 0, 99),
     "compressed by something else": lambda content: with_entries(content, 0, 14),
+    "with a name that is no UTF-8": lambda content: with_entries(
+        content.replace(b".sqlite", b".\xffqlite"), 0x800, 8
+    ),
 }
 
 
@@ -41,13 +45,41 @@ def test_what_is_no_archive_is_refused_by_its_name(name, tmp_path):
         repeat(path, lambda _: pytest.fail("nothing is flown"))
 
 
-@pytest.mark.parametrize("name", ["campaign/mission.xmi", "../campaign/campaign.sqlite"])
-def test_an_archive_of_something_else_is_refused_by_the_place_in_it(name, tmp_path):
-    path = tmp_path / "run.zip"
+def listed(**members):
+    """Return members of an archive with a list that fits them."""
+    lines = [f"{sha256(content).hexdigest()}  {name}\n" for name, content in members.items()]
+    return members | {"SHA256SUMS": "".join(lines).encode(), "REPRODUCE.md": b""}
+
+
+def write(path, members):
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr(name, b"something else")
+        for name, content in members:
+            archive.writestr(name, content)
+
+
+@pytest.mark.parametrize("name", ["campaign/mission.xmi", "../campaign/campaign.sqlite"])
+def test_an_archive_of_something_else_is_refused_and_nothing_lands_beside_it(name, tmp_path):
+    path = tmp_path / "run.zip"
+    write(path, listed(**{name: b"something else"}).items())
 
     with pytest.raises(RecordError, match=re.escape(f"{path}/campaign")):
         repeat(path, lambda _: pytest.fail("nothing is flown"))
 
     assert [each.name for each in tmp_path.iterdir()] == ["run.zip"]
+
+
+def test_an_archive_without_a_list_of_hashes_is_none_of_a_campaign(tmp_path):
+    path = tmp_path / "run.zip"
+    write(path, [("campaign/campaign.sqlite", b"")])
+
+    with pytest.raises(RecordError, match=r"is no archive of a campaign .*SHA256SUMS"):
+        repeat(path, lambda _: pytest.fail("nothing is flown"))
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_a_member_that_is_there_twice_is_refused(tmp_path):
+    path, members = tmp_path / "run.zip", listed(x=b"")
+    write(path, [*members.items(), ("x", b"")])
+
+    with pytest.raises(RecordError, match="a member is there twice; expected"):
+        repeat(path, lambda _: pytest.fail("nothing is flown"))

@@ -3,9 +3,8 @@
 import json
 import os
 import shutil
-import sqlite3
+import tempfile
 import zipfile
-from contextlib import closing
 from hashlib import sha256
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import pytest
 
 from mrsfi import engines
 from tests.e2e.conftest import made_once
-from tests.support.cli import edit, execute, mrsfi, mrsfi_json, mrsfi_process
+from tests.support.cli import contents, edit, execute, mrsfi, mrsfi_json, mrsfi_process
 from tests.support.edited import indented, write_body
 from tests.support.rendezvous import NAME, write_rendezvous
 from tests.tiers import in_turn, slow
@@ -114,11 +113,10 @@ def meta(key, before, after):
     )
 
 
+LAST = "WHERE idx = (SELECT max(idx) FROM evaluation)"
 TURNED = (
-    "INSERT INTO failure SELECT (SELECT count(*) FROM evaluation) + (SELECT count(*) FROM failure) - 1,"
-    " generation, specification, 'Traceback' FROM evaluation WHERE idx = "
-    "(SELECT max(idx) FROM evaluation)",
-    "DELETE FROM evaluation WHERE idx = (SELECT max(idx) FROM evaluation)",
+    f"INSERT INTO failure SELECT 33, generation, specification, 'no' FROM evaluation {LAST}",
+    f"DELETE FROM evaluation {LAST}",
 )
 FLIGHT = "WHERE idx = (SELECT max(idx) FROM flight WHERE found LIKE '[{%')"
 
@@ -134,8 +132,7 @@ RESULTS = {
     "counts": recorded("UPDATE evaluation SET believed = '[1,0,0]' WHERE idx = 3"),
     "fitness": recorded("UPDATE evaluation SET fitness = '[9999.0]' WHERE idx = 3"),
     "a specification": recorded(
-        "UPDATE evaluation SET specification = (SELECT specification FROM evaluation WHERE idx = 4) "
-        "WHERE idx = 3"
+        "UPDATE evaluation SET specification = '[[\"stop_b\",1,2,[]]]' WHERE idx = 3"
     ),
     "settings": meta("settings", '"faults":2', '"faults":1'),
     "the seed": meta("settings", '"seed":1', '"seed":2'),
@@ -205,7 +202,12 @@ def test_a_member_that_is_not_as_it_was_packed_is_named_and_nothing_runs(name, a
     assert "runs the code" not in done.stderr
 
 
-@pytest.mark.parametrize("name", RESULTS)
+EVERY_DAY = ("fitness", "flights deleted", "the summary")
+
+
+@pytest.mark.parametrize(
+    "name", [*EVERY_DAY, *in_turn(name for name in RESULTS if name not in EVERY_DAY)]
+)
 def test_a_changed_result_differs_where_the_list_was_rewritten_with_it(name, archive, tmp_path):
     path, _ = changed(archive[0], RESULTS[name], tmp_path, forged=True)
 
@@ -221,17 +223,122 @@ def test_whatever_was_changed_with_the_list_has_another_digest(name, archive, tm
 
     done = mrsfi("check", path, *FLY, "--digest", digest, cwd=tmp_path, expected=9)
 
-    assert done.stdout == ""
-    assert f"expected {digest}" in done.stderr or f"{TOLD} was changed" in done.stderr
+    told = f"{TOLD} was changed" if name == "the text for people" else f"expected {digest}"
+    assert told in done.stderr
+    assert "runs the code" not in done.stderr
 
 
-def test_an_archive_as_it_was_packed_passes_in_another_place(archive, campaign, tmp_path):
+def test_what_differs_is_named_with_how_many_do_not(archive, tmp_path):
+    path, _ = changed(archive[0], RESULTS["counts"], tmp_path, forged=True)
+
+    done = mrsfi("check", path, *FLY, cwd=tmp_path, expected=7)
+
+    assert f"{path}/campaign: evaluation 3 differs from its record: found " in done.stderr
+    assert "as recorded are 28 of 29 evaluations, 5 of 5 failures, 5 of 5 generations, 69 " in (
+        done.stderr
+    )
+
+
+def test_an_archive_as_it_was_packed_passes_elsewhere(archive, campaign, tmp_path, monkeypatch):
     path, digest = archive
     place = tmp_path / "elsewhere"
-    place.mkdir()
+    (place / "temporary").mkdir(parents=True)
     shutil.move(path, place / "other name.zip")
-    numbers = json.loads((campaign / "summary.json").read_text())
+    monkeypatch.setattr(tempfile, "tempdir", str(place / "temporary"))
+    before = os.umask(0o77)
 
-    done = mrsfi("check", "other name.zip", *FLY, "--digest", digest.upper(), cwd=place)
-    print(done.stdout, done.stderr)
-    assert 0
+    try:
+        done = mrsfi("check", "other name.zip", *FLY, "--digest", digest.upper(), cwd=place)
+        told = mrsfi_json("check", "other name.zip", *FLY, cwd=place)
+    finally:
+        os.umask(before)
+
+    found = json.loads((campaign / "summary.json").read_text())["digest"]
+    numbers = {"evaluations": 29, "failures": 5, "generations": 5, "flights": 69}
+    parts = {"parts of the report": 36}
+    same = ", ".join(f"{n} of {n} {kind}" for kind, n in (numbers | parts).items())
+    assert done.stdout == (
+        f"same: {same}; campaign digest {found}\narchive digest {digest}: as given\n"
+    )
+    assert done.stderr == (
+        "other name.zip: members are as packed; mrsfi now runs the code that it holds\n"
+    )
+    assert told == {
+        "is_same": True,
+        "digest": found,
+        "archive": digest,
+        "numbers": numbers | parts,
+    }
+    assert [*(place / "temporary").iterdir()] == []
+
+
+@slow
+def test_several_workers_and_a_report_with_a_ratio_make_no_difference(tmp_path, monkeypatch):
+    write_rendezvous(tmp_path)
+    (tmp_path / "search.toml").write_text('[search]\ngoals = ["g1", "g2"]\n', encoding="utf-8")
+    words = ("--population", "6", "--generations", "2", "--workers", "2", "--ratio", "g1:g2=2:1")
+    mrsfi("evolve", NAME, "--case", "search.toml", *words, *FLY, "--out", "it", cwd=tmp_path)
+    mrsfi("pack", "it", cwd=tmp_path)
+    monkeypatch.setattr(engines, "_N_PROCESSORS", 2)
+
+    assert mrsfi("check", "it.zip", cwd=tmp_path).stdout.startswith("same: ")
+
+
+def test_two_packs_are_the_same_bytes_and_nothing_is_written_to_the_campaign(campaign, tmp_path):
+    run = Path(shutil.copytree(campaign, tmp_path / "runs" / "it"))
+    (run / "campaign.lock").unlink()
+    before = contents(run)
+
+    mrsfi("pack", "runs/it", "--out", "elsewhere.zip", cwd=tmp_path)
+    assert contents(run) == before
+    mrsfi("replay", "runs/it", cwd=tmp_path)
+    for out in ("inside.zip", "tables/inside.zip"):
+        for _ in range(2):
+            mrsfi("pack", ".", "--out", out, cwd=run)
+            assert (run / out).read_bytes() == (tmp_path / "elsewhere.zip").read_bytes()
+        (run / out).unlink()
+    with zipfile.ZipFile(tmp_path / "elsewhere.zip") as content:
+        texts = {each: content.read(each) for each in content.namelist() if "sqlite" not in each}
+    assert not [name for name, text in texts.items() if str(campaign.parent).encode() in text]
+
+
+def test_a_summary_that_is_older_than_the_record_is_told(campaign, tmp_path):
+    run = Path(shutil.copytree(campaign, tmp_path / "it"))
+    os.utime(run / "summary.json", (0, 0))
+
+    done = mrsfi("pack", "it", cwd=tmp_path)
+
+    assert "it/summary.json is older than the record" in done.stderr
+    assert "write it anew with: mrsfi report it" in done.stderr
+
+
+@pytest.mark.parametrize("side", ["ci", "injector"])
+def test_what_an_external_part_flew_is_compared_and_never_called_the_same(side, campaign, tmp_path):
+    run = Path(shutil.copytree(campaign, tmp_path / "it"))
+    bus = f'"engine":"rosbridge","bus":{{"url":"ws://localhost:9","client":"ours","side":"{side}"}}'
+    execute(
+        run,
+        'UPDATE meta SET value = replace(value, \'"engine":"reference"\', '
+        f"'{bus}') WHERE key = 'manifest'",
+    )
+    digest = mrsfi("pack", "it", cwd=tmp_path).stdout.split()[-1]
+
+    done = mrsfi("check", "it.zip", cwd=tmp_path, expected=9)
+
+    assert done.stdout == ""
+    assert (
+        f"it.zip: members are as packed (digest {digest}); flights are not repeated" in done.stderr
+    )
+
+
+@pytest.mark.parametrize("option", ["--github", "--seeds=2", "--junit=x.xml", "--generated=x"])
+def test_what_is_of_kept_weaknesses_makes_no_sense_for_an_archive(option, archive, tmp_path):
+    path, _ = archive
+
+    assert "is an archive" in mrsfi("check", path, option, cwd=tmp_path, expected=2).stderr
+
+
+def test_a_digest_makes_no_sense_for_kept_weaknesses(tmp_path):
+    done = mrsfi("check", "mission", "--digest", "0", cwd=tmp_path, expected=2)
+
+    assert "--digest is of an archive" in done.stderr

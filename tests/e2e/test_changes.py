@@ -1,9 +1,5 @@
 """Two campaigns of a mission, before and after an edit: what went, what came, what stayed."""
 
-import json
-import sqlite3
-from contextlib import closing
-
 import pytest
 
 from tests.support.cli import edit, mrsfi, mrsfi_json
@@ -75,44 +71,3 @@ def test_what_makes_no_sense_beside_two_campaigns_is_refused(words, code, expect
     mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/before", cwd=small)
 
     assert expected in mrsfi("compare", *words, cwd=small, expected=code).stderr
-
-
-@pytest.fixture
-def packed(small):
-    """Folder with a campaign, and its archive ``packed.zip``."""
-    (small / "cover.toml").write_text("[search]\n", encoding="utf-8")
-    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/packed", cwd=small)
-    mrsfi("pack", "runs/packed", cwd=small)
-    return small
-
-
-def test_a_packed_campaign_repeats_itself_elsewhere(packed, tmp_path):
-    digest = json.loads((packed / "runs/packed/summary.json").read_text())["digest"]
-    (packed / "again").mkdir()
-    mrsfi("pack", "runs/packed", "--out", "again/packed.zip", cwd=packed)
-    place = tmp_path / "elsewhere"
-    place.mkdir()
-    (packed / "packed.zip").rename(place / "packed.zip")
-
-    done = mrsfi("check", "packed.zip", "--engine", "reference", cwd=place)
-
-    assert done.stdout == f"same: all 60 evaluations, campaign digest {digest}\n"
-    assert (packed / "again" / "packed.zip").read_bytes() == (place / "packed.zip").read_bytes()
-    found = mrsfi_json("check", "packed.zip", "--engine", "reference", cwd=place)
-    assert found == {"n_evaluations": 60, "is_same": True, "digest": digest}
-
-
-def test_what_is_wrong_in_an_archive_is_said_by_its_place_in_it(packed):
-    folder = packed / "runs" / "packed"
-    with closing(sqlite3.connect(folder / "campaign.sqlite")) as database, database:
-        database.execute("UPDATE evaluation SET believed = '[99,0]' WHERE idx = 3")
-    mrsfi("pack", "runs/packed", "--out", "other.zip", cwd=packed)
-
-    error = mrsfi("check", "other.zip", "--engine", "reference", cwd=packed, expected=7).stderr
-
-    assert "other.zip/campaign: evaluation 3 differs from its record" in error
-
-
-@pytest.mark.parametrize("option", ["--github", "--seeds=2", "--junit=x.xml", "--generated=x"])
-def test_what_is_of_kept_weaknesses_makes_no_sense_for_an_archive(option, packed):
-    assert "is an archive" in mrsfi("check", "packed.zip", option, cwd=packed, expected=2).stderr

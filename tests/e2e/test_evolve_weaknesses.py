@@ -154,20 +154,24 @@ def test_too_few_flights_for_any_leave_the_ten_most_critical(small):
 
 
 @slow
-def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, small):
+def test_no_explain_leaves_it_out_and_resume_looks_for_it_where_asked(ended, small):
     run, done = ended
 
     without = mrsfi(*searched(small), *ONE, "--no-explain", "--out", "runs/it", cwd=small)
     found = summary(small / "runs" / "it")
     refused = mrsfi("weaknesses", "runs/it", cwd=small, expected=9)
-    resumed = mrsfi("evolve", "--resume", "runs/it", cwd=small)
+    as_begun = mrsfi("evolve", "--resume", "runs/it", cwd=small)
+    resumed = mrsfi("evolve", "--resume", "runs/it", "--explain", cwd=small)
+    again = mrsfi("evolve", "--resume", "runs/it", cwd=small)
 
     assert without.stdout.startswith("The 10 most critical of 130 fault specifications\n")
     assert "harvest" not in without.stderr
     assert found["weaknesses"] is None
     assert "let it: mrsfi explain runs/it --all" in refused.stderr
+    assert "was finished already" in as_begun.stderr
+    assert as_begun.stdout == without.stdout
     assert "was finished already" not in resumed.stderr
-    assert resumed.stdout == done.stdout
+    assert resumed.stdout == again.stdout == done.stdout
     assert is_equal(small / "runs" / "it", run)
 
 

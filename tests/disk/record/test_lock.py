@@ -1,10 +1,15 @@
 import os
 import stat
+import zipfile
 
 import pytest
 
+from mrsfi.packing import pack
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, no_writer, only_writer
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.store import CampaignStore
+from tests.support.campaigns import SETTINGS
 
 
 def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path):
@@ -23,6 +28,39 @@ def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
 
     with only_writer(folder), pytest.raises(RecordError, match=message), only_writer(folder):
         pass
+
+
+def test_nobody_writes_while_somebody_reads_and_the_other_way_round(tmp_path):
+    folder = CampaignFolder(tmp_path)
+    message = "found another process"
+    with only_writer(folder), pytest.raises(RecordError, match=message), no_writer(folder):
+        pass
+
+    with (
+        no_writer(folder),
+        no_writer(folder),
+        pytest.raises(RecordError, match=message),
+        only_writer(folder),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("has_lock", [True, False])
+def test_a_campaign_that_cannot_be_written_is_packed_elsewhere(has_lock, guest_folder, shut):
+    folder, out = CampaignFolder(guest_folder / "run"), guest_folder / "out" / "it.zip"
+    CampaignStore.create(folder.path, SETTINGS, Manifest()).close()
+    if has_lock:
+        folder.lock.touch()
+    out.parent.mkdir()
+    out.parent.chmod(0o777)
+    folder.path.chmod(0o555)
+    shut()
+
+    pack(folder.path, out)
+
+    with zipfile.ZipFile(out) as archive:
+        names = archive.namelist()
+    assert names == ["campaign/campaign.sqlite", "SHA256SUMS", "REPRODUCE.md"]
 
 
 def test_a_folder_that_cannot_be_written_is_refused(guest_folder, shut):
