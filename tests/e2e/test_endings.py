@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.cli import command_line, mrsfi, mrsfi_process
 from tests.support.edited import COLLECTIVE, indented, write_body
-from tests.support.rendezvous import NAME, write_rendezvous
+from tests.support.rendezvous import EITHER, NAME, harmless, write_planted, write_rendezvous
 
 
 @pytest.fixture
@@ -54,6 +54,22 @@ def test_a_region_that_nothing_stops_ends_the_command(small, monkeypatch):
     number = int(where.rpartition(":")[2])
     assert line <= number <= line + 4
     assert "got no further for 0.5 s; if it needs longer, set MRSFI_TIME_LIMIT" in said
+
+
+@pytest.mark.parametrize("n_before", [0, 2])
+def test_resume_is_advised_only_where_something_was_recorded(n_before, small):
+    place, check = small
+    check(
+    check("if ci.robots[A].x < -50.0 and ci.mission.tick > 60:\n    raise KeyboardInterrupt")
+    )
+    evolve = write_planted(place, [*harmless(n_before), EITHER])
+
+    done = mrsfi(*evolve, "--workers", "1", "--out", "it", cwd=place, expected=130)
+
+    lines = ["what was found until now is kept; see it with: mrsfi report it"]
+    lines += ["go on with: mrsfi evolve --resume it"]
+    found = [line for line in done.stderr.splitlines() if " with: mrsfi " in line]
+    assert found == (lines if n_before else [])
 
 
 @pytest.mark.parametrize(

@@ -159,10 +159,11 @@ def _explained(path: Path, error: sqlite3.Error | OSError) -> str:
             "expected one writer at a time; wait until it is done"
         )
     if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+        begun = "what was recorded before is whole: free some room, then continue with: mrsfi "
+        advice = f"{begun}evolve --resume {path.parent}" if path.is_file() else "free some room"
         return (
             f"{path}: the disk did not take a write or give a read: {error}; expected room to "
-            "append and a sound disk; what was recorded before is whole: free some room, then "
-            f"continue with: mrsfi evolve --resume {path.parent}"
+            f"append and a sound disk; {advice}"
         )
     return damaged(path, str(error))
 

@@ -54,7 +54,10 @@ def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path):
         [sys.executable, "-c", script], check=False, capture_output=True, encoding="utf-8"
     )
 
-    assert "the disk did not take a write" in done.stdout, done.stderr
+    cannot_begin, cannot_go_on = done.stdout.splitlines()
+    assert "the disk did not take a write" in cannot_begin
+    assert "--resume" not in cannot_begin
+    assert f"free some room, then continue with: mrsfi evolve --resume {folder}" in cannot_go_on
     with CampaignStore.open(folder) as store:
         assert tuple(store.evaluations()) == (evaluation(0, (0,)),)
 
@@ -68,6 +71,13 @@ from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
+unlimited = resource.getrlimit(resource.RLIMIT_FSIZE)
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, unlimited[1]))
+try:
+    CampaignStore.create(Path({folder!r}), CampaignSettings(), Manifest())
+except RecordError as error:
+    print(error)
+resource.setrlimit(resource.RLIMIT_FSIZE, unlimited)
 with CampaignStore.create(Path({folder!r}), CampaignSettings(), Manifest()) as store:
     store.append([evaluation(0, (0,))])
     size = store.path.stat().st_size
