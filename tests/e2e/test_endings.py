@@ -59,9 +59,7 @@ def test_a_region_that_nothing_stops_ends_the_command(small, monkeypatch):
 @pytest.mark.parametrize("n_before", [0, 2])
 def test_resume_is_advised_only_where_something_was_recorded(n_before, small):
     place, check = small
-    check(
     check("if ci.robots[A].x < -50.0 and ci.mission.tick > 60:\n    raise KeyboardInterrupt")
-    )
     evolve = write_planted(place, [*harmless(n_before), EITHER])
 
     done = mrsfi(*evolve, "--workers", "1", "--out", "it", cwd=place, expected=130)
