@@ -7,39 +7,30 @@ changed result differs, whatever was changed to fit it.
 """
 
 import lzma
+import re
 import shutil
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
-from typing import Any, TypeAlias
 
 from mrsfi.campaign_folders import FlyableCampaign, open_to_fly
 from mrsfi.engines import Choice, Tell, Workers, opened, silent
 from mrsfi.evolving import evolve, tell_of_versions
 from mrsfi.reporting import report
 from mrsfi_runtime.causes.harvest import KEPT
-from mrsfi_runtime.errors import (
-    EvaluationError,
-    MrsfiError,
-    RecordError,
-    ReplayMismatch,
-    SpecificationError,
-    WorkerLost,
-)
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
 from mrsfi_runtime.files import telling, whole_file
 from mrsfi_runtime.imported_copies import IMPORTED
-from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.folder import CampaignFolder, no_writer
 from mrsfi_runtime.record.store import CampaignStore
 
 _LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
-_FEW = 5  # changed members that a message names
 _BEFORE, _SHOWN = 30, 150  # characters that one shows before and after a first difference
 _FAILED = "Traceback (most recent call last)"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
@@ -48,9 +39,6 @@ _NO_ZIP = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError)
 _UNREADABLE = (*_NO_ZIP, RuntimeError, ValueError, KeyError)
 """What reading an archive raises; the last three if it is encrypted or compressed as nobody knows,
 a name is no text, or it has no list."""
-
-_Contents: TypeAlias = Mapping[tuple[str, str], Sequence[Any]]
-"""What a campaign found, by kind and name."""
 
 
 def pack(run: Path, out: Path, tell: Tell = silent) -> str:
@@ -112,65 +100,55 @@ def repeat(
         CampaignFolder(run).require_hashes(manifest.sha256)
         tell(f"{archive}: members are as packed; mrsfi now runs the code that it holds")
         tell_of_versions(manifest, tell)
-        unwanted = shutil.ignore_patterns(store.path.name, CampaignFolder(run).summary.name)
-        shutil.copytree(run, again, ignore=unwanted)
+        shutil.copytree(run, again, ignore=shutil.ignore_patterns(store.path.name))
         CampaignStore.create(again, store.settings, manifest).close()
         with open_to_fly(again, tell) as made:
             _make(made, store, engine, tell)
-            return (
-                _compared(run, _contents(run, store), _contents(again, made.store)),
-                store.digest(),
-                found,
-            )
+            numbers = _compared(run, _contents(store), _contents(made.store))
+        return numbers, store.digest(), found
 
 
 def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Choice, tell: Tell) -> None:
     """Fly what was flown after a recorded search, then search, look for weaknesses and report."""
-    code, seed = campaign.code, recorded.settings.mission_seed
-    settings = engine(recorded.manifest.engine).named(code, seed, tell)
-    with opened(code, seed, settings) as one, suppress(SpecificationError):
+    code, settings = campaign.code, recorded.settings
+    flown_by = engine(recorded.manifest.engine).named(code, settings.mission_seed, tell)
+    with opened(code, settings.mission_seed, flown_by) as one, suppress(MrsfiError):
         campaign.store.append_flights(
             replace(each, found=one.attempt(each.specification, each.mission_seed))
             for each in recorded.flights()
         )
-    explains = recorded.kept(KEPT, str) is not None
-    try:
-        evolve(campaign, settings, Workers(), nullcontext(lambda _: None), explains=explains)
-    except WorkerLost:
-        raise
-    except EvaluationError:  # so many failed that the search ended
-        pass
-    before = recorded.path.parent
-    if CampaignFolder(before).summary.exists():
-        pick = _summary(before).get("pick")
-        ratio = str(pick.get("ratio")) if isinstance(pick, dict) else None
-        report(campaign, ratio, lambda _: lambda: None)
+    explains, watched = recorded.kept(KEPT, str) is not None, nullcontext(lambda _: None)
+    too_many_failed = recorded.n_failures >= settings.max_failures
+    with suppress(EvaluationError) if too_many_failed else nullcontext():
+        evolve(campaign, flown_by, Workers(), watched, explains=explains)
+    if campaign.folder.summary.exists():
+        ratio = re.search(rb'"ratio": "(.*)"', campaign.folder.summary.read_bytes())
+        report(campaign, ratio and ratio[1].decode(errors="replace"), lambda _: lambda: None)
 
 
-def _contents(run: Path, store: CampaignStore) -> _Contents:
+def _contents(store: CampaignStore) -> dict[tuple[str, str], object]:
+    """Return what a campaign found, by kind and name, without the name of its folder."""
+    run = store.path.parent
     rows = {
         (f"{table}s", f"{table} {row[0]}"): [
-            "an error" if _FAILED in str(each) else each for each in row
+            "error" if _FAILED in str(each) else each for each in row
         ]
         for table in ("evaluation", "failure", "generation", "flight")
         for row in store.rows(table)
     }
-    files = [*run.glob("critical/[0-9]*.xmi"), *run.glob("weaknesses/[0-9]*.xmi")]
-    parts: dict[str, Any] = {str(path.relative_to(run)): path.read_bytes() for path in files}
-    parts |= {f"summary.json, {name}": value for name, value in _summary(run).items()}
-    parts["weaknesses"] = store.kept(KEPT, str)
-    return rows | {("parts of the report", name): [part] for name, part in parts.items()}
+    names = ("summary.json", "critical/[0-9]*.xmi", "weaknesses/[0-9]*.xmi")
+    files = {
+        str(path.relative_to(run)): re.sub(rb'\n  "campaign": .*', b"", path.read_bytes())
+        for name in names
+        for path in run.glob(name)
+    }
+    found = {"weaknesses": store.kept(KEPT, str), **files}
+    return rows | {("parts of the report", name): part for name, part in found.items()}
 
 
-def _summary(run: Path) -> dict[str, Any]:
-    """Return the entries of a summary but for the campaign's name; none if it makes no sense."""
-    with suppress(OSError, ValueError):
-        told = encoding.object_from_text(CampaignFolder(run).summary.read_text(encoding="utf-8"))
-        return {name: value for name, value in told.items() if name != "campaign"}
-    return {}
-
-
-def _compared(run: Path, recorded: _Contents, again: _Contents) -> Mapping[str, int]:
+def _compared(
+    run: Path, recorded: Mapping[tuple[str, str], object], again: Mapping[tuple[str, str], object]
+) -> Mapping[str, int]:
     """Return how many there are of each kind, if all are as recorded."""
     every = {**recorded, **again}
     other = [each for each in every if recorded.get(each) != again.get(each)]
@@ -207,7 +185,7 @@ def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
         try:
             with CampaignStore.open(run) as store:
                 if told != _told(store, found):
-                    raise _changed(archive, [f"{_TOLD} was changed"])
+                    raise _changed(archive, f"{_TOLD} was changed")
             yield run, found
         except MrsfiError as error:
             error.args = (str(error).replace(place, str(archive)),)
@@ -238,12 +216,9 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
         for name in sorted(names)
     ]
     if changes or len(found) < len(members):
-        raise _changed(archive, changes or ["a member is there twice"])
+        raise _changed(archive, ", ".join(changes) or "a member is there twice")
     return listed, told
 
 
-def _changed(archive: Path, changes: Sequence[str]) -> RecordError:
-    more = f" and {len(changes) - _FEW} more" if len(changes) > _FEW else ""
-    return RecordError(
-        f"{archive}: {', '.join(changes[:_FEW])}{more}; expected it as `mrsfi pack` wrote it"
-    )
+def _changed(archive: Path, what: str) -> RecordError:
+    return RecordError(f"{archive}: {what}; expected the archive as `mrsfi pack` wrote it")
