@@ -60,10 +60,12 @@ def pack(run: Path, out: Path, tell: Tell = silent) -> str:
                 add(f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
         add(_LISTED, "".join(f"{found}  {name}\n" for name, found in hashes.items()).encode())
         add(_TOLD, _told(store, hashes[_LISTED]))
-    if folder.summary.exists() and folder.summary.stat().st_mtime < folder.database.stat().st_mtime:
+    made = [path.stat().st_mtime for path in (folder.summary, folder.database) if path.exists()]
+    if made[0] < made[-1] or len(made) == 1:
         tell(
-            f"warning: {folder.summary} is older than the record; where they differ, mrsfi check "
-            f"ends with exit code 7; write it anew with: mrsfi report {run}"
+            f"warning: {folder.summary} is missing or older than the record; mrsfi check ends with "
+            "exit code 7 where the search has not ended or the summary differs from the record; to "
+            f"end the search and write the summary: mrsfi evolve --resume {run}"
         )
     return hashes[_LISTED]
 

@@ -302,14 +302,18 @@ def test_two_packs_are_the_same_bytes_and_nothing_is_written_to_the_campaign(cam
     assert not [name for name, text in texts.items() if str(campaign.parent).encode() in text]
 
 
-def test_a_summary_that_is_older_than_the_record_is_told(campaign, tmp_path):
-    run = Path(shutil.copytree(campaign, tmp_path / "it"))
-    os.utime(run / "summary.json", (0, 0))
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_summary_that_is_missing_or_older_than_the_record_is_told(is_there, campaign, tmp_path):
+    path = Path(shutil.copytree(campaign, tmp_path / "it")) / "summary.json"
+    if is_there:
+        os.utime(path, (0, 0))
+    else:
+        path.unlink()
 
     done = mrsfi("pack", "it", cwd=tmp_path)
 
-    assert "it/summary.json is older than the record" in done.stderr
-    assert "write it anew with: mrsfi report it" in done.stderr
+    assert "warning: it/summary.json is missing or older than the record" in done.stderr
+    assert "mrsfi evolve --resume it\n" in done.stderr
 
 
 @pytest.mark.parametrize("side", ["ci", "injector"])
