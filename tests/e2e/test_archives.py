@@ -258,7 +258,7 @@ def test_an_archive_as_it_was_packed_passes_elsewhere(archive, campaign, tmp_pat
     parts = {"parts of the report": 19}
     same = ", ".join(f"{n} of {n} {kind}" for kind, n in (numbers | parts).items())
     assert done.stdout == (
-        f"same: {same}; campaign digest {found}\narchive digest {digest}: as given\n"
+        f"same: {same}\ncampaign digest {found}\narchive digest {digest}: as given\n"
     )
     assert done.stderr == (
         "other name.zip: members are as packed; mrsfi now runs the code that it holds\n"

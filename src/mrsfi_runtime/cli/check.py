@@ -119,9 +119,10 @@ def _repeat(
         print_json({"is_same": True, "digest": campaign, "archive": found, "numbers": numbers})
         return
     told = ", ".join(f"{n} of {n} {kind}" for kind, n in numbers.items())
-    click.echo(f"same: {told}; campaign digest {campaign}")
-    expected = "as given" if digest else "compare it with the one that mrsfi pack printed"
-    click.echo(f"archive digest {found}: {expected}")
+    click.echo(f"same: {told}")
+    click.echo(f"campaign digest {campaign}")
+    wanted = "as given" if digest else "compare it with the one that mrsfi pack printed"
+    click.echo(f"archive digest {found}: {wanted}")
 
 
 def _end(every: "Sequence[Checked]") -> None:
