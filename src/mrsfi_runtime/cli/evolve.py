@@ -81,8 +81,9 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @click.option(
     "--explain/--no-explain",
     default=None,
-    help="Look for weaknesses after the search, or leave out weaknesses, other mission seeds, "
-    "mildest forms and what report, show and keep say of them [default: --explain, or as begun].",
+    help="Look for weaknesses after the search, or not: then there are no weaknesses, no mildest "
+    "variants, and nothing of them in report and page, for show and for keep [default: --explain, "
+    "or as the campaign was begun].",
 )
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(
