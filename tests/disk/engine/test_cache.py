@@ -56,6 +56,18 @@ def test_of_what_was_cut_emptied_exchanged_or_lost_nothing_is_read(entry, conten
     assert found_again(entry)
 
 
+def test_of_two_entries_that_were_exchanged_neither_is_read(entry):
+    other = entry.with_name("other")
+    kept("other", lambda: b"of another")
+    mine, theirs = (each / FILE for each in (entry, other))
+    moved = mine.read_bytes()
+    mine.write_bytes(theirs.read_bytes())
+    theirs.write_bytes(moved)
+
+    assert kept(entry.name, lambda: MADE) == (MADE, True)
+    assert kept("other", lambda: b"of another") == (b"of another", True)
+
+
 def test_what_was_not_finished_is_not_kept(entry):
     def fail():
         raise EvaluationError

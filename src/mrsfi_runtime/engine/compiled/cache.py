@@ -1,7 +1,7 @@
 """Where compiled code is kept: in a folder that is this user's alone, each entry sealed.
 
 Whoever loads what numba keeps runs what it holds. So nothing is read from a folder that others may
-write to, nor from an entry that is not, byte for byte, what was sealed.
+write to, nor from an entry that is not, byte for byte, what was sealed under its key.
 """
 
 import atexit
@@ -83,16 +83,17 @@ def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
         with suppress(OSError):  # a file system without locks: then each compiles for itself
             fcntl.flock(lock, fcntl.LOCK_EX)
         seal, _, content = file.read_bytes().partition(b"\n") if file.is_file() else (b"", b"", b"")
-        if seal == _seal(content):
+        if seal == sealed(entry.name, content):
             file.touch()
             return content, False
         content = make()
-        file.write_bytes(_seal(content) + b"\n" + content)
+        file.write_bytes(sealed(entry.name, content) + b"\n" + content)
         return content, True
 
 
-def _seal(content: bytes) -> bytes:
-    return sha256(content).hexdigest().encode()
+def sealed(key: str, content: bytes) -> bytes:
+    """Return the seal of what is kept under a key; under another key it has another one."""
+    return sha256(key.encode() + b"\n" + content).hexdigest().encode()
 
 
 def _make_room(new: Path) -> None:
