@@ -31,9 +31,22 @@ def _edit(
     return files | ({"edit_other": other} if other else {}), old, new
 
 
+def _extended(how: str, arguments: str = "x", mark: str = "") -> str:
+    """Return a function, and another one that numba compiles in the place of what is said."""
+    return (
+        "from numba import types\n"
+        "from numba.extending import overload, overload_attribute, overload_method\n"
+        f"{mark}\ndef near(x):\n    return x\noverloaded = 1.0\n{how}\ndef compiled({arguments}):\n"
+        f"    return lambda {arguments}: overloaded\n"
+    )
+
+
 def _numbers(last: float) -> str:
     return f"import numpy as np\nTABLE = np.arange(5000) * 0.1\nTABLE[2500] = {last}\n"
 
+
+_COMPUTED = "it reads a module that computes its attributes (__getattr__) by the name"
+_REPLACED = "it reads what edit_names.compiled replaces when compiled by the name"
 
 EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     "alias of an import": _edit(
@@ -174,6 +187,91 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         "IS_BOLD = True",
         OTHER,
     ),
+    "an attribute that a module computes": _edit(
+        "x + edit_other.LIMIT",
+        "import edit_other",
+        "1.0",
+        "2.0",
+        "def __getattr__(name):\n    if name != 'LIMIT':\n        raise AttributeError(name)\n"
+        "    return 1.0\n",
+    ),
+    "an attribute that the class of a module computes": _edit(
+        "x + edit_other.LIMIT",
+        "import edit_other",
+        "1.0",
+        "2.0",
+        "import sys, types\nclass Limits(types.ModuleType):\n"
+        "    LIMIT = property(lambda self: 1.0)\nsys.modules[__name__].__class__ = Limits\n",
+    ),
+    "an attribute that a module of a module computes": _edit(
+        "x + names.edit_other.LIMIT",
+        "import sys, edit_other\nnames = sys.modules[__name__]\n",
+        "1.0",
+        "2.0",
+        "def __getattr__(name):\n    if name != 'LIMIT':\n        raise AttributeError(name)\n"
+        "    return 1.0\n",
+    ),
+    "an overload of a function": _edit(
+        "near(x)", _extended("@overload(near)"), "overloaded = 1.0", "overloaded = 2.0"
+    ),
+    "an overload of a function behind another name": _edit(
+        "by(x)",
+        _extended("@overload(near)") + "by = near\n",
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "an overload of a marked function": _edit(
+        "near(x)",
+        _extended("@overload(near)", mark="@kernel"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "an overload of a library's function": _edit(
+        "floor(x)",
+        "from math import floor\n" + _extended("@overload(floor)"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "an overload of a function of numpy": _edit(
+        "numpy.hypot(x, 1.0)",
+        "import numpy\n" + _extended("@overload(numpy.hypot)", "x, y"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "a function that numba is to compile": _edit(
+        "near(x)",
+        "from numba.extending import register_jitable\nLIMIT = 1.0\n"
+        "@register_jitable\ndef near(x):\n    return x + LIMIT\n",
+        "LIMIT = 1.0",
+        "LIMIT = 2.0",
+    ),
+    "an intrinsic": _edit(
+        "near(x)",
+        "from numba import types\nfrom numba.extending import intrinsic\n@intrinsic\n"
+        "def near(context, x):\n    def made(context, builder, signature, values):\n"
+        "        return context.get_constant(types.float64, 1.0)\n"
+        "    return types.float64(x), made\n",
+        "1.0",
+        "2.0",
+    ),
+    "an overload of a method": _edit(
+        "x.conjugate()",
+        _extended("@overload_method(types.Float, 'conjugate')"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "an overload of an attribute": _edit(
+        "x.real",
+        _extended("@overload_attribute(types.Float, 'real')"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
+    "an overload of an operator": _edit(
+        "x % 2.0",
+        "import operator\n" + _extended("@overload(operator.mod)", "x, y"),
+        "overloaded = 1.0",
+        "overloaded = 2.0",
+    ),
     "an object": _edit(
         "LIMIT.value + x",
         "class Limit:\n    value = 1.0\nLIMIT = Limit()",
@@ -181,8 +279,26 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         "value = 2.0",
     ),
 }
-REFUSED = {"a partial function": "by", "an object": "LIMIT"}
-"""Kinds of which no text tells the value, and the name by which that is read."""
+REFUSED = {
+    "a partial function": "it reads an object of functools.partial by the name 'by'",
+    "an object": "it reads an object of edit_names.Limit by the name 'LIMIT'",
+    "an attribute that a module computes": f"{_COMPUTED} 'edit_other'",
+    "an attribute that the class of a module computes": f"{_COMPUTED} 'edit_other'",
+    "an attribute that a module of a module computes": f"{_COMPUTED} 'names'",
+    "an overload of a function": f"{_REPLACED} 'near'",
+    "an overload of a function behind another name": f"{_REPLACED} 'by'",
+    "an overload of a marked function": f"{_REPLACED} 'near'",
+    "an overload of a library's function": f"{_REPLACED} 'floor'",
+    "an overload of a function of numpy": f"{_REPLACED} 'numpy'",
+    "a function that numba is to compile": (
+        "it reads what edit_names.near replaces when compiled by the name 'near'"
+    ),
+    "an intrinsic": "it reads what edit_names.near replaces when compiled by the name 'near'",
+    "an overload of a method": "edit_names.compiled replaces 'conjugate'",
+    "an overload of an attribute": "edit_names.compiled replaces 'real'",
+    "an overload of an operator": "edit_names.compiled replaces 'operators'",
+}
+"""Kinds of which no text tells the value, and what is said of it."""
 
 NUMBA_REFUSES = ("default of a keyword", "a tuple of functions", "an attribute of a function")
 

@@ -31,6 +31,7 @@ from mrsfi_runtime.errors import EvaluationError
 
 _PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
 _LIBRARIES = (f"{Path(os.__file__).parent}/", "/site-packages/", "/dist-packages/")
+_KNOWN = {*sys.stdlib_module_names, "numba", "numpy", "mrsfi_runtime", "None"}  # in any key
 _CODE = "argcount posonlyargcount kwonlyargcount flags code exceptiontable names varnames freevars"
 
 
@@ -59,6 +60,7 @@ class Reached:
 
     def __init__(self, functions: Sequence[Callable[..., Any]], *, is_deep: bool = True) -> None:
         self._is_deep = is_deep
+        self._extended = dict(_extensions())
         self.functions: list[FunctionType] = []
         self._numbers: dict[Any, int] = {}
         self._kept: list[Any] = []  # a number of what is gone would be given to another
@@ -70,6 +72,8 @@ class Reached:
     def _of(self, value: Any, names: frozenset[str]) -> str:
         """Return a text that no other value has; of a module, that of what has such a name."""
         kind = type(value)
+        if id(value) in self._extended:
+            raise _UnknownError(f"what {self._extended[id(value)]} replaces when compiled")
         if kind in _PLAIN:
             return f"{kind.__name__} {value!r}"
         for kinds, write in self._written:
@@ -84,9 +88,13 @@ class Reached:
         key = (id(value), names if isinstance(value, ModuleType) else None)
         if key in self._numbers:
             return f"#{self._numbers[key]}"
-        self._numbers[key] = len(self._numbers)
+        number = self._numbers[key] = len(self._kept)
         self._kept.append(value)
-        return write(self, value, names)
+        try:
+            return write(self, value, names)
+        except _UnknownError:  # what it reaches is in no text yet
+            self._numbers = {each: n for each, n in self._numbers.items() if n < number}
+            raise
 
     def _function(self, function: FunctionType, names: frozenset[str]) -> str:
         """Return the text of a function; what is not marked is not compiled."""
@@ -99,6 +107,8 @@ class Reached:
     def _deep(self, function: FunctionType, _: frozenset[str]) -> str:
         self.functions.append(function)
         names = frozenset(names_of(function.__code__))
+        for name in sorted((names | {""}) & self._extended.keys()):
+            raise _refusal(function, f"{self._extended[name]} replaces '{name or 'operators'}'")
         read = {name: vars(builtins)[name] for name in names if hasattr(builtins, name)}
         read |= {n: function.__globals__[n] for n in names if n in function.__globals__}
         cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -118,12 +128,7 @@ class Reached:
         except _UnknownError as error:
             if not _loads(function.__code__, name):  # a field of a record has the same name
                 return "unknown"
-            code = function.__code__
-            raise CompilationError(
-                f"{code.co_filename}:{code.co_firstlineno}: {function.__name__} cannot be "
-                f"compiled: it reads {error} by the name '{name}', whose change would not be "
-                "seen; expected numbers, texts, tuples, arrays, enums, or functions marked @kernel"
-            ) from None
+            raise _refusal(function, f"it reads {error} by the name '{name}'") from None
 
     def _code(self, code: CodeType, _: frozenset[str] = frozenset()) -> str:
         """Return the text of a function's code, without what file and line it stands in."""
@@ -132,6 +137,9 @@ class Reached:
 
     def _module(self, module: ModuleType, names: frozenset[str]) -> str:
         known = vars(module)
+        is_listed = type(module) is ModuleType and "__getattr__" not in known
+        if not is_listed and module.__name__.partition(".")[0] not in _KNOWN:
+            raise _UnknownError("a module that computes its attributes (__getattr__)")
         texts = (f"{name}: {self._of(known[name], names)}" for name in sorted(names & known.keys()))
         return f"{module.__name__} {{{', '.join(texts)}}}"
 
@@ -182,6 +190,34 @@ def _named(value: Any) -> str:
     if not is_found:
         raise _UnknownError(f"an object of {type(value).__module__}.{type(value).__qualname__}")
     return f"{module}.{name}"
+
+
+def _refusal(function: FunctionType, why: str) -> CompilationError:
+    code = function.__code__
+    return CompilationError(
+        f"{code.co_filename}:{code.co_firstlineno}: {function.__name__} cannot be compiled: {why}, "
+        "whose change would not be seen; expected numbers, texts, tuples, arrays, enums, or "
+        "functions marked @kernel"
+    )
+
+
+def _extensions() -> Iterator[tuple[int | str, str]]:
+    """Yield what others than numba have numba compile in another way, and who does.
+
+    It is a function by its ID, an attribute by its name; an empty one if no name leads to it.
+    """
+    templates: Any = sys.modules.get("numba.core.typing.templates")
+    known = templates.builtin_registry if templates else None
+    for template in (*known.functions, *known.attributes) if known else ():
+        key = template.key
+        for origin in (template, key, getattr(template, "_overload_func", key)):
+            if _package(origin) not in _KNOWN and not is_kernel(origin):
+                place = "" if _package(key) in ("builtins", "_operator") else id(key)
+                yield getattr(template, "_attr", place), f"{origin.__module__}.{origin.__name__}"
+
+
+def _package(value: object) -> str:
+    return str(getattr(value, "__module__", "builtins")).partition(".")[0]
 
 
 def names_of(code: CodeType) -> Iterator[str]:
