@@ -12,12 +12,14 @@ from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import Event, TimedFault
 from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support.bags import bagged
+from tests.support.edited import edited
 from tests.support.trace import TraceDigest, columns, traced
 from tests.support.triggers import with_triggers
 from tests.support.world import code_of, paper_code, specifications
@@ -51,6 +53,21 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
 
     for specification in ((), *specifications(engine.code, 5)):
         assert traced(engine, specification) == traced(reference, specification)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_goal_whose_check_a_team_wrote_has_no_margin(tmp_path, name):
+    """Each engine flies it as the reference says, and measures the goals that are as generated."""
+    body = "    return ci.mission.tick == 9\n"
+    written = load_code(edited(tmp_path, "g2.check", body))
+    code = replace(written, mission=replace(written.mission, duration=60))
+
+    with ENGINES[name].open(code, SEED) as opened:
+        outcome = opened.evaluate(())
+
+    assert outcome.true == (0, 1, 0, 60, 60, 60)
+    assert [margin is not None for margin in outcome.margins] == [True, False, True] + [False] * 3
+    assert outcome == ReferenceEngine(code, SEED).evaluate(())
 
 
 def test_faults_that_wait_fly_as_on_the_reference(engine):

@@ -19,7 +19,7 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Margin, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -51,7 +51,10 @@ class Engine(Evaluator):
     """Flies the mission itself, with its own mission seed where none is named."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
+        from mrsfi_runtime.engine.compiled.regions import measured_goals  # noqa: PLC0415 - numpy
+
         self.code = code
+        self.measured = measured_goals(code)
         self.seed = seed
 
     def evaluate(
@@ -160,7 +163,8 @@ class PlainEngine(Engine):
                 [tally.applied for tally in laid_out.tallies],
                 [tally.changed for tally in laid_out.tallies],
             )
-            margins = zip(flight.verdicts.margin, flight.verdicts.nearest, strict=True)
+            told = flight.verdicts
+            margins = zip(told.margin, told.nearest, self.measured, strict=True)
             states = state_bytes(flight.world), state_bytes(flight.belief)
             return digested(counts, margins, *states)
 
@@ -181,15 +185,18 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
 
 def digested(
     counts: Sequence[Sequence[int]],
-    margins: Iterable[Margin],
+    margins: Iterable[tuple[float, int, bool]],
     world: bytes | memoryview,
     belief: bytes | memoryview,
 ) -> Outcome:
-    """Return an outcome of counts and margins, and its digest over counts and last states."""
+    """Return an outcome of counts and margins, and its digest over counts and last states.
+
+    A margin comes with whether its goal has one.
+    """
     believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
     listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())
     sha.update(world)
     sha.update(belief)
-    found = [each if each[0] != NO_MARGIN else None for each in margins]
+    found = [(left, at) if has_one and left != NO_MARGIN else None for left, at, has_one in margins]
     return Outcome(*listed, sha.hexdigest(), tuple(found))

@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.api import kernel
 from mrsfi_runtime.engine.compiled.compiler import register
 from mrsfi_runtime.engine.compiled.reach import CompilationError
-from mrsfi_runtime.engine.compiled.regions import own_regions
+from mrsfi_runtime.engine.compiled.regions import measured_goals, own_regions
 from mrsfi_runtime.generated_code import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, edited
@@ -28,6 +28,15 @@ chosen = near
 @kernel
 def measured(ci):
     return chosen(ci)
+
+
+HELPERS = "# protected region helpers on begin\n"
+WRAPPED = """@kernel
+def wrapped(ci, g):
+    return goal_tasks.avoid_collision.violated(ci, g)
+
+
+"""
 
 
 def named(code):
@@ -63,9 +72,8 @@ def test_what_looks_like_a_default_and_is_none_is_found(tmp_path, body):
 
 def test_a_name_that_means_something_else_makes_no_default(tmp_path):
     path = edited(tmp_path, "g1.check", "    return goal_tasks.avoid_collision.violated(ci, G1)\n")
-    begin = "# protected region helpers on begin\n"
     line = "from mrsfi_runtime.api import forecast as goal_tasks\n"
-    edit(path / COLLECTIVE, begin, begin + line)
+    edit(path / COLLECTIVE, HELPERS, HELPERS + line)
 
     assert ("check_g1", "check", 1) in named(load_code(path))
 
@@ -78,6 +86,42 @@ def test_a_default_that_was_exchanged_in_memory_is_none(monkeypatch):
     )
 
     assert named(code) == [(f"react_g{n}", "react", 3 * n - 1) for n in (4, 5, 6)]
+
+
+@pytest.mark.parametrize(
+    ("region", "body", "unmeasured"),
+    [
+        ("g1.check", "    return goal_tasks.avoid_collision.violated(ci, G1)\n", []),
+        ("g1.react", "    pass\n", []),
+        ("g1.check", "    return False\n", [0]),
+        (
+            "g1.check",
+            "    return ci.mission.tick > 9 and goal_tasks.avoid_collision.violated(ci, G1)\n",
+            [0],
+        ),
+        ("g1.check", "    return goal_tasks.avoid_collision.violated(ci, G2)\n", [0]),
+        ("g1.check", "    return wrapped(ci, G1)\n", [0]),
+        ("g4.progress", "    pass\n", [3]),
+        ("helpers", "G4 = G5\n", range(6)),
+        ("helpers", "goal_tasks = goal_tasks.gather_samples\n", range(6)),
+    ],
+)
+def test_a_goal_has_a_margin_if_its_check_and_progress_are_the_references(
+    tmp_path, region, body, unmeasured
+):
+    path = edited(tmp_path, region, body)
+    edit(path / COLLECTIVE, HELPERS, HELPERS + WRAPPED)
+
+    measured = measured_goals(load_code(path))
+
+    assert measured == tuple(g not in unmeasured for g in range(6))
+
+
+def test_no_goal_has_a_margin_whose_function_cannot_be_told(tmp_path):
+    path = edited(tmp_path, "g1.check", "    return False\n")
+    edit(path / COLLECTIVE, "    violated[G1] = 1 if check_g1(view) else 0\n", "")
+
+    assert measured_goals(load_code(path)) == (False,) * 6
 
 
 @pytest.mark.parametrize(

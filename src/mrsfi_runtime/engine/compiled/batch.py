@@ -111,12 +111,12 @@ class Batch:
             found[:, entry.place, 1] = fields[name][0].itemsize // 8
         return found
 
-    def outcome(self, k: int) -> Outcome:
-        """Return what the flight of one specification found."""
+    def outcome(self, k: int, measured: Sequence[bool]) -> Outcome:
+        """Return what the flight of one specification found; ``measured`` goals have a margin."""
         of_goals, of_faults = self._counts
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
-        margins = zip(*(column[k] for column in self._margins), strict=True)
+        margins = zip(*(column[k] for column in self._margins), measured, strict=True)
         return digested(counts, margins, *(rows[k] for rows in self._packed))
 
     def tallies_of(self, k: int) -> list[FaultTally]:

@@ -117,7 +117,7 @@ class CompiledEngine(Engine):
         tallies[:] = batch.tallies_of(0)
         if observer is not None:
             self._tell(observer, seed, recording)
-        return batch.outcome(0)
+        return batch.outcome(0, self.measured)
 
     def _record(self, specification: Specification, seed: int) -> Recording:
         self.require_same()
@@ -145,8 +145,8 @@ class CompiledEngine(Engine):
         failed = self._threads.map(partial(self._fly_some, batch, seed), spans)
         again = {k for some in failed for k in some}
         return [
-            self._reference.attempt(specification, seed) if k in again else batch.outcome(k)
-            for k, specification in enumerate(specifications)
+            self._reference.attempt(each, seed) if k in again else batch.outcome(k, self.measured)
+            for k, each in enumerate(specifications)
         ]
 
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:

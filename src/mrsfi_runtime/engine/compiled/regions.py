@@ -43,6 +43,16 @@ def own_regions(code: MissionCode) -> list[Region]:
     return found
 
 
+def measured_goals(code: MissionCode) -> tuple[bool, ...]:
+    """Return which goals have a margin: those of which a team wrote neither check nor progress."""
+    goals = range(len(code.mission.goals))
+    try:
+        own = {each.place // len(ROLES) for each in own_regions(code) if each.role in ROLES[:2]}
+    except CompilationError:
+        return tuple(False for _ in goals)
+    return tuple(g not in own for g in goals)
+
+
 def _default(role: str, task: int) -> Any:
     """Return what generated code calls for a role of a task; ``None`` if a team writes it."""
     return FUNCTIONS[role][task] if task < len(FUNCTIONS[role]) else None
