@@ -10,10 +10,14 @@ from m2t.load import Inspection, LoadedModels, inspect_folder, inspect_specifica
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
+from mrsfi.project import from_here
+from mrsfi_runtime.engine.compiled.reach import Reached
+from mrsfi_runtime.engine.compiled.regions import CompilationError, own_regions
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
 from mrsfi_runtime.files import changing
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.starving import starvation
 
 _LONGEST_FLIGHT = 100_000
@@ -107,22 +111,28 @@ def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:
-    """Fly the mission without faults; yield where it fails, or each goal that is violated."""
+    """Fly the mission without faults, twice; yield where it fails, or what is odd of it."""
     if loaded.mission.duration > _LONGEST_FLIGHT:
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
         return
     try:
         code = load_fresh(folders, loaded)
-        outcome = ReferenceEngine(code, 1).evaluate(())
+        engine = ReferenceEngine(code, 1)
+        outcome = engine.evaluate(())
+        if engine.evaluate(()) != outcome:
+            from mrsfi_runtime.engine.compiled import self_check  # noqa: PLC0415 - brings numpy
+
+            raise EvaluationError(
+                f"flown twice without faults it differs: {self_check.flown_twice(engine, ())}; "
+                f"expected the same; {self_check.UNREPEATED}"
+            )
     except EvaluationError as error:
-        path, line = error.line or (folders.generated, 1)
-        message = str(error).removeprefix(f"{path}:{line}: ")
-        element = f"mission '{folders.name}'"
-        yield Diagnostic(path, line, element, "MissionFlies", "error", message)
+        yield _failed(folders, error, "MissionFlies", "error")
         return
     except MrsfiError as error:  # stale code is no defect of the models
         tell(f"not flown without faults: {error}")
         return
+    yield from _uncompiled(folders, code)
     mission = code.mission
     assert outcome.missed is not None
     counts = zip(outcome.believed, outcome.true, outcome.missed, strict=True)
@@ -140,3 +150,21 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
             )
             place = loaded.mission_path, loaded.nodes[element].line
             yield Diagnostic(*place, f"goals '{goal.id}'", "FaultFreeMission", "warning", message)
+
+
+def _uncompiled(folders: MissionFolders, code: MissionCode) -> Iterator[Diagnostic]:
+    """Yield which regions are not compiled, as they read what cannot be listed by value."""
+    for region in own_regions(code):
+        try:
+            Reached([region.function])
+        except CompilationError as error:
+            yield _failed(folders, error, "RegionCompiles", "warning")
+
+
+def _failed(
+    folders: MissionFolders, error: EvaluationError, constraint: str, severity: str
+) -> Diagnostic:
+    path, line = error.line or (folders.generated, 1)
+    message = str(error).removeprefix(f"{path}:{line}: ")
+    element = f"mission '{folders.name}'"
+    return Diagnostic(from_here(path), line, element, constraint, severity, message)

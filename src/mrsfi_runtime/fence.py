@@ -149,7 +149,13 @@ class _Guard:
     def _begin(self) -> None:
         if self._watcher is None or not self._watcher.is_alive():
             self._watcher = Thread(target=self._look, daemon=True)
-            self._watcher.start()
+            try:
+                self._watcher.start()
+            except RuntimeError as error:
+                raise UsageError(
+                    f"{error}: this machine limits memory or processes (`ulimit -v`, `ulimit -u`); "
+                    "allow more"
+                ) from error
         os._exit = self._exit  # type: ignore[assignment]  # the real one ends a command in silence
         with suppress(OSError, AttributeError, ValueError):  # a stream is closed
             sys.stdout.flush()

@@ -6,7 +6,7 @@ from operator import attrgetter
 import pytest
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
-from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.regions import CompilationError
 from tests.conformance.regions import compile_alone, outcomes
 from tests.support import lint_cases
 from tests.support.edited import COLLECTIVE, REGION, write_region

@@ -82,6 +82,10 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
         return _INTERRUPTED
     if is_traced:
         sys.__excepthook__(type(error), error, error.__traceback__)
+    if isinstance(error, MemoryError):
+        error = MrsfiError(
+            "this machine gave no more memory; if `ulimit -v` says how much, allow more"
+        )
     if isinstance(error, MrsfiError):
         click.echo(f"mrsfi: {error}", err=True)
         return error.exit_code

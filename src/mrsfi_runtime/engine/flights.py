@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.own_effects import guarded
 from mrsfi_runtime.cosimulation.sides import SimInterface
+from mrsfi_runtime.engine.compiled.regions import measured_goals
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.generated_code import MissionCode, failed
@@ -51,8 +52,6 @@ class Engine(Evaluator):
     """Flies the mission itself, with its own mission seed where none is named."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
-        from mrsfi_runtime.engine.compiled.regions import measured_goals  # noqa: PLC0415 - numpy
-
         self.code = code
         self.measured = measured_goals(code)
         self.seed = seed
@@ -163,8 +162,8 @@ class PlainEngine(Engine):
                 [tally.applied for tally in laid_out.tallies],
                 [tally.changed for tally in laid_out.tallies],
             )
-            told = flight.verdicts
-            margins = zip(told.margin, told.nearest, self.measured, strict=True)
+            nearest = flight.verdicts.margin, flight.verdicts.nearest
+            margins = zip(*nearest, self.measured, strict=True)
             states = state_bytes(flight.world), state_bytes(flight.belief)
             return digested(counts, margins, *states)
 

@@ -98,9 +98,15 @@ class EngineSettings:
 
             return ReferenceEngine(code, seed)
         if self.name == COMPILED:
-            from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - numpy
+            try:
+                from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - numpy
 
-            return CompiledEngine(code, seed, n_threads)
+                return CompiledEngine(code, seed, n_threads)
+            except (ImportError, MemoryError, OSError) as error:
+                raise EvaluationError(
+                    f"the compiled engine cannot be loaded: {str(error) or 'no memory'}; where the "
+                    "address space is limited (`ulimit -v`), allow more"
+                ) from error
         if self.node is not None:
             from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
 

@@ -4,8 +4,7 @@ import pytest
 
 from mrsfi_runtime.api import kernel
 from mrsfi_runtime.engine.compiled.compiler import register
-from mrsfi_runtime.engine.compiled.reach import CompilationError
-from mrsfi_runtime.engine.compiled.regions import measured_goals, own_regions
+from mrsfi_runtime.engine.compiled.regions import CompilationError, measured_goals, own_regions
 from mrsfi_runtime.generated_code import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, edited

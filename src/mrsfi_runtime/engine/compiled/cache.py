@@ -15,7 +15,7 @@ from hashlib import sha256
 from pathlib import Path
 from tempfile import mkdtemp
 
-from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.regions import CompilationError
 
 FILE = "code"
 N_KEPT = 512

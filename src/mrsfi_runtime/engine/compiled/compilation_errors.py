@@ -13,8 +13,7 @@ from typing import Any
 import numba
 
 from mrsfi_runtime.engine.compiled.pipeline import Checked
-from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
-from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
+from mrsfi_runtime.engine.compiled.regions import EFFECT, CompilationError, Region, is_kernel
 from mrsfi_runtime.engine.compiled.views import arguments_of
 from mrsfi_runtime.markers import lines_in_regions
 

@@ -21,7 +21,7 @@ from typing import Any
 
 import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.cache import kept
-from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.regions import CompilationError
 from mrsfi_runtime.errors import UsageError
 
 _SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")

@@ -23,11 +23,9 @@ from types import (
     ModuleType,
     NoneType,
 )
-from typing import Any, ClassVar, TypeAlias, TypeGuard
+from typing import Any, ClassVar, TypeAlias
 
-import numpy as np
-
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.engine.compiled.regions import CompilationError, is_kernel
 
 _PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
 _LIBRARIES = (f"{Path(os.__file__).parent}/", "/site-packages/", "/dist-packages/")
@@ -35,20 +33,11 @@ _KNOWN = {*sys.stdlib_module_names, "numba", "numpy", "mrsfi_runtime", "None"}  
 _CODE = "argcount posonlyargcount kwonlyargcount flags code exceptiontable names varnames freevars"
 
 
-class CompilationError(EvaluationError):
-    """A region cannot be compiled; the message names file, line, region and reason."""
-
-
 _Write: TypeAlias = "Callable[[Reached, Any, frozenset[str]], str]"
 
 
 class _UnknownError(Exception):
     """What was found has no text; nobody else sees this."""
-
-
-def is_kernel(value: object) -> TypeGuard[FunctionType]:
-    """Return whether a value is a function of the kernel, or marked as one."""
-    return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
 class Reached:
@@ -76,7 +65,9 @@ class Reached:
             raise _UnknownError(f"what {self._extended[id(value)]} replaces when compiled")
         if kind in _PLAIN:
             return f"{kind.__name__} {value!r}"
-        for kinds, write in self._written:
+        np: Any = sys.modules.get("numpy")  # whoever has values of it imported it
+        listed = ((np.ndarray | np.generic | np.dtype, Reached._array),) if np else ()
+        for kinds, write in (*self._written, *listed):
             if isinstance(value, kinds):
                 return f"{kind.__module__}.{kind.__qualname__} {write(self, value, names)}"
         if hasattr(value, "py_func"):  # compiled by numba, by whomever
@@ -144,7 +135,10 @@ class Reached:
         return f"{module.__name__} {{{', '.join(texts)}}}"
 
     def _array(self, array: Any, _: frozenset[str]) -> str:
-        if array.dtype.hasobject or type(array) is np.ma.MaskedArray:
+        """Return the text of an array or a number of numpy, or of a layout of them."""
+        if not hasattr(array, "dtype"):
+            return repr(array)
+        if array.dtype.hasobject or type(array).__name__ == "MaskedArray":
             raise _UnknownError(f"an array of {array.dtype}")
         content = sha256(array.tobytes()).hexdigest()
         return f"{array.dtype!r} {array.shape} {array.strides} {content}"
@@ -165,8 +159,6 @@ class Reached:
         (list, partial(_once, write=_all)),
         (dict, partial(_once, write=lambda self, each, names: self._all(each.items(), names))),
         (set | frozenset, lambda self, each, names: str(sorted(self._of(x, names) for x in each))),
-        (np.ndarray | np.generic, _array),
-        (np.dtype, lambda _self, each, _names: repr(each)),
         (CodeType, _code),
         (FunctionType, _function),
         (ModuleType, partial(_once, write=_module)),
@@ -193,12 +185,13 @@ def _named(value: Any) -> str:
 
 
 def _refusal(function: FunctionType, why: str) -> CompilationError:
-    code = function.__code__
-    return CompilationError(
-        f"{code.co_filename}:{code.co_firstlineno}: {function.__name__} cannot be compiled: {why}, "
-        "whose change would not be seen; expected numbers, texts, tuples, arrays, enums, or "
-        "functions marked @kernel"
+    place = function.__code__.co_filename, function.__code__.co_firstlineno
+    found = CompilationError(
+        f"{place[0]}:{place[1]}: {function.__name__} cannot be compiled: {why}, whose change would "
+        "not be seen; expected numbers, texts, tuples, arrays, enums, or functions marked @kernel"
     )
+    found.line = Path(place[0]), place[1]
+    return found
 
 
 def _extensions() -> Iterator[tuple[int | str, str]]:

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 from types import CodeType, FunctionType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
-from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 from mrsfi_runtime.kernel.goal_tasks.table import number
@@ -13,12 +13,21 @@ ROLES = tuple(FUNCTIONS)
 EFFECT = "apply"
 
 
+class CompilationError(EvaluationError):
+    """A region cannot be compiled; the message names file, line, region and reason."""
+
+
 class Region(NamedTuple):
     """What a team wrote, and the place of its address among the calls of a state."""
 
     function: Callable[..., Any]
     role: str
     place: int
+
+
+def is_kernel(value: object) -> TypeGuard[FunctionType]:
+    """Return whether a value is a function of the kernel, or marked as one."""
+    return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
 def own_regions(code: MissionCode) -> list[Region]:

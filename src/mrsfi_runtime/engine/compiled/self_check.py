@@ -4,7 +4,7 @@ Every process does so, on as many first ticks as the time allows, with every fau
 work: what compiles to something else mostly does so at once.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import process_time
 from typing import Any
 
@@ -30,6 +30,12 @@ _WINDOWS = ((0, 7), (16, None))
 _HINT = (
     "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
 )
+
+UNREPEATED = (
+    "look for a region that keeps state from flight to flight, reads a clock or draws unseeded "
+    "random numbers"
+)
+"""What to do where the same specification flies in two ways."""
 
 Record = Callable[[Specification, int], Recording | None]
 """Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
@@ -60,14 +66,29 @@ def require_same(
         recording = record(specification, len(seen))
         if recording is None:
             continue
-        for tick, (expected, found) in enumerate(zip(seen, _moments(recording), strict=True)):
-            if expected != found:
-                what = _difference(reference.code.mission, recording.moment(0), expected, found)
-                acting = [one.fault for one in specification if one.start <= tick <= one.finish]
-                where, under = reference.code.directory, ", ".join(acting) or "no fault"
-                raise EvaluationError(f"{where}: {what} at tick {tick} under {under}; {_HINT}")
+        found = _difference(reference.code.mission, recording, seen)
+        if found is not None:
+            tick, what, a, b = found
+            acting = [one.fault for one in specification if one.start <= tick <= one.finish]
+            where, under = reference.code.directory, ", ".join(acting) or "no fault"
+            raise EvaluationError(
+                f"{where}: compiled, {what} is {b}; the reference engine has {a} at tick {tick} "
+                f"under {under}; {_HINT}"
+            )
         if failure is not None:
             raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
+
+
+def flown_twice(engine: Engine, specification: Specification) -> str:
+    """Fly a specification twice, and return in words what differs first."""
+    try:
+        first, second = (engine.record(specification) for _ in range(2))
+    except EvaluationError as error:
+        return f"flown twice again, it fails: {error}"
+    found = _difference(engine.code.mission, second, _moments(first))
+    if found is None:
+        return "flown twice again, it was the same"
+    return "at tick {}, {} is {} and then {}".format(*found)
 
 
 class _EnoughError(MrsfiError):
@@ -105,11 +126,17 @@ def _moments(recording: Recording) -> Iterator[list[Any]]:
 
 
 def _difference(
-    mission: Mission, moment: Any, expected: Sequence[Any], found: Sequence[Any]
-) -> str:
-    """Return in words what differs first of a tick, and in which region to look."""
-    pairs = zip((*VERDICTS, *SIDES), expected, found, strict=True)
-    name, left, right = next(pair for pair in pairs if pair[1] != pair[2])
+    mission: Mission, recording: Recording, expected: Iterable[list[Any]]
+) -> tuple[int, str, Any, Any] | None:
+    """Return what differs first: the tick, in words the field and its region, and both values."""
+    pairs = enumerate(zip(expected, _moments(recording), strict=True))
+    tick, moments = next(((tick, both) for tick, both in pairs if both[0] != both[1]), (0, ()))
+    if not moments:
+        return None
+    moment = recording.moment(0)
+    name, left, right = next(
+        pair for pair in zip((*VERDICTS, *SIDES), *moments, strict=True) if pair[1] != pair[2]
+    )
     places = [f"{name} of goal '{goal.id}' (region '{goal.id}.check')" for goal in mission.goals]
     if name in SIDES:
         left, right = np.frombuffer(left), np.frombuffer(right)
@@ -120,5 +147,4 @@ def _difference(
             for column in columns
         ] + ["what goals remember"] * len(left)
     differing = (each for each in zip(places, left, right, strict=False) if each[1] != each[2])
-    place, a, b = next(differing, ("what goals remember", "something", "nothing"))
-    return f"compiled, {place} is {b}; the reference engine has {a}"
+    return (tick, *next(differing, ("what goals remember", "something", "nothing")))
