@@ -17,16 +17,18 @@ from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
+from mrsfi_runtime.engine.compiled.self_check import differing
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import EvaluationError, WorkerLost
-from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.manifest import CI, Manifest
+from mrsfi_runtime.record.manifest import BOTH, CI, Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
@@ -172,13 +174,9 @@ def evolve(
         if not store.n_evaluations and (wide := _beyond(campaign)):
             tell(f"beyond the pool's values it searches: {wide}")
 
-    def doubt(text: str) -> None:
-        tell(f"warning: {text}")
-        store.doubt(text)
-
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            search(campaign, many, progress, None if engine.side != CI else doubt)
+            search(campaign, many, progress, tell)
         _tell_unused(store, tell)
         if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
@@ -209,53 +207,60 @@ def _explains(store: CampaignStore, asked: bool | None) -> bool:
 
 
 def search(
-    campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    progress: Progress,
-    doubt: Tell | None = None,
+    campaign: FlyableCampaign, evaluator: Evaluator, progress: Progress, tell: Tell = silent
 ) -> None:
-    """Run the search of a campaign to its end.
+    """Run the search of a campaign to its end, and fly once more what was flown first.
 
-    With a ``doubt``, the first specification is flown twice, and it is told what differs.
+    That is a specification for each worker, the last of them first. If one flies in another way,
+    this is recorded; ``tell`` is told it of external parts, and of ours it is a ``ReplayMismatch``.
     """
-    settings = campaign.store.settings
+    store, settings = campaign.store, campaign.store.settings
+    firsts: list[tuple[Specification, Evaluated]] = []
     evaluate_many: EvaluateMany
     evaluate_many, *replicas = (
         partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
     )
-    if doubt is not None:
-        evaluate_many = _first_flown_twice(evaluate_many, doubt)
+
+    def noted(specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        for each, found in zip(specifications, evaluate_many(specifications), strict=True):
+            if len(firsts) < evaluator.n_workers:
+                firsts.append((each, found))
+            yield found
+
     run_campaign(
         settings,
         campaign.mission,
         campaign.pool,
-        evaluate_many,
-        campaign.store,
+        noted,
+        store,
         progress,
         replicas=replicas,
         algorithms=ALGORITHMS,
     )
+    if store.manifest.engine.is_foreign and store.manifest.engine.unrepeated:
+        return
+    again = evaluate_many([specification for specification, _ in reversed(firsts)])
+    for (specification, found), other in zip(reversed(firsts), again, strict=True):
+        if other != found and {type(other), type(found)} != {FailedFlight}:
+            seen = f"had {_shown(found)} and, once more at the end, {_shown(other)}"
+            _doubt(campaign, specification, seen, tell)
+            return
 
 
-def _first_flown_twice(evaluate_many: EvaluateMany, doubt: Tell) -> EvaluateMany:
-    """Return what evaluates as before, and tells if the first specification flies in two ways."""
-    is_first = True
-
-    def evaluate(specifications: Sequence[Specification]) -> Iterator[Evaluated]:
-        nonlocal is_first
-        for found in evaluate_many(specifications):
-            if is_first:
-                is_first = False
-                (again,) = evaluate_many(specifications[:1])
-                if again != found:
-                    doubt(
-                        "the external simulation does not repeat itself: the first specification, "
-                        f"flown twice, had {_shown(found)} and {_shown(again)}; what was found may "
-                        "be chance"
-                    )
-            yield found
-
-    return evaluate
+def _doubt(campaign: FlyableCampaign, flown: Specification, seen: str, tell: Tell) -> None:
+    store, side = campaign.store, campaign.store.manifest.engine.side
+    known = (each.index for each in store.evaluations() if each.specification == flown)
+    what = f"does not repeat itself: evaluation {next(known, 'that failed')} {seen}"
+    if side != BOTH:
+        what = f"the external {'simulation' if side == CI else 'node'} {what}"
+        tell(f"warning: {what}; what was found may be chance")
+    else:
+        fresh = load_code(campaign.code.directory, campaign.pool)
+        reference = ReferenceEngine(fresh, store.settings.mission_seed)
+        what = f"the mission {what}; {differing(reference, flown)}"
+    store.doubt(f"{what}; what was found may be chance")
+    if side == BOTH:
+        raise ReplayMismatch(f"{campaign.folder.path}: {what}; then begin a new campaign")
 
 
 def _shown(found: Evaluated) -> str:

@@ -152,10 +152,8 @@ class _Guard:
             try:
                 self._watcher.start()
             except RuntimeError as error:
-                raise UsageError(
-                    f"{error}: this machine limits memory or processes (`ulimit -v`, `ulimit -u`); "
-                    "allow more"
-                ) from error
+                limits = "this machine limits memory or processes (`ulimit -v`, `ulimit -u`)"
+                raise UsageError(f"{error}: {limits}; allow more") from error
         os._exit = self._exit  # type: ignore[assignment]  # the real one ends a command in silence
         with suppress(OSError, AttributeError, ValueError):  # a stream is closed
             sys.stdout.flush()

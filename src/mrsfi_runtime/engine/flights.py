@@ -31,6 +31,7 @@ class Evaluator(ABC):
 
     engine: "Engine | None" = None
     """The engine in this process that it evaluates on; ``None`` if others evaluate."""
+    n_workers = 1
 
     def __enter__(self) -> Self:
         return self
@@ -77,6 +78,17 @@ class Engine(Evaluator):
         seed = self.seed if seed is None else seed
         received: list[FaultTally] = [] if tallies is None else tallies
         return self._evaluate(specification, seed, pool, observer, received)
+
+    def repeated(self, specification: Specification) -> Outcome:
+        """Fly twice, and return what came of it; an ``EvaluationError`` says what differs."""
+        first, second = (self.evaluate(specification) for _ in range(2))
+        if first != second:
+            from mrsfi_runtime.engine.compiled.self_check import differing  # noqa: PLC0415 - numpy
+
+            raise EvaluationError(
+                f"the mission does not repeat itself: {differing(self, specification)}"
+            )
+        return first
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
         """Fly the mission under a specification of its own pool, and return every tick."""

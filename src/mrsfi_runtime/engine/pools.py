@@ -47,7 +47,7 @@ class WorkerPool(Evaluator):
         self._open_engine = partial(
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
         )
-        self._n_workers = n_workers
+        self.n_workers = n_workers
         self._executor = ProcessPoolExecutor(
             n_workers,
             mp_context=get_context("spawn"),
@@ -69,7 +69,7 @@ class WorkerPool(Evaluator):
             yield from self.engine.evaluate_many(specifications, seed)
             return
         evaluate = partial(_evaluate, self._open_engine, seed)
-        size = max(1, -(-len(specifications) // (4 * self._n_workers)))
+        size = max(1, -(-len(specifications) // (4 * self.n_workers)))
         try:
             with starting_workers():
                 results = self._executor.map(evaluate, specifications, chunksize=size)

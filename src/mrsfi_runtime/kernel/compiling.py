@@ -8,7 +8,8 @@ not compile at all.
 """
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from types import FunctionType
+from typing import Any, TypeGuard, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -17,3 +18,8 @@ def kernel(function: Function) -> Function:
     """Mark a function as part of the world's kernel and return it unchanged."""
     function.__kernel__ = True  # type: ignore[attr-defined]
     return function
+
+
+def is_kernel(value: object) -> TypeGuard[FunctionType]:
+    """Return whether a value is a function of the kernel, or marked as one."""
+    return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))

@@ -44,7 +44,7 @@ class ClusterPool(Evaluator):
     ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come."""
         seed = self._seed if seed is None else seed
-        n_workers = self._cluster.n_workers()
+        self.n_workers = n_workers = self._cluster.n_workers()
         first = 0
         waiting: deque[Any] = deque()
         try:

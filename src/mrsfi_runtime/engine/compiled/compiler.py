@@ -18,13 +18,8 @@ from mrsfi_runtime.engine.compiled.layout import CALLS
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
 from mrsfi_runtime.engine.compiled.pipeline import Inlined, jitable
 from mrsfi_runtime.engine.compiled.reach import Reached, names_of
-from mrsfi_runtime.engine.compiled.regions import (
-    EFFECT,
-    ROLES,
-    CompilationError,
-    Region,
-    is_kernel,
-)
+from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, CompilationError, Region
+from mrsfi_runtime.kernel.compiling import is_kernel
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 
 _FLIGHT = (views.View(Flights), types.int64, types.int64)

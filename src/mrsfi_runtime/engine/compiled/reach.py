@@ -25,7 +25,8 @@ from types import (
 )
 from typing import Any, ClassVar, TypeAlias
 
-from mrsfi_runtime.engine.compiled.regions import CompilationError, is_kernel
+from mrsfi_runtime.engine.compiled.regions import CompilationError
+from mrsfi_runtime.kernel.compiling import is_kernel
 
 _PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
 _LIBRARIES = (f"{Path(os.__file__).parent}/", "/site-packages/", "/dist-packages/")
@@ -63,11 +64,11 @@ class Reached:
         kind = type(value)
         if id(value) in self._extended:
             raise _UnknownError(f"what {self._extended[id(value)]} replaces when compiled")
-        if kind in _PLAIN:
+        if kind in _PLAIN or kind.__module__ == "numpy.dtypes":
             return f"{kind.__name__} {value!r}"
         np: Any = sys.modules.get("numpy")  # whoever has values of it imported it
-        listed = ((np.ndarray | np.generic | np.dtype, Reached._array),) if np else ()
-        for kinds, write in (*self._written, *listed):
+        arrays = [(np.ndarray | np.generic, Reached._array)] if np else []
+        for kinds, write in (*self._written, *arrays):
             if isinstance(value, kinds):
                 return f"{kind.__module__}.{kind.__qualname__} {write(self, value, names)}"
         if hasattr(value, "py_func"):  # compiled by numba, by whomever
@@ -135,9 +136,7 @@ class Reached:
         return f"{module.__name__} {{{', '.join(texts)}}}"
 
     def _array(self, array: Any, _: frozenset[str]) -> str:
-        """Return the text of an array or a number of numpy, or of a layout of them."""
-        if not hasattr(array, "dtype"):
-            return repr(array)
+        """Return the text of an array or a number of numpy."""
         if array.dtype.hasobject or type(array).__name__ == "MaskedArray":
             raise _UnknownError(f"an array of {array.dtype}")
         content = sha256(array.tobytes()).hexdigest()

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from types import CodeType, FunctionType
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.kernel.compiling import is_kernel
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 from mrsfi_runtime.kernel.goal_tasks.table import number
 
@@ -23,11 +24,6 @@ class Region(NamedTuple):
     function: Callable[..., Any]
     role: str
     place: int
-
-
-def is_kernel(value: object) -> TypeGuard[FunctionType]:
-    """Return whether a value is a function of the kernel, or marked as one."""
-    return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
 def own_regions(code: MissionCode) -> list[Region]:

@@ -31,11 +31,10 @@ _HINT = (
     "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
 )
 
-UNREPEATED = (
-    "look for a region that keeps state from flight to flight, reads a clock or draws unseeded "
-    "random numbers"
+_UNREPEATED = (
+    "expected the same: look for a region that keeps state from flight to flight, reads a clock or "
+    "draws unseeded random numbers"
 )
-"""What to do where the same specification flies in two ways."""
 
 Record = Callable[[Specification, int], Recording | None]
 """Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
@@ -79,16 +78,15 @@ def require_same(
             raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
 
 
-def flown_twice(engine: Engine, specification: Specification) -> str:
-    """Fly a specification twice, and return in words what differs first."""
+def differing(engine: Engine, specification: Specification) -> str:
+    """Fly a specification that does not repeat itself twice; return what differs first, and why."""
     try:
         first, second = (engine.record(specification) for _ in range(2))
+        found = _difference(engine.code.mission, second, _moments(first))
     except EvaluationError as error:
-        return f"flown twice again, it fails: {error}"
-    found = _difference(engine.code.mission, second, _moments(first))
-    if found is None:
-        return "flown twice again, it was the same"
-    return "at tick {}, {} is {} and then {}".format(*found)
+        return f"{error}; {_UNREPEATED}"
+    place = "at tick {}, {} is {} and then {}".format(*found) if found else "twice more it does"
+    return f"{place}; {_UNREPEATED}"
 
 
 class _EnoughError(MrsfiError):
