@@ -19,11 +19,10 @@ from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.compiled.self_check import differing
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
-from mrsfi_runtime.generated_code import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
@@ -255,9 +254,8 @@ def _doubt(campaign: FlyableCampaign, flown: Specification, seen: str, tell: Tel
         what = f"the external {'simulation' if side == CI else 'node'} {what}"
         tell(f"warning: {what}; what was found may be chance")
     else:
-        fresh = load_code(campaign.code.directory, campaign.pool)
-        reference = ReferenceEngine(fresh, store.settings.mission_seed)
-        what = f"the mission {what}; {differing(reference, flown)}"
+        found = differing(campaign.code, flown, store.settings.mission_seed)
+        what = f"the mission {what}; {found}"
     store.doubt(f"{what}; what was found may be chance")
     if side == BOTH:
         raise ReplayMismatch(f"{campaign.folder.path}: {what}; then begin a new campaign")

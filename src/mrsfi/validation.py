@@ -15,7 +15,7 @@ from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import CompilationError, own_regions
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, UsageError
 from mrsfi_runtime.files import changing
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.starving import starvation
@@ -118,8 +118,8 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
     try:
         code = load_fresh(folders, loaded)
         outcome = ReferenceEngine(code, 1).repeated(())
-    except EvaluationError as error:
-        path, line = error.line or (folders.generated, 1)
+    except (EvaluationError, ReplayMismatch) as error:
+        path, line = getattr(error, "line", None) or (folders.generated, 1)
         message = str(error).removeprefix(f"{path}:{line}: ")
         element = f"mission '{folders.name}'"
         yield Diagnostic(path, line, element, "MissionFlies", "error", message)

@@ -26,6 +26,9 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import ClassVar
 
+LIMITED = "this machine limits memory or processes (`ulimit -v`, `ulimit -u`); allow more"
+"""What is said where it gives no more memory, or starts no further thread."""
+
 
 def nearest(found: object, known: Iterable[object]) -> str:
     """Return the end of a message about a name that nothing has: what may have been meant."""

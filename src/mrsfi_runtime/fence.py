@@ -16,7 +16,7 @@ from time import sleep
 from traceback import walk_stack
 from types import FrameType, TracebackType
 
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
+from mrsfi_runtime.errors import LIMITED, EvaluationError, MrsfiError, UsageError
 
 _LOOK = 0.25  # seconds between two looks at how far code is
 _N_TRIES = 8  # looks until what cannot be stopped takes the process with it
@@ -152,8 +152,7 @@ class _Guard:
             try:
                 self._watcher.start()
             except RuntimeError as error:
-                limits = "this machine limits memory or processes (`ulimit -v`, `ulimit -u`)"
-                raise UsageError(f"{error}: {limits}; allow more") from error
+                raise UsageError(f"{error}: {LIMITED}") from error
         os._exit = self._exit  # type: ignore[assignment]  # the real one ends a command in silence
         with suppress(OSError, AttributeError, ValueError):  # a stream is closed
             sys.stdout.flush()

@@ -12,7 +12,7 @@ import click
 
 from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.console import steady_output
-from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError
 from mrsfi_runtime.project_file import metamodels_chosen
 
 _INTERRUPTED = 130
@@ -82,10 +82,8 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
         return _INTERRUPTED
     if is_traced:
         sys.__excepthook__(type(error), error, error.__traceback__)
-    if isinstance(error, MemoryError):
-        error = MrsfiError(
-            "this machine gave no more memory; if `ulimit -v` says how much, allow more"
-        )
+    if isinstance(error, MemoryError) or str(error) == "can't start new thread":
+        error = UsageError(f"{str(error) or 'no more memory'}: {LIMITED}")
     if isinstance(error, MrsfiError):
         click.echo(f"mrsfi: {error}", err=True)
         return error.exit_code

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.node_settings import NodeSettings
-from mrsfi_runtime.errors import EvaluationError, UsageError, expected
+from mrsfi_runtime.errors import LIMITED, EvaluationError, UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
@@ -103,10 +103,9 @@ class EngineSettings:
 
                 return CompiledEngine(code, seed, n_threads)
             except (ImportError, MemoryError, OSError) as error:
-                raise EvaluationError(
-                    f"the compiled engine cannot be loaded: {str(error) or 'no memory'}; where the "
-                    "address space is limited (`ulimit -v`), allow more"
-                ) from error
+                lacking = str(error) or "no more memory"
+                told = f"the compiled engine cannot be loaded: {lacking}; {LIMITED}"
+                raise EvaluationError(told) from error
         if self.node is not None:
             from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
 

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import mrsfi_runtime
-from mrsfi_runtime.engine.compiled.cache import kept
+from mrsfi_runtime.engine.compiled.cache import kept, sealed
 from mrsfi_runtime.engine.compiled.regions import CompilationError
 from mrsfi_runtime.errors import UsageError
 
@@ -150,15 +150,19 @@ def prebuilt_kernel() -> Library | None:
     """Return the library, if there is one of these very sources that this machine can run."""
     try:
         told = json.loads((FOLDER / _MANIFEST).read_text(encoding="utf-8"))
-        is_ours = told["sources"] == sources_key()
-        is_whole = told["sha256"] == sha256((FOLDER / _LIBRARY).read_bytes()).hexdigest()
+        is_ours = told["seal"] == _seal(told["names"], (FOLDER / _LIBRARY).read_bytes())
         is_known = (sys.platform, platform.machine()) == ("linux", "x86_64")
         features = Path("/proc/cpuinfo").read_text(encoding="utf-8").split() if is_known else ()
-        if is_ours and is_whole and _FEATURES.issubset(features):
+        if is_ours and _FEATURES.issubset(features):
             return Library(FOLDER / _LIBRARY, tuple(told["names"]))
     except (OSError, ValueError, KeyError):
         pass
     return None
+
+
+def _seal(names: Sequence[str], library: bytes) -> str:
+    """Return the seal of a library: of these very sources, and of its functions in this order."""
+    return sealed(key_of(sources_key(), *names), library).decode()
 
 
 def build(folder: Path) -> None:
@@ -177,12 +181,8 @@ def build(folder: Path) -> None:
         code.write_bytes(kernel.binary)
         flags = ("-shared", "--strip-all", "--no-undefined", "-z", "noexecstack")
         subprocess.run(["ld", *flags, "-o", library, code], check=True)
-    told = {
-        "sources": sources_key(),
-        "sha256": sha256(library.read_bytes()).hexdigest(),
-        "names": kernel.names,
-        "processor": PROCESSOR,
-    }
+    seal = _seal(kernel.names, library.read_bytes())
+    told = {"seal": seal, "names": kernel.names, "processor": PROCESSOR}
     (folder / _MANIFEST).write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
 
 

@@ -13,7 +13,9 @@ import numpy as np
 from mrsfi_runtime.engine.compiled.layout import packed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording
+from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, WorkerLost
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import State
@@ -59,7 +61,10 @@ def trials(gate: Gate) -> list[Specification]:
 def require_same(
     reference: Engine, record: Record, flown: Sequence[Specification], seconds: float
 ) -> None:
-    """Refuse compiled flights that differ: an EvaluationError says where, and in which region."""
+    """Refuse compiled flights that differ: an EvaluationError says where, and in which region.
+
+    What the reference engine itself does not repeat is a ReplayMismatch.
+    """
     for specification in flown:
         seen, failure = _seen(reference, specification, process_time() + seconds / len(flown))
         recording = record(specification, len(seen))
@@ -67,6 +72,7 @@ def require_same(
             continue
         found = _difference(reference.code.mission, recording, seen)
         if found is not None:
+            reference.repeated(specification)  # else nothing could be held to it
             tick, what, a, b = found
             acting = [one.fault for one in specification if one.start <= tick <= one.finish]
             where, under = reference.code.directory, ", ".join(acting) or "no fault"
@@ -78,14 +84,18 @@ def require_same(
             raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
 
 
-def differing(engine: Engine, specification: Specification) -> str:
-    """Fly a specification that does not repeat itself twice; return what differs first, and why."""
+def differing(code: MissionCode, specification: Specification, seed: int) -> str:
+    """Fly twice what does not repeat itself, from fresh code; return what differs first, and why.
+
+    The specification is of the mission's own pool.
+    """
+    engine = ReferenceEngine(load_code(code.directory, code.pool), seed)
     try:
         first, second = (engine.record(specification) for _ in range(2))
-        found = _difference(engine.code.mission, second, _moments(first))
+        found = _difference(code.mission, second, _moments(first))
     except EvaluationError as error:
         return f"{error}; {_UNREPEATED}"
-    place = "at tick {}, {} is {} and then {}".format(*found) if found else "twice more it does"
+    place = "at tick {}, {} is {} and then {}".format(*found) if found else "two more flights agree"
     return f"{place}; {_UNREPEATED}"
 
 
