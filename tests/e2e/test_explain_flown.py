@@ -62,9 +62,7 @@ def test_that_an_external_simulation_does_not_repeat_itself_stands_wherever_it_i
 
     caution = found["unrepeated"]
     out = small / "out"
-    assert caution.startswith(
-        "the external simulation does not repeat itself: the first specification, flown twice, had "
-    )
+    assert caution.startswith("the external simulation does not repeat itself: evaluation 0 had ")
     assert f"warning: {caution}" in printed.stderr
     assert f"caution   {caution}\n" in printed.stdout
     assert f"**Caution**: {caution}." in (out / "report.md").read_text(encoding="utf-8")

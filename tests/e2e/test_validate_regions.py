@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
+from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json, mrsfi_process
 from tests.tiers import slow
 
 BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
@@ -39,6 +39,27 @@ def test_validate_warns_of_a_region_that_compiles_to_something_else(place):
         "constraint": "RegionCompilesAlike",
         "severity": "warning",
     }
+
+
+def test_validate_warns_of_a_region_that_reads_what_cannot_be_listed(place):
+    (place / "team.py").write_text("def __getattr__(name):\n    return {'LIMIT': 9.0}[name]\n")
+    code, line = _edited(place, "return ci.robots[R1].speed > team.LIMIT")
+    edit(
+        code,
+        "# protected region imports on begin\n",
+        "# protected region imports on begin\nimport team\n",
+    )
+
+    warned, counted = mrsfi_process("validate", MISSION, cwd=place).stdout.splitlines()
+
+    path = f"generated/{MISSION}/collective_intelligence.py"
+    assert warned == (
+        f"{path}:{line - 6}: warning: check_g1 cannot be compiled: it reads a module that "
+        "computes its attributes (__getattr__) by the name 'team', whose change would not be seen; "
+        "expected numbers, texts, tuples, arrays, enums, or functions marked @kernel "
+        "[RegionCompiles]"
+    )
+    assert counted.endswith("1 warning")
 
 
 def test_a_mission_that_was_not_generated_yet_has_no_regions_to_warn_of(place):
