@@ -51,8 +51,8 @@ def command(
     regions alone with 6, warnings alone with 0, or as if they were errors with --strict. A name
     or a field that does not exist is such an error, whether or not a flight reaches it. A mission
     without errors is flown twice without faults, if its generated code is fresh: a flight that
-    fails or differs is an error too, a goal that is violated even then is worth a warning. So is what the
-    compiled engine could not compile in a region, or would compile to something else.
+    fails or differs is an error too, a goal that is violated even then is worth a warning. So is
+    what the compiled engine could not compile in a region, or would compile to something else.
 
     With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
     written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
