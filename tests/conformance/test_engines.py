@@ -312,13 +312,13 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
     code = paper_code(40)
     broken_at = [20]
 
-    def check(view, violated):
-        if view.mission.tick in broken_at:
+    def react(ci):
+        if ci.mission.tick in broken_at:
             message = "too deep"
             raise ArithmeticError(message)
-        code.functions.check(view, violated)
+        code.functions.react(ci)
 
-    broken = replace(code, functions=code.functions._replace(check=check))
+    broken = replace(code, functions=code.functions._replace(react=react))
     with ENGINES[name].open(broken, SEED) as engine:
         with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
             engine.evaluate(())

@@ -1,6 +1,6 @@
 """Which regions of a mission a team wrote: those that are not what their goal's task says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
@@ -26,12 +26,14 @@ class Region(NamedTuple):
     place: int
 
 
-def own_regions(code: MissionCode) -> list[Region]:
-    """Return the regions that a team wrote, in the order of their calls."""
+def own_regions(
+    code: MissionCode, roles: Sequence[str] = ("check", "progress", "react")
+) -> list[Region]:
+    """Return the regions that a team wrote, in the order of their calls, and effects at last."""
     tasks = [number(goal.task) for goal in code.mission.goals]
     found = []
     goals: dict[str, int] = {}
-    for role in ("check", "progress", "react"):
+    for role in roles:
         called = _called(code, role)
         if role == "check":
             goals = {name.removeprefix("check_"): g for g, (name, _) in enumerate(called)}
@@ -50,9 +52,9 @@ def own_regions(code: MissionCode) -> list[Region]:
 
 def measured_goals(code: MissionCode) -> tuple[bool, ...]:
     """Return which goals have a margin: those of which a team wrote neither check nor progress."""
-    goals = range(len(code.mission.goals))
+    goals, roles = range(len(code.mission.goals)), ("check", "progress")
     try:
-        own = {each.place // len(ROLES) for each in own_regions(code) if each.role in ROLES[:2]}
+        own = {each.place // len(ROLES) for each in own_regions(code, roles) if each.role in roles}
     except CompilationError:
         return tuple(False for _ in goals)
     return tuple(g not in own for g in goals)
