@@ -54,6 +54,22 @@ ROOMS = {
     """,
     "causes": "unit/causes integration/causes e2e/test_explain.py",
     "kernel": "unit/kernel golden property",
+    "transport": """
+        unit/transport unit/cosimulation conformance/test_transports.py
+        integration/test_rosbridge.py integration/test_injector.py
+    """,
+    "mrsfi_bridge": """
+        unit/transport unit/bridge disk/bridge integration/test_bridge_embedded.py
+        conformance/test_transports.py integration/test_bridge_command.py
+        integration/test_bridge_server.py
+    """,
+    "study": """
+        unit/study disk/study integration/study e2e/test_compare.py
+    """,
+    "analysis": """
+        unit/analysis disk/analysis integration/analysis e2e/test_replay_and_report.py
+        e2e/test_page.py e2e/test_show.py e2e/test_weaknesses.py
+    """,
     **dict.fromkeys(
         ("m2t", "m2t/check", "m2t/write"), "unit/m2t disk/m2t model integration/test_generation.py"
     ),
