@@ -23,6 +23,10 @@ _FRAGMENT_BYTES = 64
 """What a fragment takes beside its letters."""
 
 _MAX_UNFINISHED = 16
+_MAX_REFUSED = 64
+_MAX_NOTED = 1000
+"""Fragments of a refused message of which is noted which have arrived."""
+
 _DECODER = json.JSONDecoder()
 
 
@@ -169,45 +173,77 @@ def check_name(name: str, noun: str) -> None:
 
 
 class Fragments:
-    """Puts messages together that arrive in fragments; unfinished ones share ``max_bytes``."""
+    """Puts messages together that arrive in fragments; unfinished ones share ``max_bytes``.
+
+    A message is refused whole: fragments of its ID are refused until all of its own have arrived,
+    or until a first fragment that is not its own begins another message.
+    """
 
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
         self._parts: dict[str | int, dict[int, str]] = {}
         self._totals: dict[str | int, int] = {}
+        self._refused: dict[str | int, tuple[int, set[int]]] = {}  # total, 0 if unknown; arrived
         self.n_bytes = 0
 
     def add(self, fragment: Operation) -> str | None:
         """Take a fragment; return the message that it completes.
 
-        It is a ``ProtocolError`` if the fragment makes no sense, or unfinished messages take too
-        much; those of its message are forgotten then.
+        It is a ``ProtocolError`` if the fragment makes no sense, unfinished messages take too much,
+        or its message was refused.
         """
         fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
         try:
-            self._check(fragment_id, number, total, _size(fragment["data"]))
+            self._check(fragment_id, number, total, fragment["data"])
         except ProtocolError:
-            self._forget(fragment_id)
+            self.refuse(fragment_id, number, total)
             raise
+        self._refused.pop(fragment_id, None)
+        if number == 0 and 0 in self._parts.get(fragment_id, ()):  # it begins the message anew
+            self._forget(fragment_id)
         parts = self._parts.setdefault(fragment_id, {})
         self._totals[fragment_id] = total
-        self.n_bytes -= _size(parts.pop(number, None))
+        self.n_bytes += _size(fragment["data"]) - _size(parts.get(number))
         parts[number] = fragment["data"]
-        self.n_bytes += _size(fragment["data"])
         if len(parts) < total:
             return None
         return "".join(part for _, part in sorted(self._forget(fragment_id).items()))
 
-    def _check(self, fragment_id: str | int, number: int, total: int, size: int) -> None:
+    def refuse(self, fragment_id: Any, number: Any, total: Any) -> None:
+        """Forget the message of a fragment that is refused, and refuse its other fragments."""
+        if type(fragment_id) not in _CALL.kinds or len(str(fragment_id)) > _LONGEST_ID:
+            return
+        is_clear = type(number) is type(total) is int and 0 <= number < total
+        known = self._totals.get(fragment_id, total if is_clear and number == 0 else 0)
+        arrived = set(self._forget(fragment_id))
+        known, arrived = self._refused.pop(fragment_id, (known, arrived))
+        if is_clear and total == known and number not in arrived:
+            arrived.add(number)
+        elif is_clear and known:  # of another message: the ID is free after a third's first one
+            known, arrived = (total, arrived & {0} | {number}) if number else (0, set())
+        if not 0 < known <= _MAX_NOTED:
+            known, arrived = 0, set()
+        if not known or len(arrived) < known:
+            self._refused[fragment_id] = known, arrived
+        if len(self._refused) > _MAX_REFUSED:
+            del self._refused[next(iter(self._refused))]
+
+    def _check(self, fragment_id: str | int, number: int, total: int, data: str) -> None:
+        if fragment_id in self._refused:
+            known, arrived = self._refused[fragment_id]
+            if number or (total == known and 0 not in arrived):
+                raise ProtocolError(f"fragment {number} of {total}: its message was refused")
         if not 0 <= number < total <= _MAX_FRAGMENTS:
             raise ProtocolError(f"fragment {number} of {total}, of at most {_MAX_FRAGMENTS}")
         if self._totals.get(fragment_id, total) != total:
             raise ProtocolError(f"fragments disagree: {total} and {self._totals[fragment_id]}")
+        if self._parts.get(fragment_id, {}).get(number, data) != data:
+            raise ProtocolError(f"fragment {number} of {total} came before with other data")
         if fragment_id not in self._parts and len(self._parts) >= _MAX_UNFINISHED:
             raise ProtocolError(
                 f"{_MAX_UNFINISHED} messages in fragments are unfinished, the limit"
             )
-        if self.n_bytes + size > self._max_bytes:
+        if self.n_bytes + _size(data) > self._max_bytes:
             raise ProtocolError(f"unfinished messages take over {self._max_bytes} bytes, the limit")
 
     def _forget(self, fragment_id: str | int) -> dict[int, str]:

@@ -145,10 +145,18 @@ class Session:
     def _obey(self, operation: Operation) -> None:
         getattr(self, f"_{operation['op']}")(operation)  # one for each of the protocol
 
+    def _checked(self, value: Any) -> Operation:
+        try:
+            return check_operation(value)
+        except ProtocolError:
+            if isinstance(value, dict) and value.get("op") == "fragment":
+                self.fragments.refuse(*map(value.get, ("id", "num", "total")))
+            raise
+
     def _carry_out(self, value: Any) -> None:
         self._hub.counts.received += 1
         try:
-            operation = check_operation(value)
+            operation = self._checked(value)
             self._obey(operation)
         except ProtocolError as error:
             self._drop(str(error), value)
@@ -157,7 +165,7 @@ class Session:
         """Carry out an operation that may hold much, or what a fragment completes, step by step."""
         self._hub.counts.received += 1
         try:
-            operation = check_operation(value)
+            operation = self._checked(value)
             if operation["op"] == "fragment":
                 text = self.fragments.add(operation)
                 yield from () if text is None else self.steps(text)

@@ -15,6 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import Limits, ServerSettings
+from mrsfi_bridge.type_table import TypeTable
 from tests.integration.network import (
     MEBI,
     PATIENCE,
@@ -401,6 +402,42 @@ def test_what_is_large_comes_in_its_turn_and_lets_others_have_theirs():
             last = data[0]
 
     assert [each for each in lengths if each != 200_000] == [300_000, 1] * 3
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"num": 0, "total": 4},
+        {"num": 3},
+        {"num": 1.5},
+        {"data": 7},
+        {"data": "x" * 900},
+        {"num": 0, "data": "of another"},
+    ],
+    ids=["another total", "bad number", "bad type", "bad data", "too large", "first again"],
+)
+def test_after_a_refused_fragment_nothing_of_its_message_is_delivered(ros, wrong):
+    with (
+        bridge(Limits(frame_bytes=1000), types=TypeTable(ros=ros)) as server,
+        client(server) as sender,
+        client(server) as listener,
+    ):
+        kind = TEXT if ros == 1 else "std_msgs/msg/String"
+        listener.send("subscribe", topic="/s", type=kind)
+        listener.settle()
+        sender.send("advertise", topic="/s", type=kind)
+        sender.send("fragment", id="other", num=0, total=2, data="x" * 900)
+        for word, change in (("one", wrong), ("two", {}), ("three", {})):
+            text = json.dumps({"op": "publish", "topic": "/s", "msg": {"data": 2 * word}})
+            cut = text.index(word) + len(word)
+            for number, part in enumerate((text[:9], text[9:cut], text[cut:])):
+                fragment = {"id": "f", "num": number, "total": 3, "data": part}
+                sender.send("fragment", **(fragment | change if number == 1 else fragment))
+        sender.send("publish", topic="/s", msg={"data": "end"})
+        heard = list(iter(lambda: listener.receive()["msg"]["data"], "end"))
+
+    assert heard == ["twotwo", "threethree"]
 
 
 def test_a_server_ends_amid_large_messages_without_a_word(caplog):

@@ -1,6 +1,9 @@
 """From texts to operations: JSON, several objects in a frame, fragments, levels."""
 
 import json
+from contextlib import suppress
+from itertools import chain, permutations
+from operator import itemgetter
 
 import pytest
 from hypothesis import given
@@ -10,7 +13,7 @@ from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import Fragments
 from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, TEXT, Peer, new_hub
-from tests.tiers import slow
+from tests.tiers import law, slow
 
 
 @pytest.fixture
@@ -167,14 +170,30 @@ def test_messages_in_fragments_may_be_mixed():
     assert done == ["abcdef", "uvwxyz"]
 
 
+def completed(collected, *told):
+    """Return the texts that fragments complete; those that are refused are left out."""
+    done = []
+    for fragment in told:
+        with suppress(ProtocolError):
+            done += [text for text in [collected.add(fragment)] if text is not None]
+    return done
+
+
 def test_a_repeated_fragment_counts_once():
     collected = Fragments(10_000)
     first, second = fragments("abcd", 2)
 
-    assert collected.add(first) is None
-    assert collected.add(first) is None
-    assert collected.add(second) == "abcd"
+    assert completed(collected, first, first, second) == ["abcd"]
     assert collected.n_bytes == 0
+
+
+def test_the_first_fragment_again_begins_a_message_anew():
+    collected = Fragments(10_000)
+    first, second, _ = fragments("abcdef", 2)
+    _, _, old = fragments("abcdEF", 2)
+
+    assert completed(collected, first, old, first, second) == []
+    assert completed(collected, *fragments("abcdef", 2)[2:]) == ["abcdef"]
 
 
 @pytest.mark.parametrize(
@@ -184,6 +203,7 @@ def test_a_repeated_fragment_counts_once():
         (-1, 2, "fragment -1"),
         (0, 10**9, "of at most"),
         (0, 3, "disagree"),
+        (0, 2, "came before with other data"),
     ],
 )
 def test_fragments_that_make_no_sense_are_refused_and_forgotten(number, total, reason):
@@ -194,6 +214,138 @@ def test_fragments_that_make_no_sense_are_refused_and_forgotten(number, total, r
         collected.add({"id": "f", "data": "b", "num": number, "total": total})
 
     assert collected.n_bytes == 0
+
+
+ORDERS = tuple(permutations(range(3)))
+
+WRONG = {
+    "a number too high": {"num": 3},
+    "a negative number": {"num": -1},
+    "another total": {"total": 4},
+    "too many fragments": {"total": 10**6},
+    "a number of another kind": {"num": 1.0},
+    "a number that is missing": {"num": None},
+    "a total of another kind": {"total": "3"},
+    "data of another kind": {"data": 7},
+    "data that is missing": {"data": None},
+    "too much data": {"data": "x" * 3000},
+    "the number of another fragment": {"num": 0},
+}
+"""What makes a fragment of three one that is refused; what is ``None`` is left out."""
+
+
+@pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
+@pytest.mark.parametrize("order", ORDERS, ids=str)
+def test_a_message_of_which_a_fragment_is_refused_leaves_nothing_to_the_next(wrong, order):
+    peer = Peer(new_hub(Limits(frame_bytes=1000))[0])
+    peer.tell(op="advertise", topic="/s", type=TEXT)
+    peer.tell(op="subscribe", topic="/s")
+    one, two, three = (published(word) for word in ("one", "two", "three"))
+    changed = {**one[1], **wrong}
+    one[1] = {key: value for key, value in changed.items() if value is not None}
+
+    for fragment in (*(one[number] for number in order), *two, *three):
+        peer.tell(**fragment)
+
+    assert peer.messages() in ([{"data": "two"}, {"data": "three"}], [{"data": "three"}])
+    assert peer.session.fragments.n_bytes == 0
+
+
+def published(word):
+    """Return three fragments that publish a word."""
+    text = json.dumps({"op": "publish", "topic": "/s", "msg": {"data": word}})
+    return fragments(text, -(-len(text) // 3))
+
+
+@pytest.mark.parametrize("order", [each for each in ORDERS if each[0] != 1], ids=str)
+def test_a_refused_message_ends_with_its_last_fragment(order):
+    collected = Fragments(10_000)
+    first, second, third = fragments("abcdef", 2)
+    refused = (first, second | {"data": "x" * 10_000}, third)
+
+    assert completed(collected, *(refused[number] for number in order)) == []
+    assert completed(collected, *reversed(fragments("uvwxyz", 2))) == ["uvwxyz"]
+
+
+def test_a_refused_fragment_alone_makes_way_for_a_first_fragment():
+    collected = Fragments(10_000)
+    _, second, third = fragments("abcdef", 2)
+
+    assert completed(collected, second | {"data": "x" * 10_000}, third) == []
+    assert completed(collected, *fragments("uvwxyz", 2)) == ["uvwxyz"]
+
+
+def test_a_refused_message_that_never_ends_makes_way_for_a_first_fragment():
+    collected = Fragments(10_000)
+    first, second, _ = fragments("abcdef", 2)
+
+    assert completed(collected, first, second | {"data": "x" * 10_000}) == []
+    assert completed(collected, *fragments("uvwxyz", 2)) == ["uvwxyz"]
+
+
+def test_a_message_that_follows_an_unfinished_one_of_another_length_is_refused_whole():
+    collected = Fragments(10_000)
+    words = [fragments(f"head of {word}, tail of {word}", 14) for word in ("two", "six", "ten")]
+    unfinished = {"id": "f", "data": "head", "num": 0, "total": 4}
+
+    assert completed(collected, unfinished, *chain(*words)) == [
+        "head of six, tail of six",
+        "head of ten, tail of ten",
+    ]
+
+
+def test_two_messages_at_once_with_one_id_are_both_refused():
+    collected = Fragments(10_000)
+    mixed = zip(fragments("abcdef", 2), fragments("uvwxyz", 2), strict=True)
+
+    assert completed(collected, *(fragment for pair in mixed for fragment in pair)) == []
+    assert completed(collected, *fragments("ghijkl", 2)) == ["ghijkl"]
+
+
+def test_a_message_refused_for_others_that_are_unfinished_stays_so():
+    collected = Fragments(10_000)
+    others = [fragments("abcd", 2, number) for number in range(16)]
+    completed(collected, *(first for first, _ in others))
+    first, second = fragments("uvwx", 2)
+
+    assert completed(collected, first, others[0][1], second) == ["abcd"]
+    assert completed(collected, first | {"data": "UV"}, second) == ["UVwx"]
+
+
+def test_refused_messages_are_remembered_up_to_a_limit():
+    collected = Fragments(10_000)
+    refused = [fragments("abcd", 2, number) for number in range(65)]
+    completed(collected, *(first | {"data": "x" * 10_000} for first, _ in refused))
+
+    assert completed(collected, refused[1][1], refused[1][0]) == []
+    assert completed(collected, refused[0][1], refused[0][0]) == ["abcd"]
+
+
+@law(200)
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(1, 4),  # fragments
+            st.sets(st.integers(0, 3)),  # those that are refused
+            st.randoms(use_true_random=False),
+        ),
+        max_size=8,
+    )
+)
+def test_what_is_put_together_was_sent_whole(messages):
+    collected, sent, done = Fragments(1000), [], []
+    for place, (n, refused, order) in enumerate(messages):
+        text = "".join(f"{place}.{number} " for number in range(n))
+        told = fragments(text, 4)
+        order.shuffle(told)
+        if told[0]["num"] in refused:  # nothing shows that the first one is still to come
+            told.sort(key=itemgetter("num"))
+        if refused.isdisjoint(range(n)):
+            sent.append(text)
+        wrong = {"data": "x" * 1000}
+        done += completed(collected, *(f | wrong if f["num"] in refused else f for f in told))
+
+    assert done == sent
 
 
 def test_unfinished_messages_are_bounded_in_number_and_size():
