@@ -179,7 +179,8 @@ def mutants(file: Path) -> Iterator[Mutant]:
     for line in content.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
     tree = ast.parse(content)
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    kinds = ast.FunctionDef | ast.AsyncFunctionDef
+    functions = [node for node in ast.walk(tree) if isinstance(node, kinds)]
     nested = {inner for outer in functions for inner in ast.walk(outer) if inner is not outer}
     for function in functions:
         if function in nested:
