@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -278,3 +279,15 @@ def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
         yield
     except OSError as error:
         raise UsageError(f"{path}: cannot be written: {error.strerror}; {advice}") from error
+
+
+@contextmanager
+def telling_of_temporary_files() -> Iterator[None]:
+    """Say of files that no user asked for that their folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(
+            f"{tempfile.tempdir or 'TMPDIR'}: mrsfi cannot write temporary files there: "
+            f"{error.strerror}; set TMPDIR to a folder with more room"
+        ) from error

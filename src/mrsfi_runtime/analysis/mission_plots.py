@@ -41,6 +41,7 @@ from mrsfi_runtime.analysis.plots import (
     whole_numbers,
 )
 from mrsfi_runtime.analysis.story import Story, seen, windows, working_window
+from mrsfi_runtime.files import telling_of_temporary_files
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
@@ -146,7 +147,7 @@ def flight_gif(story: Story) -> bytes:
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
     trail = _TRAIL * max(1, n_ticks // _N_FRAMES)
-    with TemporaryDirectory() as folder, rc_context(STYLE):
+    with telling_of_temporary_files(), TemporaryDirectory() as folder, rc_context(STYLE):
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
         true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)

@@ -24,7 +24,7 @@ from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record
-from mrsfi_runtime.errors import MrsfiError, RecordError
+from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -152,6 +152,8 @@ def _fly(
         flown: Flown | str
         try:
             flown, sentences = flown_of(mission, pool, way, record)
+        except UsageError:  # the user's folder for temporary files is full, say
+            raise
         except MrsfiError as error:
             flown, sentences = str(error), ()
         told = PageEntry(

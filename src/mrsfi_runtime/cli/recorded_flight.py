@@ -20,7 +20,7 @@ from mrsfi_runtime.cli.progress import flight_progress
 from mrsfi_runtime.cli.terminal import print_table, print_words
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
-from mrsfi_runtime.files import whole_file, written_file
+from mrsfi_runtime.files import telling, whole_file, written_file
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -117,11 +117,23 @@ def _observers(
         yield flight_progress(mission.duration)
     if files.log is not None:
         log = opened.enter_context(written_file(files.log))
-        yield SimulationLog(mission, log, Events(mission, faults, tallies))
+        yield _writing(files.log, SimulationLog(mission, log, Events(mission, faults, tallies)))
     if files.trace is not None:
-        yield TraceTable(mission, opened.enter_context(written_file(files.trace)))
+        trace = opened.enter_context(written_file(files.trace))
+        yield _writing(files.trace, TraceTable(mission, trace))
     if files.mcap is not None:
-        yield opened.enter_context(_bag(files.mcap, mission, faults, tallies))
+        bag = opened.enter_context(_bag(files.mcap, mission, faults, tallies))
+        yield _writing(files.mcap, bag)
+
+
+def _writing(path: Path, observer: Observer) -> Observer:
+    """Return an observer that says of its file, not of the mission, that it cannot be written."""
+
+    def observe(*tick: Any) -> None:
+        with telling(path):
+            observer(*tick)
+
+    return observe
 
 
 @contextmanager

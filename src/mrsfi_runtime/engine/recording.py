@@ -8,6 +8,7 @@ are not kept at all.
 import weakref
 import zlib
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
+from contextlib import suppress
 from functools import cached_property
 from tempfile import SpooledTemporaryFile
 from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
@@ -15,6 +16,7 @@ from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 import numpy as np
 import numpy.typing as npt
 
+from mrsfi_runtime.files import telling_of_temporary_files
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
@@ -142,7 +144,7 @@ class Recording:
     @cached_property
     def _stream(self) -> "SpooledTemporaryFile[bytes]":
         stream = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the recording
-        weakref.finalize(self, stream.close)
+        weakref.finalize(self, _close, stream)
         return stream
 
     def _keep(self, path: tuple[str, ...]) -> tuple[int, int]:
@@ -151,13 +153,15 @@ class Recording:
         steps = np.diff(words, axis=0)
         is_changing = steps.any(axis=0)
         kept = words[0].tobytes() + is_changing.tobytes() + steps[:, is_changing].T.tobytes()
-        return self._stream.seek(0, 2), self._stream.write(zlib.compress(kept, 1))
+        with telling_of_temporary_files():
+            return self._stream.seek(0, 2), self._stream.write(zlib.compress(kept, 1))
 
     def _read(self, chunk: int, path: tuple[str, ...]) -> npt.NDArray[np.uint64]:
         """Return the words of a quantity in a compressed chunk, shape ``(chunk, n_words)``."""
         place, size = self._places[chunk][path]
-        self._stream.seek(place)
-        kept = zlib.decompress(self._stream.read(size))
+        with telling_of_temporary_files():
+            self._stream.seek(place)
+            kept = zlib.decompress(self._stream.read(size))
         n = self._columns[path].words.size
         is_changing = np.frombuffer(kept, np.bool_, n, 8 * n)
         steps = np.frombuffer(kept, np.uint64, offset=9 * n).reshape(-1, self.chunk - 1)
@@ -195,6 +199,11 @@ class Part:
         for name in self._path:
             records = records[name]
         return records
+
+
+def _close(stream: "SpooledTemporaryFile[bytes]") -> None:
+    with suppress(OSError):  # what a full disk did not take is still to be written
+        stream.close()
 
 
 def _leaves(path: tuple[str, ...], words: Records) -> Iterator[tuple[tuple[str, ...], _Column]]:

@@ -1,6 +1,8 @@
 """The cache of compiled missions: whose it is, what is read of it, and how much it keeps."""
 
 import os
+import resource
+import tempfile
 from contextlib import suppress
 from pathlib import Path
 from tempfile import mkdtemp
@@ -10,6 +12,7 @@ import pytest
 from mrsfi_runtime.engine.compiled import cache
 from mrsfi_runtime.engine.compiled.cache import FILE, N_KEPT, cache_folder, forget, kept
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode, kept_code
+from mrsfi_runtime.engine.compiled.reach import CompilationError
 from mrsfi_runtime.errors import EvaluationError
 
 MADE = b"machine\ncode"
@@ -77,6 +80,17 @@ def test_what_was_not_finished_is_not_kept(entry):
         kept(entry.name, fail)
 
     assert kept(entry.name, lambda: MADE) == (MADE, True)
+
+
+def test_where_no_folder_has_room_the_error_says_how_to_name_one(entry, monkeypatch):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    monkeypatch.setattr(tempfile, "tempdir", str(entry.parent))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(MADE), before[1]))
+    try:
+        with pytest.raises(CompilationError, match="too large; set MRSFI_CACHE or TMPDIR"):
+            kept("other", lambda: MADE)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_a_file_in_the_place_of_an_entry_is_removed(entry):

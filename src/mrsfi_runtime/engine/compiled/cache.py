@@ -64,7 +64,14 @@ def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
     try:
         return _kept_in(folder / key, make)
     except OSError as error:  # a full disk, say
-        return _kept_in(temporary(folder, str(error)) / key, make)
+        own = temporary(folder, str(error))
+    try:
+        return _kept_in(own / key, make)
+    except OSError as error:
+        raise CompilationError(
+            f"{own}: cannot keep compiled code: {error.strerror}; set MRSFI_CACHE or TMPDIR to a "
+            "folder with more room"
+        ) from error
 
 
 def forget(key: str) -> None:
