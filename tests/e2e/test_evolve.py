@@ -9,6 +9,7 @@ from tests.support.cli import (
     mrsfi_json,
     workspace,
 )
+from tests.support.rendezvous import NAME
 from tests.tiers import slow
 
 
@@ -114,3 +115,17 @@ def test_the_smallest_set_that_makes_a_goal_truly_fail_is_one_command(tmp_path):
     other = ("--resume", "out", "--goals", "energy")
     error = mrsfi("evolve", *other, cwd=quick, expected=2).stderr
     assert "--goals: found ['energy']" in error
+
+
+def test_a_fitness_too_large_for_a_float_is_told_of_its_function(small, monkeypatch):
+    (small / "huge.py").write_text("def huge(findings):\n    return 10**400\n", encoding="utf-8")
+    case = '[search]\npopulation = 4\ngenerations = 1\nfaults = 2\nfitness = "huge:huge"\n'
+    (small / "case.toml").write_text(case, encoding="utf-8")
+    monkeypatch.syspath_prepend(small)
+
+    words = ("evolve", NAME, "--case", "case.toml", "--engine", "reference", "--no-explain")
+    done = mrsfi(*words, cwd=small, expected=6)
+
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("mrsfi: the fitness of (TimedFault(")
+    assert last.endswith(" is inf as a float; expected a finite number, -1e+100 to 1e+100")

@@ -5,6 +5,7 @@ References
 Source paper, section III-E e), equations (1) to (3).
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -13,6 +14,7 @@ from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -51,6 +53,9 @@ Findings = FitnessInput
 
 FitnessFunction: TypeAlias = Callable[[FitnessInput], float]
 """From findings to a number >= 0; more is more critical."""
+
+_GREATEST = 1e100
+"""The greatest fitness: its square and the sum over a population are floats, too."""
 
 _TOTAL = 0.3
 _DISTINCT = 0.7
@@ -129,8 +134,8 @@ class Judge:
         self._measure = settings.violations
         self._fitness = chosen(settings, "fitness", FITNESS_FUNCTIONS)
 
-    def score(self, outcome: Outcome) -> Score:
-        """Return the fitness and the goal vector of one outcome."""
+    def score(self, outcome: Outcome, specification: Specification = ()) -> Score:
+        """Return the fitness and the goal vector of one outcome, under a specification."""
         findings = FitnessInput(
             outcome, getattr(outcome, self._measure), self._goals, self._duration
         )
@@ -138,7 +143,16 @@ class Judge:
         if not isinstance(fitness, Real):
             found = type(fitness).__name__
             raise EvaluationError(f"the fitness function returned {found}; expected a number")
-        return Score(fitness, self.goals(outcome))
+        try:
+            value = float(fitness)
+        except OverflowError:
+            value = math.inf if fitness > 0 else -math.inf
+        if not abs(value) <= _GREATEST:  # DEAP takes NaN for best
+            raise EvaluationError(
+                f"the fitness of {specification} is {value:g} as a float; expected a finite "
+                f"number, {-_GREATEST:g} to {_GREATEST:g}"
+            )
+        return Score(value, self.goals(outcome))
 
     def goals(self, outcome: Outcome) -> tuple[int, ...]:
         """Return the goal vector of one outcome, shape ``(n_chosen,)``: equation (3)."""

@@ -206,7 +206,7 @@ class _Assessment:
                 number = len(self._indexes)
                 return FailedEvaluation(number, generation, specification, flown.traceback)
             outcomes.append(flown)
-        score = averaged([self._judge.score(each) for each in outcomes])
+        score = averaged([self._judge.score(each, specification) for each in outcomes])
         means = () if len(outcomes) == 1 else score.goals  # one outcome has them itself
         return Evaluation(
             index=self._n_evaluations,
@@ -224,7 +224,8 @@ class _Assessment:
         """
         if isinstance(result, FailedEvaluation) or len(self._evaluators) > 1:
             return
-        if (self._judge.score(result.outcome).fitness,) != result.fitness:
+        score = self._judge.score(result.outcome, result.specification)
+        if (score.fitness,) != result.fitness:
             raise RecordError(self._record.astray(f"the fitness of specification {place}"))
 
     def _counted(self, result: Result) -> Score:
@@ -237,11 +238,6 @@ class _Assessment:
         fitness, *means = result.fitness
         goals = tuple(means) or self._judge.goals(result.outcome)
         score = Score(fitness, goals, result.outcome)
-        if not all(map(math.isfinite, (score.fitness, *score.goals))):  # DEAP takes NaN for best
-            raise EvaluationError(
-                f"the fitness of {result.specification} is {score.fitness}; "
-                "expected a finite number"
-            )
         self._best = score.fitness if result.index == 0 else max(self._best, score.fitness)
         return score
 

@@ -1,7 +1,13 @@
+import sys
 from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import (
@@ -81,6 +87,57 @@ def test_a_campaign_chooses_which_violations_are_judged(violations, expected):
 
     fitness, first_goal = expected
     assert score == Score(fitness, (int(fitness) - first_goal, first_goal))
+
+
+def judged_by(monkeypatch, value):
+    monkeypatch.setitem(sys.modules, "own", SimpleNamespace(fitness=lambda _: value))
+    judge = Judge(CampaignSettings(fitness="own:fitness"), paper_mission())
+    return judge.score(outcome_of(*VIOLATIONS)).fitness
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (7, 7.0),
+        (True, 1.0),
+        (Fraction(1, 3), 1 / 3),
+        (np.float32(0.5), 0.5),
+        (np.int64(7), 7.0),
+        (-1e100, -1e100),
+        (10**30 + 1, 1e30),
+    ],
+    ids=repr,
+)
+def test_any_real_number_is_a_fitness_as_a_float(monkeypatch, value, expected):
+    found = judged_by(monkeypatch, value)
+
+    assert (found, type(found)) == (expected, float)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (10**400, "inf"),
+        (-(10**5000), "-inf"),
+        (Fraction(10**400), "inf"),
+        (Fraction(-(10**400), 3), "-inf"),
+        (float("nan"), "nan"),
+        (np.float32("-inf"), "-inf"),
+        (1.7e308, r"1.7e\+308"),
+    ],
+    ids=["int", "negative int", "Fraction", "negative Fraction", "nan", "float32", "huge float"],
+)
+def test_a_fitness_that_is_no_finite_float_is_refused(monkeypatch, value, said):
+    message = rf"is {said} as a float; expected a finite number, -1e\+100 to 1e\+100"
+    with pytest.raises(EvaluationError, match=message):
+        judged_by(monkeypatch, value)
+
+
+@pytest.mark.parametrize("value", [None, "3", 1j, Decimal(3), np.array([3.0])], ids=repr)
+def test_what_is_no_real_number_is_no_fitness(monkeypatch, value):
+    message = f"the fitness function returned {type(value).__name__}; expected a number"
+    with pytest.raises(EvaluationError, match=message):
+        judged_by(monkeypatch, value)
 
 
 def test_scores_of_several_mission_seeds_are_averaged():

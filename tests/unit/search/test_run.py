@@ -3,6 +3,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import chain, repeat
 from types import SimpleNamespace
 from typing import Any
@@ -156,6 +157,18 @@ def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch):
         run.start()
 
     assert [each.fitness[0] for each in run.store.evaluations()] == list(range(15))
+
+
+def test_a_run_whose_fitness_is_a_fraction_goes_on_from_its_record(monkeypatch):
+    thirds = SimpleNamespace(fitness=lambda found: Fraction(sum(found.violations), 3))
+    monkeypatch.setitem(sys.modules, "thirds", thirds)
+    run = Run(CampaignSettings(fitness="thirds:fitness", generations=2))
+    run.start()
+    before = content(run.store)
+
+    run.start()
+
+    assert content(run.store) == before
 
 
 def test_a_result_too_few_is_noticed():
