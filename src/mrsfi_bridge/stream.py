@@ -6,7 +6,7 @@ which is nearly all that a client and a rosbridge server send, are cut out here,
 
 import os
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
 from websockets.client import ClientProtocol
@@ -181,10 +181,8 @@ def _masks() -> Iterator[bytes]:
     return (drawn[start : start + _MASK_BYTES] for start in range(0, len(drawn), _MASK_BYTES))
 
 
-def client_stream(url: str, headers: Mapping[str, str]) -> Stream:
-    """Return a client's end, which has said what it asks for, with some headers of HTTP."""
+def client_stream(url: str) -> Stream:
+    """Return a client's end, which has said what it asks for."""
     protocol = ClientProtocol(parse_uri(url), max_size=None)
-    request = protocol.connect()
-    request.headers.update(headers)
-    protocol.send_request(request)
+    protocol.send_request(protocol.connect())
     return Stream(protocol)

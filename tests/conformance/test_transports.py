@@ -218,6 +218,34 @@ def test_a_mission_flies_over_it_as_in_one_process(ends):
     assert found == ReferenceEngine(code, 1).evaluate(faults)
 
 
+@pytest.mark.parametrize("end", [EmbeddedTransport, of_socket])
+def test_who_closed_a_transport_cannot_publish_on_it(end):
+    with EmbeddedBridge() as bridge:
+        transport = end(bridge)
+        publish = transport.advertise(SPEED)
+        transport.close()
+
+        with pytest.raises(TransportClosed, match="was closed"):
+            publish({"data": 1.0})
+
+
+@pytest.mark.parametrize("end", [EmbeddedTransport, of_socket])
+def test_callbacks_run_in_one_thread_whichever_publishes(end):
+    with EmbeddedBridge() as bridge:
+        transport, arrived = end(bridge), SimpleQueue()
+        transport.subscribe(SPEED, lambda _: arrived.put(threading.get_ident()))
+        publish = transport.advertise(SPEED)
+
+        publish({"data": 1.0})
+        other = threading.Thread(target=publish, args=({"data": 2.0},))
+        other.start()
+        first, second = (arrived.get(timeout=10) for _ in range(2))
+        other.join()
+        transport.close()
+
+    assert first == second != threading.get_ident()
+
+
 def test_closing_twice_does_no_harm(ends):
     for _ in range(2):
         ends.first.close()

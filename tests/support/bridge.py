@@ -52,6 +52,11 @@ class Clock:
     def call_soon(self, callback: Callable[[], object], /) -> Appointment:
         return self.call_later(0.0, callback)
 
+    @property
+    def n_due(self) -> int:
+        """How many callbacks wait for their time."""
+        return len(self._due)
+
     def advance(self, seconds: float) -> None:
         end = self._now + seconds
         while self._due and self._due[0][0] <= end:

@@ -139,7 +139,6 @@ class RosbridgeTransport(ListenedTransport):
         is_open = self._opened.wait(timeout)
         if is_open and self.lost is None:
             return
-        self._is_closing = True
         self._ros.call_later(0, self._stop_reconnecting)
         if is_open and getattr(self._ros.factory, "status", None) == HTTPStatus.UNAUTHORIZED:
             raise TransportClosed(

@@ -31,7 +31,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
         self._loop = factory.manager.loop
         self._thread = get_ident()
         self._manual_disconnect = False  # roslibpy's factory reads it
-        self._stream = client_stream(factory.url, factory.headers or {})
+        self._stream = client_stream(factory.url)
         self._buffer = memoryview(bytearray(_READ_BYTES))
         self._is_due = False
 

@@ -86,6 +86,16 @@ def test_nothing_is_heard_that_is_older_than_a_second(hub, clock):
     assert heard(joined(hub, "subscribe", "/t")) == []
 
 
+def test_one_appointment_sees_to_the_age_of_all_messages(hub, clock):
+    publisher = joined(hub, "advertise", "/t")
+
+    for value in range(20):
+        publish(publisher, [value])
+        clock.advance(0.01)
+
+    assert clock.n_due == 1
+
+
 def test_a_topic_of_another_type_has_no_past(hub, clock):
     publisher = joined(hub, "advertise", "/t")
     publish(publisher, [1, 2])

@@ -222,7 +222,7 @@ def test_services_and_calls_under_way_are_limited():
         caller.tell(op="call_service", service="/add", id=number)
 
     assert "the limit" in provider.take()[0]["msg"]
-    assert [answer["id"] for answer in caller.take()] == [2]
+    assert [(answer["id"], answer["result"]) for answer in caller.take()] == [(2, False)]
 
 
 def test_answers_come_in_the_encoding_that_the_call_asks_for(hub):
