@@ -33,6 +33,8 @@ from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
 
+_NOWHERE = Path()
+
 
 @dataclass(frozen=True, slots=True)
 class Subject:
@@ -66,11 +68,12 @@ def fly_recorded(
             from mrsfi_runtime.engine.recording import Recorder  # brings numpy
 
             recorder = Recorder(initial_state(mission, engine.seed))
-            observers.append(recorder)
+            observers.append((_NOWHERE, recorder))
 
         def observe(*tick: Any) -> None:
-            for observer in observers:
-                observer(*tick)
+            for path, observer in observers:
+                with telling(path):  # of the file, or the mission would be blamed
+                    observer(*tick)
 
         observer = observe if observers else None
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
@@ -111,29 +114,19 @@ def _observers(
     files: FlightFiles,
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
-) -> Iterator[Observer]:
+) -> Iterator[tuple[Path, Observer]]:
+    """Yield what sees each tick, each after the file that it writes."""
     mission = engine.code.mission
     if isinstance(engine, PlainEngine):  # others take no time
-        yield flight_progress(mission.duration)
+        yield _NOWHERE, flight_progress(mission.duration)
     if files.log is not None:
         log = opened.enter_context(written_file(files.log))
-        yield _writing(files.log, SimulationLog(mission, log, Events(mission, faults, tallies)))
+        yield files.log, SimulationLog(mission, log, Events(mission, faults, tallies))
     if files.trace is not None:
         trace = opened.enter_context(written_file(files.trace))
-        yield _writing(files.trace, TraceTable(mission, trace))
+        yield files.trace, TraceTable(mission, trace)
     if files.mcap is not None:
-        bag = opened.enter_context(_bag(files.mcap, mission, faults, tallies))
-        yield _writing(files.mcap, bag)
-
-
-def _writing(path: Path, observer: Observer) -> Observer:
-    """Return an observer that says of its file, not of the mission, that it cannot be written."""
-
-    def observe(*tick: Any) -> None:
-        with telling(path):
-            observer(*tick)
-
-    return observe
+        yield files.mcap, opened.enter_context(_bag(files.mcap, mission, faults, tallies))
 
 
 @contextmanager

@@ -12,8 +12,7 @@ import pytest
 from mrsfi_runtime.engine.compiled import cache
 from mrsfi_runtime.engine.compiled.cache import FILE, N_KEPT, cache_folder, forget, kept
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode, kept_code
-from mrsfi_runtime.engine.compiled.reach import CompilationError
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, UsageError
 
 MADE = b"machine\ncode"
 
@@ -87,7 +86,7 @@ def test_where_no_folder_has_room_the_error_says_how_to_name_one(entry, monkeypa
     monkeypatch.setattr(tempfile, "tempdir", str(entry.parent))
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(MADE), before[1]))
     try:
-        with pytest.raises(CompilationError, match="too large; set MRSFI_CACHE or TMPDIR"):
+        with pytest.raises(UsageError, match="File too large; set TMPDIR to a folder with"):
             kept("other", lambda: MADE)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)

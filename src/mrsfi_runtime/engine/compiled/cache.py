@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from mrsfi_runtime.engine.compiled.regions import CompilationError
+from mrsfi_runtime.files import telling_of_temporary_files
 
 FILE = "code"
 N_KEPT = 512
@@ -64,14 +65,8 @@ def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
     try:
         return _kept_in(folder / key, make)
     except OSError as error:  # a full disk, say
-        own = temporary(folder, str(error))
-    try:
-        return _kept_in(own / key, make)
-    except OSError as error:
-        raise CompilationError(
-            f"{own}: cannot keep compiled code: {error.strerror}; set MRSFI_CACHE or TMPDIR to a "
-            "folder with more room"
-        ) from error
+        with telling_of_temporary_files():
+            return _kept_in(temporary(folder, str(error)) / key, make)
 
 
 def forget(key: str) -> None:
