@@ -56,6 +56,21 @@ def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
     require_inside(figure)
 
 
+def test_the_course_of_a_short_search_has_a_place_for_each_evaluation():
+    runs = [
+        run_result(
+            name, seed, n_evaluations=5, improvements=((1, 2.0), (3, 4.0 + seed)), hypervolume=None
+        )
+        for name in ("paper", "random")
+        for seed in (1, 2, 3)
+    ]
+
+    figure = dict(study_plots.illustrate(compare(("paper", "random"), runs)))["course"]
+
+    medians = [line.get_xydata().tolist() for line in figure.axes[0].lines]
+    assert medians == [[[1, 2], [2, 2], [3, 6], [4, 6], [5, 6]]] * 2
+
+
 def swept(text: str) -> Comparison:
     sweep = Sweep.parse(text)
     names = tuple(sweep.settings())

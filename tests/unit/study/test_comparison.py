@@ -54,6 +54,7 @@ def test_medians_have_quartiles_and_what_was_never_reached_is_infinite():
     found = three().quartiles
 
     assert found["fitness"]["good"] == Quartiles(21.75, 22.5, 23.25)
+    assert found["hypervolume"]["good"] == Quartiles(0.2175, 0.225, 0.2325)
     assert found["at_once_2"]["good"] == Quartiles(inf, inf, inf)
     assert found["at_once_2"]["fair"] == Quartiles(30.0, 30.0, 30.0)
 

@@ -56,6 +56,11 @@ def test_a_sample_of_one_value_is_not_told_from_another():
     assert found.p_value > 0.9
 
 
+@pytest.mark.parametrize("n", [1, 4, 30])
+def test_samples_in_which_all_values_are_equal_do_not_differ(n):
+    assert compare_ranks([3.0] * n, [3.0] * n) == RankTest(n * n / 2, 1.0, "exact", 0.5)
+
+
 def test_large_samples_have_the_normal_p_value_with_corrections():
     first = [value % 7 for value in range(30)]
     second = [value % 5 + 1 for value in range(30)]
