@@ -56,6 +56,13 @@ def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
     require_inside(figure)
 
 
+def test_algorithms_are_named_beside_the_first_of_the_results():
+    figure = dict(study_plots.illustrate(compared()))["results"]
+
+    labels = [[label.get_text() for label in axes.get_yticklabels()] for axes in figure.axes]
+    assert labels == [["guided", "paper", "random"], ["", "", ""]]
+
+
 def test_the_course_of_a_short_search_has_a_place_for_each_evaluation():
     runs = [
         run_result(
