@@ -63,6 +63,20 @@ def test_algorithms_are_named_beside_the_first_of_the_results():
     assert labels == [["guided", "paper", "random"], ["", "", ""]]
 
 
+def test_each_run_is_a_dot_at_its_value_in_the_row_of_its_algorithm():
+    comparison = compared()
+    figure = dict(study_plots.illustrate(comparison))["results"]
+
+    drawn = [dots.get_offsets() for dots in figure.axes[0].collections]
+    clouds = [offsets for offsets in drawn if len(offsets) == len(comparison.seeds)]
+    assert [offsets[:, 0].tolist() for offsets in clouds] == [
+        [run.best_fitness for run in comparison.of(name)] for name in comparison.algorithms
+    ]
+    for row, offsets in enumerate(clouds):
+        assert len({*offsets[:, 1]}) == len(comparison.seeds)
+        assert abs(offsets[:, 1] - row).max() < 0.2
+
+
 def test_the_course_of_a_short_search_has_a_place_for_each_evaluation():
     runs = [
         run_result(
