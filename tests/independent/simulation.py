@@ -26,6 +26,13 @@ Place = tuple[float, float, float]
 Direction = tuple[float, float]
 
 
+def added(numbers: Iterable[float]) -> float:
+    total = 0.0  # "Sums are added in the order of the model, beginning with 0"
+    for number in numbers:
+        total += number
+    return total
+
+
 def mixed(v: int) -> int:
     v ^= v >> 16
     v = v * 0x7FEB352D & WORD
@@ -90,7 +97,8 @@ def falls_short(value: float, limit: float) -> bool:
 
 
 def distance(a: Sequence[float], b: Sequence[float]) -> float:
-    return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    return math.sqrt(dx * dx + dy * dy)
 
 
 def within(value: float, low: float, high: float) -> float:
@@ -129,9 +137,9 @@ class Robot:  # [S What the model says]
         self.turn_rate = float(element.get("turnRate", 180))
         self.noise = float(element.get("positionNoise", 0))
         self.position = place_of(element.find("position"))
-        self.energy = sum(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
+        self.energy = added(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
         drives = element.iter("motionSources")
-        self.cost = sum(float(each.get("energyPerDistanceUnit", 0)) for each in drives)
+        self.cost = added(float(each.get("energyPerDistanceUnit", 0)) for each in drives)
         sensors = enumerate(element.iter("sensors"), first_sensor)
         self.sensors = [Sensor(each, k, index) for k, each in sensors]
         self.gps = next((each for each in self.sensors if each.type == "GPS_POSITION"), None)
@@ -145,8 +153,11 @@ def turned(last: Direction, wanted: Direction, rate: float) -> Direction:
     if abs(angle) <= rate:
         return wanted
     is_behind = cosine < 0 and abs(sine) <= 1e-9
-    way = math.atan2(last[1], last[0]) + math.radians(rate if is_behind or angle > 0 else -rate)
-    return math.cos(way), math.sin(way)
+    way = math.radians(rate)
+    c, s = math.cos(way), math.sin(way) if is_behind or angle > 0 else -math.sin(way)
+    x, y = last[0] * c - last[1] * s, last[1] * c + last[0] * s
+    length = distance((0, 0), (x, y))
+    return x / length, y / length
 
 
 def place_of(element: Any) -> Place:
@@ -156,6 +167,8 @@ def place_of(element: Any) -> Place:
 
 
 def disc_of(element: Any) -> Disc:
+    if element is None:
+        return Disc((0.0, 0.0, 0.0), 0.0)
     return Disc(place_of(element.find("center")), float(element.get("radius", 0)))
 
 
@@ -196,10 +209,13 @@ class Goal:
         self.target = int(task.get("targetSampleNumber", 0))
         self.period = int(task.get("period", 0))
         self.deadline = int(task.get("deadline", 0))
-        self.tolerance = float(task.get("tolerance", 1))
+        has_tolerance = self.task in ("Visit", "Track", "FixedDistanceBetweenRobots")
+        self.tolerance = float(task.get("tolerance", has_tolerance))
         self.point = Disc(place_of(task.find("coordinates")), self.tolerance)
         self.trajectory = [place_of(each) for each in task.findall("trajectory")]
         self.distance = float(task.get("fixedDistance", 0))
+        own = (self.area, disc_of(goal.find("area")), Disc(self.point.center, 0.0))
+        self.place = own[{"GatherSamples": 0, "Patrol": 0, "Stay": 0, "Visit": 2}.get(self.task, 1)]
 
 
 class Notes:  # "Progress of goals is noted in belief and in truth on their own" [S Belief]
@@ -210,6 +226,7 @@ class Notes:  # "Progress of goals is noted in belief and in truth on their own"
         self.since = dict.fromkeys(goal.members, -1)
         self.reached = dict.fromkeys(goal.members, False)
         self.waypoint = dict.fromkeys(goal.members, 0)
+        self.memory = [0.0] * 8
 
 
 class View:  # what one side, truth or belief, knows at a tick
@@ -241,7 +258,7 @@ class View:  # what one side, truth or belief, knows at a tick
 
     def sensing(self, robot: int) -> float:  # "Σ over active sensors of rate × cost"
         own = [sensor.index for sensor in self.mission.robots[robot].sensors]
-        return sum(self.rate[k] * self.cost[k] for k in own if self.active[k])
+        return added(self.rate[k] * self.cost[k] for k in own if self.active[k])
 
     def power(self, robot: int) -> float:
         return self.speed[robot] * self.mission.robots[robot].cost + self.sensing(robot)
@@ -296,12 +313,9 @@ def note(goal: Goal, view: View) -> None:
     for robot in goal.members:
         place = view.position[robot]
         match goal.task:
-            case "Patrol" if goal.area.has(place):
-                notes.since[robot] = view.tick
-            case "Visit":
-                notes.reached[robot] |= goal.point.has(place)
-            case "Stay":
-                notes.reached[robot] |= goal.area.has(place)
+            case "Patrol" | "Visit" | "Stay":
+                if (goal.point if goal.task == "Visit" else goal.area).has(place):
+                    notes.since[robot], notes.reached[robot] = view.tick, True
             case "Track":  # "it may pass several in one tick"
                 for waypoint in goal.trajectory[notes.waypoint[robot] :]:
                     if exceeds(distance(place, waypoint), goal.tolerance):
@@ -704,7 +718,9 @@ class Flight:
                 draw = self.weather.draw(truth.tick, sensor.index, SAMPLES)
                 n_valid = sum(draw >= bound for bound in sensor.bounds)
                 truth.count[sensor.index] += 1 if sensor.rate == 1 else n_valid
-        spent = truth.power(k)
+        spent = truth.speed[k] * robot.cost  # "the motion first, then sensor after sensor"
+        for sensor in robot.sensors:
+            spent += sensor.rate * sensor.cost if truth.active[sensor.index] else 0.0
         rest = truth.energy[k] - spent
         truth.energy[k] = 0.0 if rest <= 1e-9 * spent else rest
 

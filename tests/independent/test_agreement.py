@@ -20,12 +20,12 @@ from m2t.generate import generate
 from m2t.specification import write_specification
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from tests.independent import simulation
+from tests.independent import digest, simulation
 from tests.independent.crowd import draw_crowd
 from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
-from tests.support.edited import write_body
+from tests.support.edited import COLLECTIVE, write_body
 from tests.support.models.copies import edit
 from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
@@ -171,14 +171,15 @@ def test_specifications_in_xmi_are_read_and_fly_alike(harbour, tmp_path):
     harbour.fly(faults, 5, read_specification(harbour.mission, path))
 
 
-def test_the_simulation_imports_nothing_of_the_product_and_is_short():
-    text = inspect.getsource(simulation)
-    nodes = list(ast.walk(ast.parse(text)))
+def test_the_simulation_and_its_digest_import_nothing_of_the_product_and_are_short():
+    texts = [inspect.getsource(each) for each in (simulation, digest)]
+    nodes = [node for text in texts for node in ast.walk(ast.parse(text))]
     names = {each.name for node in nodes if isinstance(node, ast.Import) for each in node.names}
     names |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
 
-    assert {name.split(".")[0] for name in names} - sys.stdlib_module_names == {"lxml"}
-    assert len(text.splitlines()) < 850
+    strange = {name for name in names if name.split(".")[0] not in sys.stdlib_module_names}
+    assert strange == {"lxml", "tests.independent.simulation"}
+    assert len("".join(texts).splitlines()) < 950
 
 
 def test_the_simulation_quotes_the_pages_as_they_are():
@@ -186,7 +187,8 @@ def test_the_simulation_quotes_the_pages_as_they_are():
     pages = {"S": (ROOT / "docs/semantics.md"), "F": (ROOT / "docs/faults.md")}
     texts = {name: path.read_text("utf-8") for name, path in pages.items()}
     said = " ".join(re.sub("[*`]", "", "\n".join(texts.values())).split())
-    tokens = tokenize.generate_tokens(io.StringIO(inspect.getsource(simulation)).readline)
+    source = inspect.getsource(simulation) + inspect.getsource(digest)
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
     comments = " ".join(
         token.string[1:] if token.type == tokenize.COMMENT else token.string[3:-3]
         for token in tokens
@@ -240,6 +242,19 @@ def test_what_stands_at_a_limit_is_judged_alike(tmp_path, off):
     for seed in range(3):
         twins.fly((), seed)
         twins.fly(tuple(moved), seed)
+
+
+def test_what_goals_remember_is_part_of_the_digest(tmp_path):
+    """A reaction notes something in belief; truth remembers nothing."""
+    generate(HARBOUR, tmp_path)
+    body = "    goal_tasks.visit.react(ci, MOORING)\n    ci.goals[MOORING].memory[2] += 0.5\n"
+    write_body(tmp_path / COLLECTIVE, "mooring.react", body)
+
+    def react(goal, ci):
+        simulation.react(goal, ci)
+        ci.notes[goal.index].memory[2] += 0.5
+
+    Twins(HARBOUR, tmp_path, {"mooring": react}).fly((), 1)
 
 
 @slow

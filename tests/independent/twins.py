@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
+from tests.independent.digest import digest
 from tests.independent.margins import Margins
 from tests.independent.simulation import Flight, Mission, Timed, read_faults, read_triggers
 
@@ -74,6 +75,7 @@ class Twins:
             assert margins.agree(goal, margin), f"margin {margin} of {goal.id}, {case}"
         assert tuple(each.applied for each in timed) == outcome.applied, case
         assert tuple(each.changed for each in timed) == outcome.changed, case
+        assert digest(flight) == outcome.digest, f"digest, {case}"
         return outcome
 
 

@@ -1,3 +1,5 @@
+import hashlib
+import json
 import math
 import sqlite3
 import struct
@@ -143,6 +145,18 @@ def digest_of(folder: Path, *chunks: list) -> str:
         for chunk in chunks:
             store.append(chunk)
         return store.digest()
+
+
+def test_the_digest_is_that_of_the_texts_in_the_file_as_the_page_says(tmp_path):
+    """docs/semantics.md, Digest, last paragraph."""
+    digest = digest_of(tmp_path / "run", [evaluation(i, (i, 2)) for i in range(3)])
+    counts = 'believed, "true", phantom, masked, missed, samples, applied, changed'
+    query = f"SELECT specification, {counts}, digest, fitness FROM evaluation ORDER BY idx"
+    with closing(sqlite3.connect(tmp_path / "run" / "campaign.sqlite")) as file:
+        rows = file.execute(query).fetchall()
+
+    lines = [json.dumps(row, separators=(",", ":"), ensure_ascii=False) + "\n" for row in rows]
+    assert hashlib.sha256("".join(lines).encode()).hexdigest() == digest
 
 
 def test_the_digest_does_not_depend_on_chunks(tmp_path):
