@@ -8,8 +8,10 @@ References
 Source paper, section III-B a).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import add
 from typing import ClassVar
 
 from mrsfi_runtime.model.fault_types import Field, Range, Units
@@ -123,12 +125,17 @@ class Robot:
     @property
     def total_energy(self) -> float:
         """Energy of all batteries at the start."""
-        return sum((battery.total_energy for battery in self.batteries), 0.0)
+        return _added(battery.total_energy for battery in self.batteries)
 
     @property
     def energy_per_distance_unit(self) -> float:
         """Energy that all motion sources together spend per distance unit."""
-        return sum((source.energy_per_distance_unit for source in self.motion_sources), 0.0)
+        return _added(source.energy_per_distance_unit for source in self.motion_sources)
+
+
+def _added(numbers: Iterable[float]) -> float:
+    """Add numbers in their order, each sum rounded: ``sum`` of Python 3.12 rounds otherwise."""
+    return reduce(add, numbers, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
