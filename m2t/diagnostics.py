@@ -132,6 +132,8 @@ AvoidCollisionMembers (mission): robots that avoid collisions are members of the
 DeadlineInsideMission (mission): a deadline lies inside the mission
 FigureInsideMission (mission): speeds, distances, noises and tolerances are no longer than the
     mission area is wide, periods no longer than the mission lasts
+AsReactionsAssume (mission): a robot turns at once and reports where it is, as the built-in
+    reactions assume
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
 TriggerCanHappen (faults): a trigger waits for the effect of a fault that does not wait for it

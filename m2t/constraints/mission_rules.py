@@ -20,6 +20,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
+_ASSUMED = {"turnRate": 180.0, "positionNoise": 0.0}
 _LENGTHS = {
     "Robot": ("speed", "maxSpeed", "positionNoise"),
     "Visit": ("tolerance",),
@@ -97,6 +98,14 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
         )
         report.add(robot, "SpeedWithinMaximum", finding)
     _check_figures(mission, robot, report)
+    for name, assumed in _ASSUMED.items():
+        if is_set(robot, name) and getattr(robot, name) != assumed:
+            finding = (
+                f"has {name} {number(getattr(robot, name))}, which the built-in reactions ignore, "
+                "so that goals may be violated without any fault; expected none; delete it, or "
+                "write reactions that reckon with it"
+            )
+            report.add(robot, "AsReactionsAssume", finding)
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
         finding = (

@@ -169,6 +169,10 @@ AvoidCollisionMembers | members="r2 r3 r1" | members="r2 r3" | mission:AvoidColl
 DeadlineInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Visit" deadline="1000"><coordinates/></task> | Visit
     task of goals 'g2' | has deadline 1000 in a mission of 1000 ticks
+AsReactionsAssume | speed="4.0" | speed="4.0" turnRate="90.0" | ID="r2"
+    robots 'r2' | has turnRate 90.0, which the built-in reactions ignore
+AsReactionsAssume | speed="4.0" | speed="4.0" positionNoise="0.5" | ID="r2"
+    robots 'r2' | has positionNoise 0.5, which the built-in reactions ignore
 FigureInsideMission | speed="4.0" | speed="40000.0" | ID="r2"
     robots 'r2' | has speed 40000.0 in a mission of an area 4000.0 wide; expected no more than that
 FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
