@@ -33,7 +33,6 @@ _POPULAR = (
     "in everything the campaign tried, would give by chance. A type may also ride along with the "
     "one that does the harm."
 )
-_SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
 
 
@@ -89,16 +88,15 @@ def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
 
 
 def trend_in_words(trend: Trend) -> str:
-    """Return one sentence on whether mean fitness rises."""
+    """Return how mean fitness went in this run, which is no test: generations are dependent."""
     rows = trend.generations
     if len(rows) < _FEW_GENERATIONS:
         return f"{len(rows)} finished generations: too few to speak of a trend."
-    direction = "rising" if trend.tau > 0 else "falling"
-    verdict = f"a {direction} trend" if trend.p_value < _SIGNIFICANT else "no clear trend"
     return (
         f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
         f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
-        f"generation: {verdict} (Kendall's tau {trend.tau:.2f}, {trend.p_in_words}). "
+        f"generation (Kendall's tau {trend.tau:.2f}). This describes one run: generations depend "
+        "on each other, so `mrsfi compare` tests over many seeds instead. "
         f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
     )
 

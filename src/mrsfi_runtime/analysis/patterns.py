@@ -7,15 +7,14 @@ share in everything the campaign tried.
 References
 ----------
 Source paper, section V, RQ1, RQ2 and figures 6 to 9 and 12. M. G. Kendall, "A New Measure of Rank
-Correlation", Biometrika 30, 1938; H. B. Mann, "Nonparametric Tests Against Trend",
-Econometrica 13, 1945.
+Correlation", Biometrika 30, 1938.
 """
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import erfc, sqrt
+from math import sqrt
 from operator import itemgetter
 from statistics import linear_regression
 
@@ -36,44 +35,36 @@ class GenerationFitness:
 
 @dataclass(frozen=True, slots=True)
 class Trend:
-    """Fitness over the generations, and whether its mean goes up.
+    """Fitness over the generations, and whether its mean went up in this run.
 
     The line is that of least squares through the means, from generation 0. ``tau`` is Kendall's
-    tau-b between generation and mean, in [-1, 1], 0 if all means are equal; ``p_value`` is
-    two-sided, of no trend, and 1 with fewer than two generations or all means equal.
+    tau-b between generation and mean, in [-1, 1], 0 if all means are equal.
+
+    Notes
+    -----
+    Both describe one run. There is no p-value, because generations of one search depend on each
+    other; whether an algorithm does better is tested over many seeds (``study.comparison``).
     """
 
     generations: tuple[GenerationFitness, ...]
     slope: float
     intercept: float
     tau: float
-    p_value: float
-
-    @property
-    def p_in_words(self) -> str:
-        """Its p-value to three decimals."""
-        return "p < 0.001" if self.p_value < 0.001 else f"p = {self.p_value:.3f}"
 
 
 def find_trend(generations: Iterable[Generation]) -> Trend:
-    """Return the fitness of each generation and the trend of the means.
-
-    The p-value takes Kendall's S as normally distributed, with the correction for ties and for
-    continuity (the Mann-Kendall test). That is rough below some ten generations, and generations of
-    one search are not independent: read it as a description, not a proof.
-    """
+    """Return the fitness of each generation and the trend of the means."""
     of = itemgetter("mean", "std", "max", "min")
     rows = tuple(GenerationFitness(each.index, *of(each.statistics)) for each in generations)
     means = [row.mean for row in rows]
     slope, intercept = 0.0, sum(means, 0.0)
     if len(rows) > 1:
         slope, intercept = linear_regression([float(row.generation) for row in rows], means)
-    tau, p_value = _kendall(means)
-    return Trend(rows, slope, intercept, tau, p_value)
+    return Trend(rows, slope, intercept, _kendall(means))
 
 
-def _kendall(values: Sequence[float]) -> tuple[float, float]:
-    """Return tau-b of values against their place, and its two-sided p-value."""
+def _kendall(values: Sequence[float]) -> float:
+    """Return tau-b of values against their place."""
     n, s = len(values), 0
     ordered: list[float] = []
     for place, value in enumerate(values):
@@ -83,11 +74,7 @@ def _kendall(values: Sequence[float]) -> tuple[float, float]:
     ties = Counter(values).values()
     n_pairs = n * (n - 1) // 2
     n_untied = n_pairs - sum(t * (t - 1) // 2 for t in ties)
-    if n_untied == 0:
-        return 0.0, 1.0
-    variance = (n * (n - 1) * (2 * n + 5) - sum(t * (t - 1) * (2 * t + 5) for t in ties)) / 18
-    z = max(abs(s) - 1, 0) / sqrt(variance)
-    return s / sqrt(n_pairs * n_untied), erfc(z / sqrt(2))
+    return s / sqrt(n_pairs * n_untied) if n_untied else 0.0
 
 
 @dataclass(frozen=True, slots=True)

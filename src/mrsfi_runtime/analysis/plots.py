@@ -108,7 +108,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
         drawn = "mean" if step == 1 else f"mean of one in {step} generations"
         axes.plot(xs, means, color=BLUE, marker="o", ms=4, lw=1.8, label=drawn)
         line = [trend.intercept + trend.slope * x for x in xs]
-        words = f"trend: {trend.slope:+.3g} per generation, {trend.p_in_words}"
+        words = f"trend: {trend.slope:+.3g} per generation"
         axes.plot(xs, line, color=ORANGE, ls=(0, (5, 3)), lw=1.5, label=words)
         legend_below(figure)
     return figure

@@ -31,7 +31,6 @@ def test_a_line_is_found_again():
     assert trend.slope == pytest.approx(0.5)
     assert trend.intercept == pytest.approx(3.0)
     assert trend.tau == 1.0
-    assert trend.p_value < 0.001
 
 
 @given(st.lists(st.integers(0, 5), max_size=12))
@@ -49,21 +48,13 @@ def test_tau_is_positive_where_more_pairs_rise_than_fall(means):
 
 
 def test_ties_are_corrected_as_in_the_literature():
-    # tau-b by scipy.stats.kendalltau. For p: S = 11, two ties of two, variance
-    # (6*5*17 - 2*(2*1*9))/18 = 26.333, z = 10/sqrt(26.333) = 1.9487.
-    trend = trend_of(1, 2, 2, 3, 5, 3)
-
-    assert trend.tau == pytest.approx(0.7877264, abs=1e-6)
-    assert trend.p_value == pytest.approx(0.0513301, abs=1e-6)
-
-
-def test_means_that_wander_show_no_trend():
-    assert trend_of(2, 1, 4, 3, 2.5, 3.5, 1.5).p_value > 0.5
+    """As ``scipy.stats.kendalltau`` has it."""
+    assert trend_of(1, 2, 2, 3, 5, 3).tau == pytest.approx(0.7877264, abs=1e-6)
 
 
 @pytest.mark.parametrize("means", [(), (5.0,), (5.0, 5.0, 5.0)])
 def test_without_any_change_there_is_no_trend(means):
     trend = trend_of(*means)
 
-    assert (trend.slope, trend.tau, trend.p_value) == (0.0, 0.0, 1.0)
+    assert (trend.slope, trend.tau) == (0.0, 0.0)
     assert trend.intercept == (means[0] if means else 0.0)
