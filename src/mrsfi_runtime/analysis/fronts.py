@@ -163,26 +163,25 @@ class Pick:
     goals: tuple[str, ...]
 
     @property
-    def distance_in_words(self) -> str:
-        """Whether the point's own ratio is another by more than a quarter; empty if it is not."""
+    def offered_in_words(self) -> str:
+        """The point's own ratio, and whether it is another by more than a quarter."""
         if self.point is None:
             return ""
         first, second = (self.point.violations[self.goals.index(goal)] for goal in self.ratio.goals)
         one, other = first * self.ratio.parts[1], second * self.ratio.parts[0]
-        if max(one, other) <= _NEAR * min(one, other):
-            return ""
+        is_near = max(one, other) <= _NEAR * min(one, other)
         found = f"{first / second:.3g}:1" if second else f"{first:g}:0"
-        return f", far from it with {found}"
+        return f", which is {found}{'' if is_near else ', far from it'}"
 
     def in_words(self, measure: Measure) -> str:
-        """Return in a phrase which evaluation it is, and its violations of the ratio's goals."""
+        """Return in a phrase which evaluation it is, and what it offers of the ratio's goals."""
         if self.point is None:
             return f"nearest to {self.ratio}: none, because no specification violates these goals"
         violations = dict(zip(self.goals, self.point.violations, strict=True))
         found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in self.ratio.goals)
         return (
             f"nearest to {self.ratio}: evaluation {self.point.evaluation} with {found} "
-            f"({measure}){self.distance_in_words}"
+            f"({measure}){self.offered_in_words}"
         )
 
 

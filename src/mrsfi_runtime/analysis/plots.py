@@ -297,5 +297,5 @@ def _draw_pick(axes: Axes, pick: Pick, ratio: Ratio, point: FrontPoint) -> None:
     scale = min(end / part for end, part in zip((x, y), parts, strict=True) if part)
     ends = [[0, part * scale] for part in parts]
     axes.plot(*ends, color=ORANGE, ls=(0, (5, 3)), lw=1.3, zorder=2, label=str(ratio))
-    words = f"nearest to it: evaluation {point.evaluation}{pick.distance_in_words}"
+    words = f"nearest to it: evaluation {point.evaluation}{pick.offered_in_words}"
     axes.scatter([x], [y], s=150, fc="none", ec=ORANGE, lw=2.2, label=words, zorder=4)

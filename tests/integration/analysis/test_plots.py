@@ -85,7 +85,7 @@ FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
             "evaluated",
             "non-dominated (5)",
             "g3:g1=2:1",
-            "nearest to it: evaluation 4",
+            "nearest to it: evaluation 4, which is 1.85:1",
         },
     ),
     "types": (
@@ -215,25 +215,25 @@ def test_the_pick_says_how_far_from_the_ratio_it_is(tmp_path):
 
     _, svg = save(plots.whole_front(FRONT, CLOUD, far), tmp_path / "front")
 
-    assert "nearest to it: evaluation 1, far from it with 8.9:1" in texts(svg)
+    assert "nearest to it: evaluation 1, which is 8.9:1, far from it" in texts(svg)
     assert "g3:g1=2:1" in texts(svg)
 
 
 @pytest.mark.parametrize(
     ("violations", "expected"),
     [
-        ((40, 74), ""),
-        ((40, 100), ""),
-        ((40, 101), ", far from it with 2.52:1"),
-        ((40, 63), ", far from it with 1.57:1"),
-        ((0, 90), ", far from it with 90:0"),
-        ((90, 0), ", far from it with 0:1"),
+        ((40, 74), ", which is 1.85:1"),
+        ((40, 100), ", which is 2.5:1"),
+        ((40, 101), ", which is 2.52:1, far from it"),
+        ((40, 63), ", which is 1.57:1, far from it"),
+        ((0, 90), ", which is 90:0, far from it"),
+        ((90, 0), ", which is 0:1, far from it"),
     ],
 )
-def test_a_pick_is_far_when_it_is_off_by_more_than_a_quarter(violations, expected):
+def test_a_pick_says_its_ratio_and_is_far_when_off_by_more_than_a_quarter(violations, expected):
     pick = plots.Pick(PICK.ratio, FrontPoint(0, violations), FRONT.goals)
 
-    assert pick.distance_in_words == expected
+    assert pick.offered_in_words == expected
 
 
 def test_figures_and_pages_have_the_same_colours_for_believed_and_true():

@@ -9,6 +9,8 @@ import pytest
 from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
 from mrsfi_runtime.analysis.illustrations import illustrate
+from mrsfi_runtime.analysis.markdown import report_text
+from mrsfi_runtime.analysis.page.content import campaign_page
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
@@ -208,6 +210,21 @@ def test_the_report_tests_no_trend_because_generations_depend_on_each_other(focu
         r"per generation \(Kendall's tau -?\d\.\d\d\)\. This describes one run", report
     )
     assert not re.search(r"\bp [<=] ", report)
+
+
+@pytest.mark.parametrize("ratio", ["g3:g1=2:1", "g3:g1=1:1"])
+def test_report_and_page_say_which_ratio_was_wanted_and_which_there_is(focused, ratio):
+    with CampaignStore.open(focused) as store:
+        summary, _ = summarise(focused, store, CODE.mission, CODE.pool, ratio)
+        page = campaign_page(summary, store, (), lambda _: {})
+    assert summary.pick is not None
+    (first, second) = (summary.pick.point.violations[front] for front in (1, 0))
+
+    said = page["search"]["said"]
+
+    assert f"The specification nearest to {ratio}: evaluation " in said
+    assert f", which is {first / second:.3g}:1" in said
+    assert said.rpartition("The specification ")[2] in report_text(summary, {})
 
 
 def test_report_and_summary_name_every_fault_of_the_most_critical(focused):

@@ -94,15 +94,10 @@ def campaign_page(
         "first": _first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
-        "search": {"said": _said(summary), "charts": list(_charts(summary))},
+        "search": {"said": _searched_in_words(summary), "charts": list(_charts(summary))},
         "evaluations": to_page(evaluations),
         "record": list(_record(summary, store)),
     }
-
-
-def _said(summary: Summary) -> str:
-    caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
-    return f"{caution}{trend_in_words(summary.trend)}"
 
 
 def _first_screen(
@@ -239,6 +234,12 @@ def told_content(
         "flight": flight,
         "no_flight": reason,
     }
+
+
+def _searched_in_words(summary: Summary) -> str:
+    caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
+    picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
+    return f"{caution}{trend_in_words(summary.trend)}{picked or ''}"
 
 
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
