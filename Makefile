@@ -45,7 +45,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check site clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop wheel release check site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -95,15 +95,17 @@ test-night: $(DEV) generate ## run make test-all with all seeds, then make inter
 interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, ir-sim, pfta, Chromium, pdfLaTeX
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
-release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
+wheel: $(DEV) ## build sdist and wheel into dist/, in a minute
 	rm -rf build dist
 	$(BIN)/python -m build --sdist --outdir dist .
 	mkdir build && tar --extract --file dist/*.tar.gz --directory build --strip-components 1
 	PYTHONPATH=build/src $(BIN)/python -m mrsfi_runtime.engine.compiled build/$(PREBUILT)
 	$(BIN)/python -m build --wheel --outdir dist build
+	rm -rf build
+
+release: wheel ## make wheel, and run the tutorial from the wheel in clean environments
 	$(BIN)/python -m twine check --strict dist/*
 	$(PYTEST) --tier $(TIER) tests/release
-	rm -rf build
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

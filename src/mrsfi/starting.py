@@ -1,8 +1,14 @@
 """A new project of a team: a folder ready for git, with a mission that flies."""
 
+import json
 import re
 import shutil
+import subprocess
+from hashlib import sha256
+from importlib.metadata import distributions
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
 
 from m2t.classes.generator import class_files, write_classes
 from m2t.generate import generate
@@ -27,17 +33,23 @@ _PLACES = {
 }
 _MISSION = ("build.py", "case_a.toml", "faults.xmi", "mission.xmi")
 _MODELS = ("*.xmi", "*.toml")
+_SHARED_URL = re.compile(r"https?://[\w.:/~+-]+|(ssh|file)://[\w.@:/~+-]+", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def start(
-    name: str, source: str | None = None, published: Path | None = None, node: str | None = None
+    name: str,
+    source: str | None = None,
+    published: Path | None = None,
+    node: str | None = None,
+    install: str = "wheel",
 ) -> Path:
     """Make the folder of a new project with a mission of its name, whole or not at all; return it.
 
     It begins with a mission that has a name or folder, or with a published model of the paper's
     prototype, in place of a small one. If ``node`` is the URL of a rosbridge server, ``mrsfi.toml``
-    says what a node there hears and says, as far as its topics tell.
+    says what a node there hears and says, as far as its topics tell. Its build servers install
+    mrsfi from ``wheel_of`` the project, the package ``index`` or ``git``.
     """
     if not _NAME.fullmatch(name):
         raise UsageError(
@@ -46,10 +58,13 @@ def start(
         )
     folder = Path(name)
     begun_from = None if source is None else find_mission(source).models.resolve()
+    requirement = _requirement(install)
     with whole_folder(folder) as new:
         if folder.exists():
             raise UsageError(f"{folder}: exists; expected a name that is free here")
-        _fill(new, name, begun_from, published)
+        _fill(new, name, requirement, begun_from, published)
+        if install == "wheel":
+            _bring(wheel_of(new))
         if node is not None:
             mission = load_code(new / "generated" / name).mission
             with (new / SETTINGS).open("a", encoding="utf-8", newline="\n") as settings:
@@ -57,10 +72,56 @@ def start(
     return folder
 
 
-def _fill(folder: Path, mission: str, source: Path | None, published: Path | None) -> None:
+def wheel_of(folder: Path) -> Path:
+    """Return where a project has the wheel of mrsfi that its build servers install."""
+    return folder / "vendor" / f"mrsfi-{installed_version('mrsfi')}-py3-none-any.whl"
+
+
+def _bring(wheel: Path) -> None:
+    """Copy the wheel from which this mrsfi was installed, if it is still there and the same."""
+    origin = _origin()
+    digest = origin.get("archive_info", {}).get("hashes", {}).get("sha256")
+    path = Path(unquote(urlsplit(origin.get("url", "")).path))
+    wheel.parent.mkdir()
+    if digest and path.is_file() and sha256(path.read_bytes()).hexdigest() == digest:
+        shutil.copy(path, wheel)
+
+
+def _requirement(install: str) -> str:
+    """Return what build servers have pip install."""
+    if install == "wheel":
+        return f"{wheel_of(Path()).as_posix()}[fast]"
+    if install == "index":
+        return f"mrsfi[fast]=={installed_version('mrsfi')}"
+    origin = _origin()
+    url, commit = origin.get("url", ""), origin.get("vcs_info", {}).get("commit_id")
+    if "dir_info" in origin:
+        asked = "git remote get-url origin && git rev-parse HEAD"
+        clone = unquote(urlsplit(url).path)
+        done = subprocess.run(asked, shell=True, cwd=clone, capture_output=True, check=False)
+        url, commit = done.stdout.decode().split() if done.returncode == 0 else ("", "")
+        url = re.sub(r"^(?=/)", "file://", re.sub(r"^([\w.-]+@[\w.-]+):", r"ssh://\1/", url))
+    if not (commit and _SHARED_URL.fullmatch(url)):
+        raise UsageError(
+            "--install git: found no repository that this mrsfi came from; expected pip to have "
+            "installed it from git, or from a clone whose origin is a URL without a password; "
+            "take --install wheel or index"
+        )
+    return f"mrsfi[fast] @ git+{url}@{commit}"
+
+
+def _origin() -> dict[str, Any]:
+    """Return what pip noted of where it got mrsfi, ``direct_url.json``; nothing for an index."""
+    texts = (each.read_text("direct_url.json") for each in distributions(name="mrsfi"))
+    return json.loads(next(texts, None) or "{}")  # type: ignore[no-any-return]
+
+
+def _fill(
+    folder: Path, mission: str, requirement: str, source: Path | None, published: Path | None
+) -> None:
     models = folder / "models" / mission
     for name, place in _PLACES.items():
-        _write(_TEMPLATE / name, folder / place, mission)
+        _write(_TEMPLATE / name, folder / place, mission, requirement)
     _copy(metamodel_folder(), folder / "metamodels", "*")
     if published is not None:
         import_published(published, models)
@@ -81,8 +142,8 @@ def _copy(source: Path, target: Path, *patterns: str) -> None:
             shutil.copy(path, copy)
 
 
-def _write(template: Path, place: Path, name: str) -> None:
+def _write(template: Path, place: Path, name: str, requirement: str = "") -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     text = template.read_text(encoding="utf-8").replace("@name@", name)
-    text = text.replace("@version@", installed_version("mrsfi"))
+    text = text.replace("@requirement@", requirement)
     place.write_text(text, encoding="utf-8", newline="\n")

@@ -65,7 +65,7 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     faults = copy_metamodels(folder / "metamodels")
     offset = parameter("BY", "EInt", range="SPEED") + attribute("BY_MAX", "EInt")
     add_fault_type(
-        faults, "WheelSlip", "RobotFault", meaning(mode="INCREMENT", property="SPEED") + offset
+        faults, "FalseOdometer", "RobotFault", meaning(mode="INCREMENT", property="SPEED") + offset
     )
     add_fault_type(
         faults,
@@ -93,8 +93,8 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     add_faults(
         models / "faults.xmi",
         {
-            "slip": '<wheelSlip BY="3" BY_MAX="7"><affectedRobot href="mission.xmi#r3"/>'
-            "</wheelSlip>",
+            "odometer": '<falseOdometer BY="3" BY_MAX="7"><affectedRobot href="mission.xmi#r3"/>'
+            "</falseOdometer>",
             "drawn": '<drawnCount LEAST="1.0" MOST="9.0"><affectedSensor href="mission.xmi#s4"/>'
             "</drawnCount>",
             "stuck": _message("stuckReport", ' OFFSET="1.5"'),
@@ -141,7 +141,7 @@ def fly(code: MissionCode, fault: str, values: tuple[float, ...]) -> Beliefs:
 @pytest.mark.parametrize(
     ("fault", "values", "expected"),
     [
-        ("slip", (3.0,), lambda true, _first, _age: (true[0] + 3.0, *true[1:])),
+        ("odometer", (3.0,), lambda true, _first, _age: (true[0] + 3.0, *true[1:])),
         ("stuck", (1.5,), lambda true, first, _age: (first[0] + 1.5, first[1], *true[2:])),
         ("drift", (0.5,), lambda true, _first, age: (*true[:3], true[3] + 0.5 * age)),
     ],
@@ -169,13 +169,13 @@ def test_bounds_and_conflicts_follow_from_what_the_metamodel_says(code):
     speed = code.mission.robots[2].speed
     table = Gate(code.mission, pool).conflicts()
 
-    assert value_bounds(code.mission, pool["slip"]) == ((0.0, 7.0),)
+    assert value_bounds(code.mission, pool["odometer"]) == ((0.0, 7.0),)
     assert value_bounds(code.mission, pool["drawn"]) == ((1.0, 1.0), (0.0, 90.0))
     assert value_bounds(code.mission, pool["stuck"]) == ((0.0, 10.0 * speed),)
     assert value_bounds(code.mission, pool["drift"]) == ((0.0, 1.0),)
-    assert {"slip", "f24", "f27", "stuck"} <= table["stuck"]
+    assert {"odometer", "f24", "f27", "stuck"} <= table["stuck"]
     assert table["drift"] == {"f9", "drift"}
-    assert SearchSpace.of(code.mission, pool).candidates["slip"].bounds == ((0.0, 7.0),)
+    assert SearchSpace.of(code.mission, pool).candidates["odometer"].bounds == ((0.0, 7.0),)
 
 
 def test_an_own_effect_on_a_message_that_lacks_a_property_does_nothing(code):
@@ -187,7 +187,7 @@ def test_an_own_effect_on_a_message_that_lacks_a_property_does_nothing(code):
 SPECIFICATIONS = [
     (TimedFault("stuck", 10, 50, (1.5,)), TimedFault("held", 20, 80)),
     (TimedFault("held", 5, 30), TimedFault("drift", 7, 70, (0.25,))),
-    (TimedFault("slip", 5, 30, (4.0,)), TimedFault("drawn", 7, 70, (1.0, 5.0))),
+    (TimedFault("odometer", 5, 30, (4.0,)), TimedFault("drawn", 7, 70, (1.0, 5.0))),
     (TimedFault("stuck", 10, 50, (1.5,)), TimedFault("held", 20, 80)),
     (TimedFault("held", 1, 2), TimedFault("held", 20, 80), TimedFault("f1", 0, 89)),
 ]

@@ -1,8 +1,12 @@
 """A project of one's own, from nothing to a regression that a build server refuses."""
 
+import json
 import os
+import re
 import subprocess
 import sys
+from hashlib import sha256
+from importlib import metadata
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -16,6 +20,43 @@ from tests.tiers import slow
 pytestmark = pytest.mark.turn(0)
 
 SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
+
+
+@pytest.fixture
+def noted(tmp_path_factory, monkeypatch):
+    """Notes where pip got mrsfi, in a distribution that is found before the one that is run."""
+
+    def note(origin):
+        folder = tmp_path_factory.mktemp("noted")
+        info = folder / "mrsfi.dist-info"
+        info.mkdir()
+        version = metadata.version("mrsfi")
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: mrsfi\nVersion: {version}\n")
+        (info / "direct_url.json").write_text(json.dumps(origin), encoding="utf-8")
+        monkeypatch.syspath_prepend(folder)
+
+    return note
+
+
+@pytest.fixture
+def clone(noted, tmp_path_factory):
+    """Makes a git repository with an origin from which mrsfi is run; returns its commit."""
+
+    def made(origin):
+        folder = tmp_path_factory.mktemp("clone")
+        git = ("git", "-C", str(folder), "-c", "user.name=t", "-c", "user.email=t@example.org")
+        for words in (("init",), ("remote", "add", "origin", origin), ("add", ".")):
+            subprocess.run([*git, *words], check=True, capture_output=True)
+        subprocess.run(
+            [*git, "commit", "--allow-empty", "-m", "x"], check=True, capture_output=True
+        )
+        noted({"url": folder.as_uri(), "dir_info": {"editable": True}})
+        done = subprocess.run(
+            [*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True
+        )
+        return done.stdout.strip()
+
+    return made
 
 
 @pytest.fixture(scope="module")
@@ -110,6 +151,71 @@ def test_what_cannot_be_begun_leaves_nothing(words, message, tmp_path):
 
     assert message in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+def _installs(project: Path) -> set[str]:
+    """Return what the files for build servers, and the README, have pip install."""
+    places = (".gitlab-ci.yml", ".github/workflows/mrsfi.yml", "README.md")
+    texts = [(project / place).read_text(encoding="utf-8") for place in places]
+    return {installed for text in texts for installed in re.findall(r'pip install "(.*?)"', text)}
+
+
+def test_build_servers_install_a_wheel_from_the_project_unless_told_otherwise(tmp_path):
+    made = mrsfi("new", "demo", cwd=tmp_path)
+    mrsfi("new", "other", "--install", "index", cwd=tmp_path)
+
+    wheel = f"vendor/mrsfi-{metadata.version('mrsfi')}-py3-none-any.whl"
+    assert _installs(tmp_path / "demo") == {f"{wheel}[fast]"}
+    assert f"needed     demo/{wheel} for build servers: `make wheel` builds it\n" in made.stdout
+    assert _installs(tmp_path / "other") == {f"mrsfi[fast]=={metadata.version('mrsfi')}"}
+    assert not (tmp_path / "other" / "vendor").exists()
+
+
+@pytest.mark.parametrize("is_changed", [False, True])
+def test_the_wheel_that_mrsfi_was_installed_from_is_brought_unless_it_has_changed(
+    is_changed, noted, tmp_path
+):
+    wheel = tmp_path / f"mrsfi-{metadata.version('mrsfi')}-py3-none-any.whl"
+    wheel.write_bytes(b"as installed")
+    hashes = {"sha256": sha256(wheel.read_bytes()).hexdigest()}
+    noted({"url": wheel.as_uri(), "archive_info": {"hashes": hashes}})
+    if is_changed:
+        wheel.write_bytes(b"built anew")
+
+    made = mrsfi("new", "demo", cwd=tmp_path)
+
+    brought = [path.read_bytes() for path in (tmp_path / "demo" / "vendor").iterdir()]
+    assert brought == ([] if is_changed else [b"as installed"])
+    assert ("needed" in made.stdout) is is_changed
+
+
+@pytest.mark.parametrize(
+    ("origin", "written"),
+    [
+        ("https://example.org/team/mrsfi.git", "https://example.org/team/mrsfi.git"),
+        ("git@example.org:team/mrsfi.git", "ssh://git@example.org/team/mrsfi.git"),
+        ("/srv/git/mrsfi", "file:///srv/git/mrsfi"),
+    ],
+)
+def test_build_servers_install_the_commit_of_the_clone_that_mrsfi_is_run_from(
+    origin, written, clone, tmp_path
+):
+    commit = clone(origin)
+
+    mrsfi("new", "demo", "--install", "git", cwd=tmp_path)
+
+    assert _installs(tmp_path / "demo") == {f"mrsfi[fast] @ git+{written}@{commit}"}
+
+
+@pytest.mark.parametrize("origin", ["https://me:secret@example.org/mrsfi.git", "$(id)"])
+def test_an_origin_that_is_not_for_everybody_is_refused_and_not_printed(origin, clone, tmp_path):
+    clone(origin)
+
+    done = mrsfi("new", "demo", "--install", "git", cwd=tmp_path, expected=2)
+
+    assert "found no repository that this mrsfi came from" in done.stderr
+    assert origin not in done.stderr
+    assert not (tmp_path / "demo").exists()
 
 
 def test_what_a_model_of_the_prototype_lacks_ends_as_by_import_and_leaves_nothing(tmp_path):

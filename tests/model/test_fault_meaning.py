@@ -82,9 +82,9 @@ def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults):
         faults,
         a_class("Offset", "#//RobotFault", said).replace("name=", 'abstract="true" name=', 1),
     )
-    add_fault_type(faults, "WheelSlip", "Offset", "")
+    add_fault_type(faults, "FalseOdometer", "Offset", "")
 
-    kind = read_metamodels(faults.parent).fault_types["WheelSlip"]
+    kind = read_metamodels(faults.parent).fault_types["FalseOdometer"]
 
     assert (kind.mode, kind.struck, kind.properties) == (
         Mode.INCREMENT,
@@ -234,7 +234,7 @@ def test_keys_that_stand_there_again_are_named_in_their_order(faults):
 def test_what_two_types_inherit_wrong_is_named_once(faults, said, expected):
     base = a_class("Offset", "#//RobotFault", said)
     add_classes(faults, base.replace("name=", 'abstract="true" name=', 1))
-    for name in ("WheelSlip", "Tailwind"):
+    for name in ("FalseOdometer", "Tailwind"):
         add_fault_type(faults, name, "Offset", "")
 
     assert expected in error(faults)

@@ -89,11 +89,11 @@ def perform(name: str, folder: Path) -> Performed:
 
 def fault_type(tree: Tree) -> Digests:
     """Add a fault type of a known mode, a fault of it, and search with it."""
-    fault = '<wheelSlip BY="3"><affectedRobot href="mission.xmi#r3"/></wheelSlip>'
+    fault = '<falseOdometer BY="3"><affectedRobot href="mission.xmi#r3"/></falseOdometer>'
     with tree.by_hand():
         add_fault_type(
             tree / "metamodels/faults.ecore",
-            "WheelSlip",
+            "FalseOdometer",
             "RobotFault",
             meaning(mode="INCREMENT", property="SPEED") + parameter("BY", "EInt", range="SPEED"),
         )

@@ -1,6 +1,7 @@
 """Wheel and sdist: what they hold, and the tutorial from the wheel in an empty folder."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -159,7 +160,25 @@ def test_the_tutorial_runs_from_the_wheel_in_an_empty_folder(version, built, tmp
     assert "apart" in (place / "demo" / "found.xml").read_text(encoding="utf-8")
     code.write_bytes(before)
     assert terminal.run("mrsfi check > checked.txt; echo $?").output == ("0",)
+    _require_build_servers_that_pass(place / "demo", terminal)
     _require_a_kernel_that_was_built_before(terminal)
+
+
+def _require_build_servers_that_pass(project, terminal):
+    """Do what the files for build servers say, on a fresh clone in a clean environment."""
+    terminal.run("git add . && git commit --quiet --message End && git clone --quiet . ../cloned")
+    terminal.run("env -u VIRTUAL_ENV python3 -m venv ../server")
+    files = (".gitlab-ci.yml", ".github/workflows/mrsfi.yml")
+    texts = [(project / name).read_text(encoding="utf-8") for name in files]
+    steps = [re.findall(r"^ *- (?:run: )?((?:pip|make) .*)$", text, re.MULTILINE) for text in texts]
+    assert steps[0] == steps[1]
+    assert len(steps[0]) == 3
+
+    for step in steps[0]:
+        done = terminal.run(f"(cd ../cloned && PATH=$PWD/../server/bin:/usr/bin:/bin && {step})")
+        assert done.code == 0, (step, done)
+    judged = (project.parent / "cloned" / "regressions.xml").read_text(encoding="utf-8")
+    assert 'tests="4" failures="0"' in judged
 
 
 def _require_a_kernel_that_was_built_before(terminal):

@@ -21,7 +21,6 @@ from mrsfi_runtime.record.measure import Measure, ticks
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
 _N_CELLS = 200  # of either axis, for clouds of more
 _NUMBER = r"(\d+(?:\.\d+)?)"
-_NEAR = 1.25  # times a wanted ratio, or as small a part of it, is still near
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
 
 
@@ -164,14 +163,11 @@ class Pick:
 
     @property
     def offered_in_words(self) -> str:
-        """The point's own ratio, and whether it is another by more than a quarter."""
+        """The point's own ratio."""
         if self.point is None:
             return ""
         first, second = (self.point.violations[self.goals.index(goal)] for goal in self.ratio.goals)
-        one, other = first * self.ratio.parts[1], second * self.ratio.parts[0]
-        is_near = max(one, other) <= _NEAR * min(one, other)
-        found = f"{first / second:.3g}:1" if second else f"{first:g}:0"
-        return f", which is {found}{'' if is_near else ', far from it'}"
+        return f", which is {first / second:.3g}:1" if second else f", which is {first:g}:0"
 
     def in_words(self, measure: Measure) -> str:
         """Return in a phrase which evaluation it is, and what it offers of the ratio's goals."""

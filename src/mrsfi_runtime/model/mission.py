@@ -8,7 +8,6 @@ References
 Source paper, section III-B a).
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import add
@@ -124,18 +123,13 @@ class Robot:
 
     @property
     def total_energy(self) -> float:
-        """Energy of all batteries at the start."""
-        return _added(battery.total_energy for battery in self.batteries)
+        """Energy of all batteries at the start; ``sum`` rounds otherwise since Python 3.12."""
+        return reduce(add, (battery.total_energy for battery in self.batteries), 0.0)
 
     @property
     def energy_per_distance_unit(self) -> float:
         """Energy that all motion sources together spend per distance unit."""
-        return _added(source.energy_per_distance_unit for source in self.motion_sources)
-
-
-def _added(numbers: Iterable[float]) -> float:
-    """Add numbers in their order, each sum rounded: ``sum`` of Python 3.12 rounds otherwise."""
-    return reduce(add, numbers, 0.0)
+        return reduce(add, (each.energy_per_distance_unit for each in self.motion_sources), 0.0)
 
 
 @dataclass(frozen=True, slots=True)
