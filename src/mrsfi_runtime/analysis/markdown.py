@@ -95,8 +95,8 @@ def trend_in_words(trend: Trend) -> str:
     return (
         f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
         f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
-        f"generation (Kendall's tau {trend.tau:.2f}). This describes one run: generations depend "
-        "on each other, so `mrsfi compare` tests over many seeds instead. "
+        "generation (least squares). This describes one run and tests nothing, because its "
+        "generations depend on each other; `mrsfi compare` tests over many seeds. "
         f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
     )
 

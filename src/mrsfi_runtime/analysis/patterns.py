@@ -6,15 +6,12 @@ share in everything the campaign tried.
 
 References
 ----------
-Source paper, section V, RQ1, RQ2 and figures 6 to 9 and 12. M. G. Kendall, "A New Measure of Rank
-Correlation", Biometrika 30, 1938.
+Source paper, section V, RQ1, RQ2 and figures 6 to 9 and 12.
 """
 
-from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
 from operator import itemgetter
 from statistics import linear_regression
 
@@ -35,21 +32,15 @@ class GenerationFitness:
 
 @dataclass(frozen=True, slots=True)
 class Trend:
-    """Fitness over the generations, and whether its mean went up in this run.
+    """Fitness over the generations, and the line of least squares through their means.
 
-    The line is that of least squares through the means, from generation 0. ``tau`` is Kendall's
-    tau-b between generation and mean, in [-1, 1], 0 if all means are equal.
-
-    Notes
-    -----
-    Both describe one run. There is no p-value, because generations of one search depend on each
+    It describes one run. There is no p-value, because generations of one search depend on each
     other; whether an algorithm does better is tested over many seeds (``study.comparison``).
     """
 
     generations: tuple[GenerationFitness, ...]
     slope: float
     intercept: float
-    tau: float
 
 
 def find_trend(generations: Iterable[Generation]) -> Trend:
@@ -60,21 +51,7 @@ def find_trend(generations: Iterable[Generation]) -> Trend:
     slope, intercept = 0.0, sum(means, 0.0)
     if len(rows) > 1:
         slope, intercept = linear_regression([float(row.generation) for row in rows], means)
-    return Trend(rows, slope, intercept, _kendall(means))
-
-
-def _kendall(values: Sequence[float]) -> float:
-    """Return tau-b of values against their place."""
-    n, s = len(values), 0
-    ordered: list[float] = []
-    for place, value in enumerate(values):
-        n_lower, n_not_higher = bisect_left(ordered, value), bisect_right(ordered, value)
-        s += n_lower - (place - n_not_higher)
-        ordered.insert(n_lower, value)
-    ties = Counter(values).values()
-    n_pairs = n * (n - 1) // 2
-    n_untied = n_pairs - sum(t * (t - 1) // 2 for t in ties)
-    return s / sqrt(n_pairs * n_untied) if n_untied else 0.0
+    return Trend(rows, slope, intercept)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend
 from tests.support.search import paper_mission
 from tests.tiers import slow
 
-TREND = Trend((GenerationFitness(0, 10.0, 5.0, 19.0, 0.0),), 0.0, 10.0, 0.0)
+TREND = Trend((GenerationFitness(0, 10.0, 5.0, 19.0, 0.0),), 0.0, 10.0)
 MAP = Drawing("mission_map", (paper_mission(),), "mission_plots")
 
 

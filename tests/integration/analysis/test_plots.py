@@ -17,7 +17,7 @@ from tests.support.search import paper_mission, pool_of
 from tests.tiers import slow
 
 TREND = Trend(
-    tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1
+    tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0
 )
 FRONT = Front(("g1", "g3"), tuple(FrontPoint(i, (10 * i, 90 - i * i)) for i in range(5)))
 CLOUD = [(i % 40, i % 17) for i in range(100)]
@@ -164,7 +164,7 @@ def test_the_map_is_true_to_scale():
 
 @slow
 def test_one_generation_and_one_point_can_be_drawn(tmp_path):
-    trend = Trend(TREND.generations[:1], 0.0, 0.0, 0.0)
+    trend = Trend(TREND.generations[:1], 0.0, 0.0)
     zero = Front(("g1", "g3"), (FrontPoint(0, (0, 0)),))
 
     for name, figure in {
@@ -197,7 +197,7 @@ def test_a_large_cloud_stays_a_small_file(tmp_path):
 def test_of_many_generations_a_point_stands_for_several(draw, label, tmp_path):
     rows = tuple(GenerationFitness(i, i % 9, 1.0, i % 9 + 1, i % 9 - 1) for i in range(5_000))
 
-    _, svg = save(draw(Trend(rows, 0.0, 0.0, 0.0), "fitness"), tmp_path / "long")
+    _, svg = save(draw(Trend(rows, 0.0, 0.0), "fitness"), tmp_path / "long")
 
     assert label in texts(svg)
     n_points = len(list(ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}use")))
