@@ -29,7 +29,17 @@ PACKAGES = {
 }
 ROOMS = (".ci", "docs", "examples", "metamodels", "models", "src", *PACKAGES)
 SUFFIXES = (".py", ".ecore", ".evl", ".eol", ".j2", ".md", ".toml", ".xmi")
-MADE = {"dist", "site", "runs", "figures", "tables", "report.md", "my_simulator.py", ".ecore"}
+MADE = {
+    "dist",
+    "site",
+    "runs",
+    "vendor",
+    "figures",
+    "tables",
+    "report.md",
+    "my_simulator.py",
+    ".ecore",
+}
 """What commands make, or what stands for a reader's own."""
 
 ELSEWHERE = ("/", "~", "runs/", "critical/", "models/demo/", "generated/demo/", ".github/")
