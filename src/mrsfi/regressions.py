@@ -112,9 +112,10 @@ def keep(
     stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
+    by = verdict(way, campaign.mission.units)
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, weakness {number}: {way.goal} is broken by {verdict(way)}",
+        f"{path}, weakness {number}: {way.goal} is broken by {by}",
         way.shown.column.kind,
         following(settings.mission_seed, n_seeds),
         {way.goal: 0} if limits is None else limits,

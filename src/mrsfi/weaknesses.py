@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import combinations, islice
+from itertools import combinations, islice, repeat
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
@@ -21,16 +21,19 @@ from mrsfi_runtime.analysis.weaknesses import (
     modes_as_markdown,
 )
 from mrsfi_runtime.causes import mildest as shrinking
-from mrsfi_runtime.causes.harvest import Harvest, known_by
+from mrsfi_runtime.causes.harvest import Harvest, known_by, variants
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.causes.weakness import Known, Weakness, faults_of, in_seeds
+from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Evaluated
 from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
+from mrsfi_runtime.record.store import RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
 FMEA = MappingProxyType({".csv": modes_as_csv, ".md": modes_as_markdown})
@@ -136,9 +139,16 @@ def refined(
 ) -> list[Way]:
     """Return ways, each with its mildest form if asked for, in as many mission seeds as asked.
 
-    To seek the mildest form, by the gravest measure, takes some 30 flights for each.
+    To seek the mildest form, by the gravest measure, takes some 30 flights for each, which count
+    for its detection, too.
     """
-    evaluate_many, seed = evaluator.evaluate_many, campaign.store.settings.mission_seed
+    seed, flown = campaign.store.settings.mission_seed, list[RecordedFlight]()
+
+    def evaluate_many(some: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
+        outcomes = [*evaluator.evaluate_many(some, seed)]
+        flown.extend(map(RecordedFlight, repeat(seed), some, outcomes))
+        return outcomes
+
     told = [one for way in found for one in way.by]
     if is_mildest:
         space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
@@ -148,11 +158,12 @@ def refined(
     if n_seeds is not None:
         seeds = following(seed, n_seeds)
         told = [*in_seeds(campaign.mission, told, evaluate_many, seeds)]
-    flown = iter(told)
     if is_mildest:
-        forms = (replace(each, weakness=next(flown)) for each in least)
+        told = [*detected(campaign.mission, told, (*variants(campaign.store, told), *flown))]
+        forms = (replace(each, weakness=one) for each, one in zip(least, told, strict=True))
         return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]
-    return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
+    again = iter(told)
+    return [replace(way, by=tuple(islice(again, len(way.by)))) for way in found]
 
 
 def write_map(

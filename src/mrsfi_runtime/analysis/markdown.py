@@ -164,10 +164,8 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
     for way in least(summary.ways):
         title = f"{goal_in_words(mission, way.goal)}, broken by weakness {way.number}"
         outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
-        goals = goal_table(title, mission, outcome)
-        yield from _section(
-            goals, f"{broken_by(way)} {COUNTS} It flew in the first mission seed.", level=3
-        )
+        goals, by = goal_table(title, mission, outcome), broken_by(way, mission.units)
+        yield from _section(goals, f"{by} {COUNTS} It flew in the first mission seed.", level=3)
         yield to_markdown(fault_table("", faults, outcome))
         if sentences := summary.sentences.get(way.number):
             yield "\n".join(f"- {plain(each)}" for each in sentences)

@@ -139,7 +139,7 @@ def look_at(
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
             _write_figures(layout, illustrations, draw_here)()
-    return Shown(way, flown.title, (broken_by(way), *sentences), files[: len(names)])
+    return Shown(way, flown.title, (broken_by(way, mission.units), *sentences), files[: len(names)])
 
 
 def _fly(
@@ -158,7 +158,7 @@ def _fly(
             flown, sentences = str(error), ()
         told = PageEntry(
             title=goal_in_words(mission, way.goal),
-            sentence=broken_by(way),
+            sentence=broken_by(way, mission.units),
             faults=named_faults(mission, pool, way.shown.witness),
             sentences=sentences,
             outcome=summary.outcome(way),

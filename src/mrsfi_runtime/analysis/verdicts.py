@@ -14,12 +14,13 @@ from types import MappingProxyType
 
 from mrsfi_runtime.analysis.campaign_tables import nearness
 from mrsfi_runtime.analysis.table import Table
+from mrsfi_runtime.analysis.weaknesses import detection
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.ways import Way, least
-from mrsfi_runtime.causes.weakness import MEASURES, Weakness
+from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
+from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.starving import starvation
@@ -78,9 +79,9 @@ class GoalVerdict:
     """What is known of a goal: its state, the way that is told of, and how many others there are.
 
     ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
-    ``noticed`` how the CI notices; ``sure`` in how many mission seeds and forms, ``unknown`` how
-    seldom it may break otherwise, ``nearest`` how near a goal ever came to it that never truly
-    breaks; each is empty where there is nothing to say.
+    ``detection`` whether the CI detects it; ``sure`` in how many mission seeds and forms,
+    ``unknown`` how seldom it may break otherwise, ``nearest`` how near a goal ever came to it that
+    never truly breaks; each is empty where there is nothing to say.
     """
 
     goal: str
@@ -90,7 +91,7 @@ class GoalVerdict:
     way: Way | None
     n_others: int
     cause: str
-    noticed: str
+    detection: str
     sure: tuple[str, ...]
     unknown: str
     nearest: str = ""
@@ -107,9 +108,9 @@ class GoalVerdict:
 
     @property
     def because(self) -> str:
-        """By what it breaks, and how that is noticed, as a sentence goes on."""
+        """By what it breaks, and whether that is detected, as a sentence goes on."""
         cause = f" {self.cause}" if self.cause else ""
-        return f"{cause}; {self.noticed}" if self.noticed else cause
+        return f"{cause}; {self.detection}" if self.detection else cause
 
     @property
     def evidence(self) -> tuple[str, ...]:
@@ -127,7 +128,7 @@ def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVer
     told = {way.goal: way for way in least(known.ways)}
     found = (_verdict(mission, pool, known, goal, told.get(goal.id)) for goal in mission.goals)
     return tuple(
-        sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_unseen)))
+        sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_undetected)))
     )
 
 
@@ -138,12 +139,12 @@ def _verdict(
     state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
     if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
         state = State.BROKEN_ANYWAY
-    cause = heard = ""
+    cause = seen = ""
     sure: tuple[str, ...] = ()
     if state is State.BROKEN_ANYWAY:  # not by what it would break
         cause = starvation(mission, goal)
     elif way is not None:
-        cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown, mission.units)
+        cause, seen = f"if {cause_in_words(mission, pool, way)}", detection(way, mission.units)
     if way is not None:
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds} seeds"
         sure = seeds, f"{100 * way.shown.share:.0f} % of forms"
@@ -155,7 +156,7 @@ def _verdict(
         way=way,
         n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
         cause=cause,
-        noticed=heard,
+        detection=seen,
         sure=sure,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
@@ -180,29 +181,6 @@ def _is_broken_anyway(known: Harvest, goal: str) -> bool:
         most > 0 and column.goal == goal and column.kind != MEASURES[0]
         for column, most in zip(yardstick.columns, yardstick.most, strict=True)
     )
-
-
-def noticed(weakness: Weakness, units: Units) -> str:
-    """Say in a sentence whether, and when, the collective intelligence notices a broken goal."""
-    if weakness.column.kind == MEASURES[0]:
-        return f"a {when_noticed(weakness, units)} of the CI"
-    if weakness.is_masked:
-        return "the CI never notices"
-    return f"the CI notices {when_noticed(weakness, units)}".rstrip()
-
-
-def when_noticed(weakness: Weakness, units: Units) -> str:
-    """Say the same in two or three words; none where an older record does not say when."""
-    if weakness.column.kind == MEASURES[0]:
-        return "false alarm"
-    if weakness.is_masked:
-        return "never"
-    if weakness.noticed is None or weakness.since is None:
-        return ""
-    late = weakness.noticed - weakness.since
-    if late == 0:
-        return "at once"
-    return f"{units.ticks(abs(late))} {'late' if late > 0 else 'ahead'}"
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
@@ -303,10 +281,11 @@ def headline(found: Sequence[GoalVerdict]) -> str:
 def facts(
     mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict], ways: Sequence[Way]
 ) -> Iterator[str]:
-    """Yield what stands out, in sentences: who is never noticed, what is worth protecting first."""
-    unseen = [each.name for each in found if each.way is not None and each.way.is_unseen]
+    """Yield what stands out, in sentences: what is not detected, what is worth protecting first."""
+    unseen = [each.name for each in found if each.way is not None and each.way.is_undetected]
     if unseen:
-        yield f"{_number(len(unseen)).capitalize()} unseen by the CI: {', '.join(unseen)}"
+        number = _number(len(unseen)).capitalize()
+        yield f"{number} undetected in at least one variant: {', '.join(unseen)}"
     alarms = [each.name for each in found if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"{_number(len(alarms)).capitalize()} held, with false alarms: {', '.join(alarms)}"

@@ -12,6 +12,7 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
+from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE
@@ -35,7 +36,7 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
             if len(way.faults) == 1:
                 share = f"{100 * way.shown.share:.0f}%"
                 is_believed = way.shown.column.kind == MEASURES[0]
-                row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_unseen
+                row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_undetected
             else:
                 row.setdefault(way.goal, "joint")
     goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
@@ -44,7 +45,10 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
         for fault in pool
         if fault.id in cells
     ]
-    title = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
+    title = (
+        "Share of forms that do; (%): only believed, *: undetected in at least one, "
+        "joint: with others"
+    )
     words, columns = ("fault", "type", "target"), ("fault", "type", *goals)
     lists = [(*row[:2], _listed(goals, row[2:-1])) for row in rows]
     listed = Table(title, ("fault", "type", "goals"), lists, words, ("goals",), is_compact=True)
@@ -77,7 +81,7 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
     rows, stacked = [], []
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
-        shares[way.shown.column.kind] += "*" * way.is_unseen
+        shares[way.shown.column.kind] += "*" * way.is_undetected
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
         by = map(shares.get, MEASURES)
         head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
@@ -113,13 +117,20 @@ def goal_in_words(mission: Mission, goal: str) -> str:
     return f"{name} ({goal})" if name else goal
 
 
-def verdict(way: Way) -> str:
-    """Return in words how firmly a way breaks its goal, and who sees it."""
+def detection(way: Way, units: Units) -> str:
+    """Return whether the CI detects what breaks a goal; nothing where an older record is silent."""
+    if way.shown.column.kind == MEASURES[0]:
+        return "a false alarm of the CI"
+    return way.shown.detection.in_words(units) if way.shown.detection else ""
+
+
+def verdict(way: Way, units: Units) -> str:
+    """Return in words how firmly a way breaks its goal, and whether the CI detects it."""
     shown = way.shown
     kind = shown.column.kind
     alone = "alone" if len(way.faults) == 1 else "together"
     how = f"only {_BREAKS[kind]}" if kind == MEASURES[0] else _BREAKS[kind]
-    seen = ", unseen by the CI" if way.is_unseen else ""
+    seen = f", {shown.detection.in_words(units)}" if shown.detection else ""
     return (
         f"{' and '.join(way.faults)} {alone}, {how}{seen}; "
         f"{100 * shown.share:.0f} % of {counted(shown.n_tried, 'forms')} "
@@ -128,19 +139,19 @@ def verdict(way: Way) -> str:
     )
 
 
-def broken_by(way: Way) -> str:
+def broken_by(way: Way, units: Units) -> str:
     """Return in sentences by what a goal is broken, and from what on if that is known."""
     least = f" {way.mildest.sentence}." if way.mildest else ""
-    return f"Broken by {verdict(way)}.{least}"
+    return f"Broken by {verdict(way, units)}.{least}"
 
 
 class FailureMode(NamedTuple):
     """A row of the table, of the form that breaks the goal by the gravest measure.
 
     ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
-    listed, ``detected`` whether the collective intelligence believes that the goal is broken,
-    ``ticks`` how long the goal is broken, by the measure that counts most, and ``occurrence`` the
-    chance of all the faults, 0 … 1, as if none hung on another, if it is known.
+    listed. For how many ticks the goal is broken under this form say ``believed``, ``true`` and
+    ``missed``; ``detection`` is over all variants, and ``occurrence`` the chance of all the faults,
+    0 … 1, as if none hung on another, if it is known.
     """
 
     number: int
@@ -150,10 +161,11 @@ class FailureMode(NamedTuple):
     failure_mode: str
     local_effect: str
     end_effect: str
-    measures: str
-    detected: str
+    believed: int
+    true: int
+    missed: int
+    detection: str
     severity: str
-    ticks: int
     occurrence: float | None
 
 
@@ -167,19 +179,19 @@ def failure_modes(
 
     Severest is what lets a goal be missed, then what breaks it for longest.
     """
-    fly = lru_cache(4)(record)
+    fly, units = lru_cache(4)(record), mission.units
 
     @cache
-    def flown(form: Specification) -> tuple[str, list[int]]:
-        units = mission.units
+    def flown(form: Specification) -> tuple[str, list[tuple[int, ...]]]:
         effects = (local_effect(chain, units) or NONE for chain in chains(fly, mission, form))
         counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
-        return "; ".join(effects), [*map(max, *counts)]
+        return "; ".join(effects), [*zip(*counts, strict=True)]
 
     def mode(way: Way) -> FailureMode:
         shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
         faults = named_faults(mission, pool, shown.witness)
-        effect, ticks = flown(shown.witness)
+        effect, counts = flown(shown.witness)
+        believed, true, missed = counts[place]
         return FailureMode(
             number=way.number,
             faults=" ".join(way.faults),
@@ -188,10 +200,11 @@ def failure_modes(
             failure_mode="; ".join(map(_mode, faults)),
             local_effect=effect,
             end_effect=goal_in_words(mission, way.goal),
-            measures=", ".join(each.column.kind for each in way.by),
-            detected="no" if shown.is_masked else "yes",
+            believed=believed,
+            true=true,
+            missed=missed,
+            detection=detection(way, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
-            ticks=ticks[place],
             occurrence=_chance([pool[fault].likelihood for fault in way.faults]),
         )
 
@@ -210,7 +223,7 @@ def _chance(chances: Sequence[float | None]) -> float | None:
 
 def _rank(mode: FailureMode) -> tuple[float, bool, int]:
     chance = 1.0 if mode.occurrence is None else -mode.occurrence
-    return chance, mode.severity != "missed", -mode.ticks
+    return chance, mode.severity != "missed", -max(mode.believed, mode.true, mode.missed)
 
 
 def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:

@@ -252,7 +252,6 @@ def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flo
     least = replace(
         weakness,
         witness=as_flown.get(shrunk, shrunk),
-        is_masked=column._replace(kind="believed") not in flown.broken[0][shrunk],
         n_held=flown.n_held(column, shrunk),
         n_seeds=len(flown.broken),
     )

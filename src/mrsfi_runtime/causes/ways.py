@@ -29,9 +29,9 @@ class Way:
         return self.by[-1]
 
     @property
-    def is_unseen(self) -> bool:
-        """Whether the goal truly breaks, and the collective intelligence does not believe it."""
-        return self.shown.is_masked and self.shown.column.kind != MEASURES[0]
+    def is_undetected(self) -> bool:
+        """Whether the collective intelligence does not detect at least one of the variants."""
+        return self.shown.detection is not None and self.shown.detection.n_never > 0
 
     @property
     def is_mildest(self) -> bool:

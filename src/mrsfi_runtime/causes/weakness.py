@@ -6,20 +6,23 @@ by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if 
 known to break the same column.
 """
 
+import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from itertools import chain
 from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, counted
+from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record import encoding
+from mrsfi_runtime.record.store import RecordedFlight
 
 MEASURES = ("believed", "true", "missed")
 """Counts of an outcome by which a goal may be broken; masked and phantom follow from two."""
@@ -198,12 +201,53 @@ class Known:
 
     def _weakness(self, column: Column, faults: FaultSet, witness: Specification) -> "Weakness":
         n_tried, n_broken = len(self._forms[faults]), len([*self.breaking(column, faults)])
-        is_masked = Column(column.goal, "believed") not in self.flown[form(witness)]
-        return Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken, is_masked)
+        return Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken)
 
 
 def _shortness(specification: Specification) -> tuple[int, Specification]:
     return -sum(timed.finish - timed.start for timed in specification), specification
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """Whether, and when, the collective intelligence detects that a set of faults breaks a goal.
+
+    It is over all variants of the set: specifications of these faults of the pool and no other that
+    the campaign flew, in its search, in its harvest, for a mildest form, in any mission seed, and
+    that truly break the goal there: more true or missed ticks than its ``Yardstick`` allows. Of a
+    variant its worst mission seed counts.
+
+    A variant is detected in time if the belief shows a violation at the tick at which the goal is
+    first truly violated (or missed, if it is missed without); late, if it first does at a later
+    one; never, if it does at none of these. What was believed before was a false alarm. ``n_never``
+    and ``n_late`` of ``n_variants`` are so; ``latest`` has the most ticks late.
+    """
+
+    n_variants: int
+    n_never: int
+    n_late: int
+    latest: int
+
+    @classmethod
+    def of(cls, late: Collection[float]) -> Self | None:
+        """Return that of variants by how many ticks each is late, infinite for never."""
+        ticks = [int(each) for each in late if 0 < each < math.inf]
+        n_never = sum(each == math.inf for each in late)
+        return cls(len(late), n_never, len(ticks), max(ticks, default=0)) if late else None
+
+    def in_words(self, units: Units) -> str:
+        """Return the worst, and in how many variants it is so."""
+        of = f"of {counted(self.n_variants, 'variants')}"
+        if self.n_never:
+            return f"undetected in {self.n_never} {of}"
+        if self.n_late:
+            return f"detected late in {self.n_late} {of}, by up to {units.ticks(self.latest)}"
+        return f"detected in time in {self.n_variants} {of}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values, the worst first."""
+        worst = "never" if self.n_never else "late" if self.n_late else "in time"
+        return {"worst": worst, **asdict(self)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,10 +256,10 @@ class Weakness:
 
     ``witness`` is a form that does: of those that break the most goals and measures for which its
     faults are minimal, the one at work for the most ticks; under it the goal is broken from tick
-    ``since`` on, if that is known, and believed to be from ``noticed`` on, or ``is_masked`` if the
-    collective intelligence never believes it. ``n_tried`` forms of just these faults were flown, of
-    which ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness
-    breaks it and no part of the witness does.
+    ``since`` on, if that is known. ``n_tried`` forms of just these faults were flown, of which
+    ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks
+    it and no part of the witness does. All weaknesses of a goal and a set have one ``detection``;
+    it is ``None`` if the goal is not truly broken, and where an older record does not say.
     """
 
     column: Column
@@ -223,11 +267,10 @@ class Weakness:
     witness: Specification
     n_tried: int
     n_broken: int
-    is_masked: bool
     n_held: int = 1
     n_seeds: int = 1
     since: int | None = None
-    noticed: int | None = None
+    detection: Detection | None = None
 
     @property
     def share(self) -> float:
@@ -249,15 +292,14 @@ class Weakness:
             "share": self.share,
             "tried": self.n_tried,
             "since": self.since,
-            "noticed": self.noticed,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
-            "masked": self.is_masked,
+            "detection": self.detection and self.detection.as_json(),
             "label": self.label,
         }
 
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
-        """Return that of plain values; a Value-, Type- or KeyError if they make no sense."""
+        """Return that of plain values, without detection; errors are Value-, Type- or KeyErrors."""
         wanted = itemgetter(*TimedFault._fields)
         n_tried, seeds = int(row["tried"]), row["seeds"]
         return cls(
@@ -266,10 +308,9 @@ class Weakness:
             encoding.specification(wanted({"trigger": "", **each}) for each in row["witness"]),
             n_tried,
             round(float(row["share"]) * n_tried),
-            bool(row["masked"]),
             int(seeds["held"]),
             int(seeds["of"]),
-            *(None if row.get(key) is None else int(row[key]) for key in ("since", "noticed")),
+            None if row.get("since") is None else int(row["since"]),
         )
 
 
@@ -306,17 +347,45 @@ def in_seeds(
 
 
 def dated(yardstick: Yardstick, found: Sequence[Weakness], record: Record) -> tuple[Weakness, ...]:
-    """Return weaknesses with the ticks since which goals break and are seen to; all are flown."""
+    """Return weaknesses with the ticks since which goals break; all are flown."""
     witnesses = dict.fromkeys(each.witness for each in found)
     since = {each: yardstick.since(record(each)) for each in witnesses}
+    return tuple(replace(each, since=since[each.witness].get(each.column)) for each in found)
+
+
+def detected(
+    mission: Mission, found: Sequence[Weakness], flights: Iterable[RecordedFlight]
+) -> tuple[Weakness, ...]:
+    """Return weaknesses with their detection in flights, those without faults among them."""
+    flown = [(each, each.found) for each in flights if isinstance(each.found, Outcome)]
+    yardsticks = {
+        each.mission_seed: Yardstick.of(mission, outcome)
+        for each, outcome in flown
+        if not each.specification
+    }
+    late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
+    for each, outcome in flown:
+        if each.mission_seed in yardsticks:
+            variant, faults = form(each.specification), faults_of(each.specification)
+            for goal, ticks in _late(mission, yardsticks[each.mission_seed], outcome):
+                variants = late[goal, faults]
+                variants[variant] = max(ticks, variants.get(variant, 0))
+    truly = {(each.column.goal, each.faults) for each in found if each.column.kind != MEASURES[0]}
+    detections = {
+        (goal, faults): Detection.of(late[goal, frozenset(faults)].values())
+        for goal, faults in truly
+    }
     return tuple(
-        replace(
-            each,
-            since=since[each.witness].get(each.column),
-            noticed=since[each.witness].get(each.column._replace(kind=MEASURES[0])),
-        )
-        for each in found
+        replace(each, detection=detections.get((each.column.goal, each.faults))) for each in found
     )
+
+
+def _late(mission: Mission, yardstick: Yardstick, outcome: Outcome) -> Iterator[tuple[str, float]]:
+    """Yield the goals that a flight truly breaks, and by how many ticks each is detected late."""
+    truly = {goal for goal, kind in yardstick.broken(outcome) if kind != MEASURES[0]}
+    for goal, (n_broken, n_late) in zip(mission.goal_ids, outcome.detection or (), strict=False):
+        if goal in truly:
+            yield goal, n_late if n_late < n_broken else math.inf
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

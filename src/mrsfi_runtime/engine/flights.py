@@ -20,7 +20,7 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Detected, Evaluated, FailedFlight, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -175,8 +175,9 @@ class PlainEngine(Engine):
             )
             nearest = flight.verdicts.margin, flight.verdicts.nearest
             margins = zip(*nearest, self.measured, strict=True)
+            detection = zip(flight.verdicts.broken, flight.verdicts.undetected, strict=True)
             states = state_bytes(flight.world), state_bytes(flight.belief)
-            return digested(counts, margins, *states)
+            return digested(counts, margins, detection, *states)
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:
@@ -196,10 +197,11 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
 def digested(
     counts: Sequence[Sequence[int]],
     margins: Iterable[tuple[float, int, bool]],
+    detection: Iterable[Detected],
     world: bytes | memoryview,
     belief: bytes | memoryview,
 ) -> Outcome:
-    """Return an outcome of counts and margins, and its digest over counts and last states.
+    """Return an outcome, and its digest over counts and last states, but not what is beside it.
 
     A margin comes with whether its goal has one.
     """
@@ -209,4 +211,4 @@ def digested(
     sha.update(world)
     sha.update(belief)
     found = [(left, at) if has_one and left != NO_MARGIN else None for left, at, has_one in margins]
-    return Outcome(*listed, sha.hexdigest(), tuple(found))
+    return Outcome(*listed, sha.hexdigest(), tuple(found), tuple(detection))

@@ -49,7 +49,9 @@ class Verdicts:
 
     Each list has an entry for each goal. ``phantom`` violations were believed and not true,
     ``masked`` ones true and not believed. ``missed`` counts from the tick on at which it was
-    certain that the goal's purpose is not met.
+    certain that the goal's purpose is not met, ``broken`` from the first tick on at which the goal
+    is truly violated or missed, ``undetected`` from that on until the belief first shows a
+    violation.
 
     ``margin`` is how far from being truly violated the goal was when it was nearest to it, up to
     its first violation, ``nearest`` the tick of that, ``due`` the first at which it can be less, or
@@ -63,6 +65,8 @@ class Verdicts:
     phantom: list[int]
     masked: list[int]
     missed: list[int]
+    broken: list[int]
+    undetected: list[int]
     margin: list[float]
     nearest: list[int]
     due: list[int]
@@ -165,6 +169,10 @@ def count(verdicts: Verdicts, world: State) -> None:
         is_due = tick >= verdicts.due[goal]
         if verdicts.missed[goal] > 0 or ((true or is_due) and is_missed(world, goal, true)):
             verdicts.missed[goal] += 1
+        if true or verdicts.broken[goal] > 0 or verdicts.missed[goal] > 0:
+            is_hidden = verdicts.undetected[goal] == verdicts.broken[goal] and not believed
+            verdicts.undetected[goal] += is_hidden
+            verdicts.broken[goal] += 1
         if is_due:
             measure(verdicts, world, goal)
 

@@ -11,19 +11,17 @@ from pathlib import Path
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import keep_names
-from mrsfi_runtime.record.encoding import COUNTS
+from mrsfi_runtime.record.encoding import BESIDE, COUNTS
 from mrsfi_runtime.record.folder import new_name
 
 SCHEMA = 3
 """Version of the layout; a file of a newer one is refused, so that no earlier mrsfi flies it.
 
 In version 1 nothing says which semantics was flown, and outcomes may have fewer counts. Up to
-version 2 no outcome has margins.
+version 2 no outcome has margins; detection may be missing in version 3.
 """
 
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
-MARGINS = "margins"
-"""The column that has them."""
 
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
@@ -34,10 +32,10 @@ def quoted(columns: Iterable[str]) -> str:
 
 
 def _columns(
-    counts: Iterable[str], specification: str = "specification", margins: str = MARGINS
+    counts: Iterable[str], beside: Iterable[str], specification: str = "specification"
 ) -> str:
     head = f"idx, generation, {specification}, fitness, fault_ticks"
-    return f"{head}, {quoted(counts)}, digest, {margins}"
+    return f"{head}, {quoted(counts)}, digest, {', '.join(beside)}"
 
 
 FLIGHT_TABLE = (
@@ -48,7 +46,7 @@ FLIGHT_TABLE = (
 
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    f"CREATE TABLE evaluation ({_columns(COUNTS)}, PRIMARY KEY (idx))",
+    f"CREATE TABLE evaluation ({_columns(COUNTS, BESIDE)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
     FLIGHT_TABLE,
@@ -56,22 +54,23 @@ _TABLES = (
 
 
 def stored_columns(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]:
-    """Return what a record has of an outcome: counts, and margins; an older one has fewer."""
+    """Return what a record has of an outcome and its digest; an older one has fewer."""
     with translated(path):
         columns = {row[1] for row in connection.execute("PRAGMA table_info(evaluation)")}
-    return tuple(name for name in (*COUNTS, MARGINS) if name in columns)
+    return tuple(name for name in (*COUNTS, *BESIDE) if name in columns)
 
 
 def select_evaluations(stored: Sequence[str], specification: str = "specification") -> str:
     """Return the query for evaluations by ``stored_columns``; something may stand for faults."""
-    counts = [name for name in stored if name != MARGINS]
-    margins = MARGINS if MARGINS in stored else "NULL"
-    return f"SELECT {_columns(counts, specification, margins)} FROM evaluation"
+    counts = [name for name in stored if name not in BESIDE]
+    beside = [name if name in stored else "NULL" for name in BESIDE]
+    return f"SELECT {_columns(counts, beside, specification)} FROM evaluation"
 
 
-def add_margins(connection: sqlite3.Connection) -> None:
-    """Make the column of margins, which a record of an earlier mrsfi lacks."""
-    connection.execute(f"ALTER TABLE evaluation ADD COLUMN {MARGINS}")
+def add_missing(connection: sqlite3.Connection, stored: Sequence[str]) -> None:
+    """Make the columns beside the digest that a record of an earlier mrsfi lacks."""
+    for name in (name for name in BESIDE if name not in stored):
+        connection.execute(f"ALTER TABLE evaluation ADD COLUMN {name}")
     connection.execute(f"PRAGMA user_version = {SCHEMA}")
 
 

@@ -11,9 +11,12 @@ from typing import Any
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.gate import plain
-from mrsfi_runtime.model.outcome import Margin, Outcome
+from mrsfi_runtime.model.outcome import Detected, Margin, Outcome
 
-COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name not in ("digest", "margins"))
+BESIDE = ("margins", "detection")
+"""Names of what an outcome has beside its digest, and one of an earlier mrsfi may lack."""
+
+COUNTS = tuple(each.name for each in fields(Outcome) if each.name not in ("digest", *BESIDE))
 """Names of the count vectors of an outcome, in the order in which they are stored."""
 
 _ENCODER = json.JSONEncoder(
@@ -96,6 +99,11 @@ def margins(found: object) -> tuple[Margin | None, ...] | None:
     if not isinstance(found, list):
         raise ValueError(f"found {str(found)[:60]}; expected a list of margins")  # noqa: TRY004 - the text is wrong
     return tuple(None if each is None else _margin(*each) for each in found)
+
+
+def detection(found: Any) -> tuple[Detected, ...] | None:
+    """Return detection as it is in an outcome; errors as of ``margins``."""
+    return None if found is None else tuple((n, late) for n, late in integers(found))
 
 
 def _margin(least: float, tick: int) -> Margin:

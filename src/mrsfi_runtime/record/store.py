@@ -6,7 +6,7 @@ earlier one.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -95,12 +95,12 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(int(seed), known, FailedFlight(found))
-        names = {*encoding.COUNTS, "digest", database.MARGINS}
-        if rest or not isinstance(found, dict) or {*found, database.MARGINS} != names:
+        names = {*encoding.COUNTS, "digest", *encoding.BESIDE}
+        if rest or not isinstance(found, dict) or {*found, *encoding.BESIDE} != names:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]
-        told = str(found["digest"]), found.get(database.MARGINS)
-        return cls(int(seed), known, _outcome(encoding.COUNTS, counts, *told))
+        digest, beside = str(found["digest"]), map(found.get, encoding.BESIDE)
+        return cls(int(seed), known, _outcome(encoding.COUNTS, counts, digest, *beside))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -118,7 +118,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
         self._stored = database.stored_columns(path, connection)
-        self._counts = [name for name in self._stored if name != database.MARGINS]
+        self._counts = [name for name in self._stored if name not in encoding.BESIDE]
         self._evaluations = database.select_evaluations(self._stored)
 
     @classmethod
@@ -176,9 +176,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             ],
         }
         with database.transaction(self.path, self._connection) as connection:
-            if database.MARGINS not in self._stored:
-                database.add_margins(connection)
-                self._stored = (*self._stored, database.MARGINS)
+            database.add_missing(connection, self._stored)
+            self._stored = (*self._counts, *encoding.BESIDE)
             _require_next("evaluation", rows["evaluation"], self.n_evaluations)
             _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
@@ -197,6 +196,13 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         for rows in self._batches(self._evaluations, range(first, end)):
             for row in rows:
                 yield self._decoded(partial(_evaluation, self._counts), row)
+
+    def evaluations_of(self, sets: Collection[frozenset[str]]) -> Iterator[Evaluation]:
+        """Yield the evaluations whose pool faults are just those of one of some sets, in order."""
+        for rows in self._batches(self._evaluations, range(self.n_evaluations)):
+            for row in rows:
+                if self._decoded(_faults, row) in sets:
+                    yield self._decoded(partial(_evaluation, self._counts), row)
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
@@ -221,8 +227,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def margins(self) -> Iterator[tuple[int, list[int], tuple[Margin | None, ...]]]:
         """Yield evaluations with true violations and margins by goal; none from an older record."""
-        if database.MARGINS in self._stored:
-            query = f'SELECT idx, "true", {database.MARGINS} FROM evaluation'
+        if "margins" in self._stored:
+            query = 'SELECT idx, "true", margins FROM evaluation'
             for rows in self._batches(query, range(self.n_evaluations)):
                 told = [row for row in rows if row[2] is not None]
                 texts = [text for _, *both in told for text in both]
@@ -353,6 +359,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
     counts = (getattr(outcome, name) for name in encoding.COUNTS)
+    beside = (getattr(outcome, name) for name in encoding.BESIDE)
     fitness, *found = encoding.texts([[float(each) for each in evaluation.fitness], *counts])
     return (
         int(evaluation.index),
@@ -362,7 +369,7 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
         int(evaluation.fault_ticks),
         *found,
         outcome.digest,
-        None if outcome.margins is None else encoding.canonical(outcome.margins),
+        *(None if each is None else encoding.canonical(each) for each in beside),
     )
 
 
@@ -372,12 +379,17 @@ def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
     return Evaluation(*flown, encoding.specification(specification))
 
 
+def _faults(row: tuple[Any, ...]) -> frozenset[str]:
+    return frozenset(encoding.fault_texts(row[2])[0])
+
+
 def _flown(
     names: Sequence[str], row: tuple[Any, ...]
 ) -> tuple[int, int, Outcome, tuple[float, ...], int]:
-    index, generation, _, fitness_text, fault_ticks, *texts, digest, margins = row
-    fitness, *found, margins = encoding.lists([fitness_text, *texts, margins or "[]"])
-    outcome = _outcome(names, found, digest, margins or None)
+    index, generation, _, fitness_text, fault_ticks, *texts, digest, margins, detection = row
+    stored = [fitness_text, *texts, margins or "[]", detection or "[]"]
+    fitness, *found, margins, detection = encoding.lists(stored)
+    outcome = _outcome(names, found, digest, margins or None, detection or None)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -405,9 +417,14 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(
-    names: Sequence[str], found: Sequence[Sequence[Any]], digest: str, margins: object
+    names: Sequence[str],
+    found: Sequence[Sequence[Any]],
+    digest: str,
+    margins: object,
+    detection: object,
 ) -> Outcome:
     """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
     counts: dict[str, Any] = {"missed": None}
     counts.update(zip(names, encoding.integers(found), strict=True))
-    return Outcome(**counts, digest=digest, margins=encoding.margins(margins))
+    told, late = encoding.margins(margins), encoding.detection(detection)
+    return Outcome(**counts, digest=digest, margins=told, detection=late)

@@ -27,17 +27,14 @@ from mrsfi_runtime.analysis.verdicts import (
     GoalVerdict,
     State,
     cause_in_words,
-    noticed,
     owner_of,
-    when_noticed,
 )
-from mrsfi_runtime.analysis.weaknesses import goal_in_words, harmless, verdict
+from mrsfi_runtime.analysis.weaknesses import detection, goal_in_words, harmless, verdict
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -123,17 +120,17 @@ def _first_screen(
         "headline": headline,
         "about": " · ".join(about),
         "facts": facts,
-        "goals": [_goal(each, mission.units) for each in summary.verdicts],
+        "goals": [*map(_goal, summary.verdicts)],
         "ways": [
             {
                 "number": way.number,
                 "goal": way.goal,
                 "name": names[way.goal],
                 "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
-                f"{noticed(way.shown, mission.units)}",
-                "sure": verdict(way),
+                f"{detection(way, mission.units)}".removesuffix("; "),
+                "sure": verdict(way, mission.units),
                 "kind": way.shown.column.kind,
-                "unseen": way.is_unseen,
+                "unseen": way.is_undetected,
                 "share": way.shown.share,
                 "joint": len(way.faults) > 1,
                 "shown": places.get(way.number),
@@ -145,7 +142,7 @@ def _first_screen(
     }
 
 
-def _goal(each: GoalVerdict, units: Units) -> dict[str, Any]:
+def _goal(each: GoalVerdict) -> dict[str, Any]:
     way = each.way
     return {
         "id": each.goal,
@@ -155,7 +152,7 @@ def _goal(each: GoalVerdict, units: Units) -> dict[str, Any]:
         "grave": each.state <= State.VIOLATED,
         "cause": each.cause,
         "by": "" if way is None else " and ".join(way.faults),
-        "noticed": "" if way is None else when_noticed(way.shown, units),
+        "detection": each.detection,
         "sure": each.sure,
         "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
         "unknown": each.unknown,

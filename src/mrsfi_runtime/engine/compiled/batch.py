@@ -117,7 +117,8 @@ class Batch:
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
         margins = zip(*(column[k] for column in self._margins), measured, strict=True)
-        return digested(counts, margins, *(rows[k] for rows in self._packed))
+        detection = zip(*(column[k] for column in self._detection), strict=True)
+        return digested(counts, margins, detection, *(rows[k] for rows in self._packed))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
@@ -133,6 +134,10 @@ class Batch:
     @cached_property
     def _margins(self) -> list[Any]:
         return [self.results[name].tolist() for name in ("margin", "nearest")]
+
+    @cached_property
+    def _detection(self) -> list[Any]:
+        return [self.results[name].tolist() for name in ("broken", "undetected")]
 
     @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:

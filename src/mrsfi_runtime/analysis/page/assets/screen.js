@@ -21,7 +21,7 @@ class Screen {
   }
 
   goalsOf() {
-    const heads = ["", "Goal and its least cause", "CI notices", "How sure", "Otherwise"];
+    const heads = ["", "Goal and its least cause", "Detection", "How sure", "Otherwise"];
     return make("table", { id: "goals" },
       make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each || make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
@@ -29,7 +29,7 @@ class Screen {
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
           make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
-          make("td", {}, goal.noticed), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
+          make("td", {}, goal.detection), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
           make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
@@ -52,7 +52,7 @@ class Screen {
       return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, unseen", make("span", { class: "key share" }), "broken, seen",
+      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, undetected in at least one variant", make("span", { class: "key share" }), "broken, detected in all",
         make("span", { class: "key share believed" }), "false alarm · height: share of forms · + jointly"),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
