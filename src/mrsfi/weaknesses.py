@@ -21,7 +21,7 @@ from mrsfi_runtime.analysis.weaknesses import (
     modes_as_markdown,
 )
 from mrsfi_runtime.causes import mildest as shrinking
-from mrsfi_runtime.causes.harvest import Harvest, known_by, variants
+from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, in_seeds
@@ -31,7 +31,6 @@ from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Evaluated
-from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
@@ -82,9 +81,7 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
     flown: set[frozenset[str]] = {
         faults_of(each.specification) for each in campaign.store.flights()
     }
-    store, columns = campaign.store, ("specification",)
-    for texts in store.stored(columns, store.n_evaluations, lambda read: [*read[0]]):
-        flown.update(frozenset(fault_texts(text)[0]) for text in texts)
+    flown.update(campaign.store.fault_sets())
     known = {some for each in flown for n in (1, 2) for some in combinations(sorted(each), n)}
     faults = [fault.id for fault in campaign.pool]
     every = (some for n in (1, 2) for some in combinations(faults, n))
@@ -159,8 +156,8 @@ def refined(
         seeds = following(seed, n_seeds)
         told = [*in_seeds(campaign.mission, told, evaluate_many, seeds)]
     if is_mildest:
-        told = [*detected(campaign.mission, told, (*variants(campaign.store, told), *flown))]
-        forms = (replace(each, weakness=one) for each, one in zip(least, told, strict=True))
+        again = iter(detected(campaign.mission, campaign.store, told, flown))
+        forms = (replace(each, weakness=next(again)) for each in least)
         return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]
     again = iter(told)
     return [replace(way, by=tuple(islice(again, len(way.by)))) for way in found]

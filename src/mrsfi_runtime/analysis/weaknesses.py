@@ -45,10 +45,7 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
         for fault in pool
         if fault.id in cells
     ]
-    title = (
-        "Share of forms that do; (%): only believed, *: undetected in at least one, "
-        "joint: with others"
-    )
+    title = "Share of forms that do; (%): only believed, *: undetected in some, joint: with others"
     words, columns = ("fault", "type", "target"), ("fault", "type", *goals)
     lists = [(*row[:2], _listed(goals, row[2:-1])) for row in rows]
     listed = Table(title, ("fault", "type", "goals"), lists, words, ("goals",), is_compact=True)
@@ -149,9 +146,9 @@ class FailureMode(NamedTuple):
     """A row of the table, of the form that breaks the goal by the gravest measure.
 
     ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
-    listed. For how many ticks the goal is broken under this form say ``believed``, ``true`` and
-    ``missed``; ``detection`` is over all variants, and ``occurrence`` the chance of all the faults,
-    0 … 1, as if none hung on another, if it is known.
+    listed; ``measures`` and ``ticks`` say for how long the goal is broken by this form, by each
+    measure and by the one that counts most, and ``detected`` how many variants are. ``occurrence``
+    is the chance of all the faults, 0 … 1, as if none hung on another, if it is known.
     """
 
     number: int
@@ -161,11 +158,10 @@ class FailureMode(NamedTuple):
     failure_mode: str
     local_effect: str
     end_effect: str
-    believed: int
-    true: int
-    missed: int
-    detection: str
+    measures: str
+    detected: str
     severity: str
+    ticks: int
     occurrence: float | None
 
 
@@ -191,7 +187,6 @@ def failure_modes(
         shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
         faults = named_faults(mission, pool, shown.witness)
         effect, counts = flown(shown.witness)
-        believed, true, missed = counts[place]
         return FailureMode(
             number=way.number,
             faults=" ".join(way.faults),
@@ -200,11 +195,10 @@ def failure_modes(
             failure_mode="; ".join(map(_mode, faults)),
             local_effect=effect,
             end_effect=goal_in_words(mission, way.goal),
-            believed=believed,
-            true=true,
-            missed=missed,
-            detection=detection(way, units),
+            measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
+            detected=detection(way, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
+            ticks=max(counts[place]),
             occurrence=_chance([pool[fault].likelihood for fault in way.faults]),
         )
 
@@ -223,7 +217,7 @@ def _chance(chances: Sequence[float | None]) -> float | None:
 
 def _rank(mode: FailureMode) -> tuple[float, bool, int]:
     chance = 1.0 if mode.occurrence is None else -mode.occurrence
-    return chance, mode.severity != "missed", -max(mode.believed, mode.true, mode.missed)
+    return chance, mode.severity != "missed", -mode.ticks
 
 
 def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:

@@ -9,9 +9,10 @@ breaks each goal is shrunk to its mildest form, which takes flights beyond those
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import islice
 from random import Random
 from typing import NamedTuple, Self
 
@@ -109,20 +110,11 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
         known.learn(specification, yardstick.broken(outcome))
     known.restore(kept.weaknesses, kept.n_kept)
     some = (*kept.weaknesses, *(each.weakness for each in kept.mildest))
-    found, n = detected(mission, some, variants(store, some)), len(kept.weaknesses)
-    told = zip(kept.mildest, found[n:], strict=True)
-    mild = tuple(replace(each, weakness=one) for each, one in told)
-    near = _nearest(mission, store, kept.weaknesses)
-    return Harvest(known, found[:n], kept.n_flights, flown, yardstick, mild, near)
-
-
-def variants(store: CampaignStore, found: Iterable[Weakness]) -> Iterator[RecordedFlight]:
-    """Yield what a campaign flew with the faults of a weakness and no other, or without faults."""
-    sets = {frozenset[str](), *(frozenset(each.faults) for each in found)}
-    seed = store.settings.mission_seed
-    for each in store.evaluations_of(sets):
-        yield RecordedFlight(seed, each.specification, each.outcome)
-    yield from store.flights()
+    told = iter(detected(mission, store, some))
+    found = tuple(islice(told, len(kept.weaknesses)))
+    mild = tuple(replace(each, weakness=next(told)) for each in kept.mildest)
+    near = _nearest(mission, store, found)
+    return Harvest(known, found, kept.n_flights, flown, yardstick, mild, near)
 
 
 def harvest(
@@ -234,8 +226,7 @@ def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
     searched = _searched(store)
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None
-    found = known.weaknesses()
-    found = detected(space.gate.mission, found, variants(store, found))
+    found = detected(space.gate.mission, store, known.weaknesses())
     told = _nearest(space.gate.mission, store, found)
     return Harvest(known, found, 0, flown, yardstick, nearest=told)
 

@@ -8,7 +8,7 @@ known to break the same column.
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
 from operator import itemgetter
@@ -22,7 +22,7 @@ from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.store import RecordedFlight
+from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 
 MEASURES = ("believed", "true", "missed")
 """Counts of an outcome by which a goal may be broken; masked and phantom follow from two."""
@@ -67,6 +67,14 @@ class Yardstick:
             return frozenset()
         judged = zip(self.columns, _counts(flown), self.most, strict=True)
         return frozenset(column for column, count, most in judged if count > most)
+
+    def late(self, flown: Outcome) -> Iterator[tuple[str, float]]:
+        """Yield the goals that a flight truly breaks, and how many ticks late that is detected."""
+        truly = {goal for goal, kind in self.broken(flown) if kind != MEASURES[0]}
+        goals = dict.fromkeys(column.goal for column in self.columns)
+        for goal, (n_broken, n_late) in zip(goals, flown.detection or (), strict=False):
+            if goal in truly:
+                yield goal, n_late if n_late < n_broken else math.inf
 
     def since(self, flight: Recording) -> dict[Column, int]:
         """Return the first tick at which a flight has broken each of the columns that it breaks."""
@@ -212,28 +220,28 @@ def _shortness(specification: Specification) -> tuple[int, Specification]:
 class Detection:
     """Whether, and when, the collective intelligence detects that a set of faults breaks a goal.
 
-    It is over all variants of the set: specifications of these faults of the pool and no other that
-    the campaign flew, in its search, in its harvest, for a mildest form, in any mission seed, and
-    that truly break the goal there: more true or missed ticks than its ``Yardstick`` allows. Of a
-    variant its worst mission seed counts.
+    It is over all variants: specifications with just these faults of the pool that the campaign
+    flew at any time, in any mission seed, and that truly break the goal there, as its ``Yardstick``
+    has it of true and missed ticks. Of a variant, the worst mission seed counts.
 
-    A variant is detected in time if the belief shows a violation at the tick at which the goal is
-    first truly violated (or missed, if it is missed without); late, if it first does at a later
-    one; never, if it does at none of these. What was believed before was a false alarm. ``n_never``
-    and ``n_late`` of ``n_variants`` are so; ``latest`` has the most ticks late.
+    At the first tick at which the goal is truly violated (or missed, if without) the belief shows a
+    violation, too, which is in time; or so many ticks late; or never. What it showed before was a
+    false alarm. ``latest`` are the most ticks late.
     """
 
+    worst: str
     n_variants: int
     n_never: int
     n_late: int
     latest: int
 
     @classmethod
-    def of(cls, late: Collection[float]) -> Self | None:
-        """Return that of variants by how many ticks each is late, infinite for never."""
-        ticks = [int(each) for each in late if 0 < each < math.inf]
-        n_never = sum(each == math.inf for each in late)
-        return cls(len(late), n_never, len(ticks), max(ticks, default=0)) if late else None
+    def of(cls, late: Mapping[Specification, float]) -> Self | None:
+        """Return that of variants by how many ticks late each is detected, infinite for never."""
+        ticks = [int(each) for each in late.values() if 0 < each < math.inf]
+        n_never = [*late.values()].count(math.inf)
+        worst = "never" if n_never else "late" if ticks else "in time"
+        return cls(worst, len(late), n_never, len(ticks), max(ticks, default=0)) if late else None
 
     def in_words(self, units: Units) -> str:
         """Return the worst, and in how many variants it is so."""
@@ -244,11 +252,6 @@ class Detection:
             return f"detected late in {self.n_late} {of}, by up to {units.ticks(self.latest)}"
         return f"detected in time in {self.n_variants} {of}"
 
-    def as_json(self) -> dict[str, Any]:
-        """Return it as plain values, the worst first."""
-        worst = "never" if self.n_never else "late" if self.n_late else "in time"
-        return {"worst": worst, **asdict(self)}
-
 
 @dataclass(frozen=True, slots=True)
 class Weakness:
@@ -258,8 +261,8 @@ class Weakness:
     faults are minimal, the one at work for the most ticks; under it the goal is broken from tick
     ``since`` on, if that is known. ``n_tried`` forms of just these faults were flown, of which
     ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks
-    it and no part of the witness does. All weaknesses of a goal and a set have one ``detection``;
-    it is ``None`` if the goal is not truly broken, and where an older record does not say.
+    it and no part of the witness does. All weaknesses of a goal and a set have one ``detection``:
+    none if it does not truly break, or where an older record does not say.
     """
 
     column: Column
@@ -293,13 +296,13 @@ class Weakness:
             "tried": self.n_tried,
             "since": self.since,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
-            "detection": self.detection and self.detection.as_json(),
+            "detection": self.detection and asdict(self.detection),
             "label": self.label,
         }
 
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
-        """Return that of plain values, without detection; errors are Value-, Type- or KeyErrors."""
+        """Return that of plain values; a Value-, Type- or KeyError if they make no sense."""
         wanted = itemgetter(*TimedFault._fields)
         n_tried, seeds = int(row["tried"]), row["seeds"]
         return cls(
@@ -354,38 +357,25 @@ def dated(yardstick: Yardstick, found: Sequence[Weakness], record: Record) -> tu
 
 
 def detected(
-    mission: Mission, found: Sequence[Weakness], flights: Iterable[RecordedFlight]
+    mission: Mission,
+    store: CampaignStore,
+    found: Sequence[Weakness],
+    more: Iterable[RecordedFlight] = (),
 ) -> tuple[Weakness, ...]:
-    """Return weaknesses with their detection in flights, those without faults among them."""
-    flown = [(each, each.found) for each in flights if isinstance(each.found, Outcome)]
-    yardsticks = {
-        each.mission_seed: Yardstick.of(mission, outcome)
-        for each, outcome in flown
-        if not each.specification
-    }
+    """Return weaknesses with their detection in all that a campaign flew, and in more flights."""
+    flights = [*store.flown_with({frozenset(each.faults) for each in found}), *more]
+    yardsticks: dict[int, Yardstick] = {}
     late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
-    for each, outcome in flown:
-        if each.mission_seed in yardsticks:
-            variant, faults = form(each.specification), faults_of(each.specification)
-            for goal, ticks in _late(mission, yardsticks[each.mission_seed], outcome):
-                variants = late[goal, faults]
+    for each in sorted(flights, key=lambda each: len(each.specification)):  # first without faults
+        if isinstance(each.found, Outcome):
+            variant, fault_free = form(each.specification), Yardstick.of(mission, each.found)
+            yardstick = yardsticks.setdefault(each.mission_seed, fault_free)
+            for goal, ticks in yardstick.late(each.found):
+                variants = late[goal, faults_of(variant)]
                 variants[variant] = max(ticks, variants.get(variant, 0))
     truly = {(each.column.goal, each.faults) for each in found if each.column.kind != MEASURES[0]}
-    detections = {
-        (goal, faults): Detection.of(late[goal, frozenset(faults)].values())
-        for goal, faults in truly
-    }
-    return tuple(
-        replace(each, detection=detections.get((each.column.goal, each.faults))) for each in found
-    )
-
-
-def _late(mission: Mission, yardstick: Yardstick, outcome: Outcome) -> Iterator[tuple[str, float]]:
-    """Yield the goals that a flight truly breaks, and by how many ticks each is detected late."""
-    truly = {goal for goal, kind in yardstick.broken(outcome) if kind != MEASURES[0]}
-    for goal, (n_broken, n_late) in zip(mission.goal_ids, outcome.detection or (), strict=False):
-        if goal in truly:
-            yield goal, n_late if n_late < n_broken else math.inf
+    of = {(goal, faults): Detection.of(late[goal, frozenset(faults)]) for goal, faults in truly}
+    return tuple(replace(each, detection=of.get((each.column.goal, each.faults))) for each in found)
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

@@ -20,7 +20,7 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Detected, Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -197,7 +197,7 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
 def digested(
     counts: Sequence[Sequence[int]],
     margins: Iterable[tuple[float, int, bool]],
-    detection: Iterable[Detected],
+    detection: Iterable[tuple[int, int]],
     world: bytes | memoryview,
     belief: bytes | memoryview,
 ) -> Outcome:

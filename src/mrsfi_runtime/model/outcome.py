@@ -13,10 +13,6 @@ TOLD = (*COUNTED, "missed_since")
 Margin: TypeAlias = tuple[float, int]
 """By how much a goal was not violated when it was nearest to it, and the tick of that."""
 
-Detected: TypeAlias = tuple[int, int]
-"""Ticks from the first one at which a goal is truly violated or missed, and how many of these pass
-until the belief first shows a violation: all of them if it never does."""
-
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -50,8 +46,8 @@ class Outcome:
         its task, and the tick of that; ``None`` for a goal of which that cannot be said. ``None``
         as a whole in a record of an earlier mrsfi.
     detection
-        When the belief first showed that each goal was broken; ``None`` in a record of an earlier
-        mrsfi.
+        Ticks from the first one on at which each goal was truly violated or missed, and how many of
+        these passed before the belief showed a violation. ``None`` as a whole as of margins.
     """
 
     believed: tuple[int, ...]
@@ -64,7 +60,7 @@ class Outcome:
     changed: tuple[int, ...]
     digest: str
     margins: tuple[Margin | None, ...] | None = None
-    detection: tuple[Detected, ...] | None = None
+    detection: tuple[tuple[int, int], ...] | None = None
 
     def missed_since(self, duration: int) -> tuple[int | None, ...] | None:
         """Return from which tick on each goal was certain to be missed, ``None`` if it was met.

@@ -67,10 +67,9 @@ def select_evaluations(stored: Sequence[str], specification: str = "specificatio
     return f"SELECT {_columns(counts, beside, specification)} FROM evaluation"
 
 
-def add_missing(connection: sqlite3.Connection, stored: Sequence[str]) -> None:
-    """Make the columns beside the digest that a record of an earlier mrsfi lacks."""
-    for name in (name for name in BESIDE if name not in stored):
-        connection.execute(f"ALTER TABLE evaluation ADD COLUMN {name}")
+def add_column(connection: sqlite3.Connection, name: str) -> None:
+    """Make a column of ``BESIDE`` that a record of an earlier mrsfi lacks."""
+    connection.execute(f"ALTER TABLE evaluation ADD COLUMN {name}")
     connection.execute(f"PRAGMA user_version = {SCHEMA}")
 
 

@@ -11,10 +11,10 @@ from typing import Any
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.gate import plain
-from mrsfi_runtime.model.outcome import Detected, Margin, Outcome
+from mrsfi_runtime.model.outcome import Margin, Outcome
 
 BESIDE = ("margins", "detection")
-"""Names of what an outcome has beside its digest, and one of an earlier mrsfi may lack."""
+"""What an outcome has beside its digest; in a record of an earlier mrsfi it may be missing."""
 
 COUNTS = tuple(each.name for each in fields(Outcome) if each.name not in ("digest", *BESIDE))
 """Names of the count vectors of an outcome, in the order in which they are stored."""
@@ -94,16 +94,11 @@ def integers(found: Sequence[Sequence[Any]]) -> tuple[tuple[int, ...], ...]:
 
 def margins(found: object) -> tuple[Margin | None, ...] | None:
     """Return margins as they are in an outcome; a ValueError if they make no sense."""
-    if found is None:
+    if not found:
         return None
     if not isinstance(found, list):
         raise ValueError(f"found {str(found)[:60]}; expected a list of margins")  # noqa: TRY004 - the text is wrong
     return tuple(None if each is None else _margin(*each) for each in found)
-
-
-def detection(found: Any) -> tuple[Detected, ...] | None:
-    """Return detection as it is in an outcome; errors as of ``margins``."""
-    return None if found is None else tuple((n, late) for n, late in integers(found))
 
 
 def _margin(least: float, tick: int) -> Margin:

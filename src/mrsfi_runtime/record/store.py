@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from sqlite3 import Connection
 from typing import Any, Self, TypeVar
@@ -176,8 +177,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             ],
         }
         with database.transaction(self.path, self._connection) as connection:
-            database.add_missing(connection, self._stored)
-            self._stored = (*self._counts, *encoding.BESIDE)
+            for name in [name for name in encoding.BESIDE if name not in self._stored]:
+                database.add_column(connection, name)
+                self._stored = (*self._stored, name)
             _require_next("evaluation", rows["evaluation"], self.n_evaluations)
             _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
@@ -197,12 +199,13 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             for row in rows:
                 yield self._decoded(partial(_evaluation, self._counts), row)
 
-    def evaluations_of(self, sets: Collection[frozenset[str]]) -> Iterator[Evaluation]:
-        """Yield the evaluations whose pool faults are just those of one of some sets, in order."""
-        for rows in self._batches(self._evaluations, range(self.n_evaluations)):
-            for row in rows:
-                if self._decoded(_faults, row) in sets:
-                    yield self._decoded(partial(_evaluation, self._counts), row)
+    def fault_sets(self) -> Iterator[frozenset[str]]:
+        """Yield the pool faults of each evaluation, in index order."""
+
+        def read(columns: Sequence[Sequence[str]]) -> list[frozenset[str]]:
+            return [frozenset(encoding.fault_texts(text)[0]) for text in columns[0]]
+
+        yield from chain.from_iterable(self.stored(("specification",), self.n_evaluations, read))
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
@@ -308,6 +311,14 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         rows = self._select("SELECT mission_seed, specification, found FROM flight ORDER BY idx")
         return tuple(self._decoded(RecordedFlight.from_row, row) for row in rows)
 
+    def flown_with(self, sets: Collection[frozenset[str]]) -> Iterator[RecordedFlight]:
+        """Yield what the search flew of just the pool faults of a set, and all flights after it."""
+        for index, faults in enumerate(self.fault_sets()):
+            if faults in sets or not faults:
+                each = self.evaluation(index)
+                yield RecordedFlight(self.settings.mission_seed, each.specification, each.outcome)
+        yield from self.flights()
+
     def append_flights(self, flights: Iterable[RecordedFlight]) -> None:
         """Store what was flown after the search, in one transaction."""
         rows = [(None, *flight.row()) for flight in flights]
@@ -359,7 +370,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
     counts = (getattr(outcome, name) for name in encoding.COUNTS)
-    beside = (getattr(outcome, name) for name in encoding.BESIDE)
+    beside = outcome.margins, outcome.detection
     fitness, *found = encoding.texts([[float(each) for each in evaluation.fitness], *counts])
     return (
         int(evaluation.index),
@@ -369,7 +380,7 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
         int(evaluation.fault_ticks),
         *found,
         outcome.digest,
-        *(None if each is None else encoding.canonical(each) for each in beside),
+        *(encoding.canonical(each) if each else None for each in beside),
     )
 
 
@@ -379,17 +390,13 @@ def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
     return Evaluation(*flown, encoding.specification(specification))
 
 
-def _faults(row: tuple[Any, ...]) -> frozenset[str]:
-    return frozenset(encoding.fault_texts(row[2])[0])
-
-
 def _flown(
     names: Sequence[str], row: tuple[Any, ...]
 ) -> tuple[int, int, Outcome, tuple[float, ...], int]:
     index, generation, _, fitness_text, fault_ticks, *texts, digest, margins, detection = row
-    stored = [fitness_text, *texts, margins or "[]", detection or "[]"]
-    fitness, *found, margins, detection = encoding.lists(stored)
-    outcome = _outcome(names, found, digest, margins or None, detection or None)
+    texts += [margins or "[]", detection or "[]"]
+    fitness, *found, margins, detection = encoding.lists([fitness_text, *texts])
+    outcome = _outcome(names, found, digest, margins, detection)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -417,14 +424,10 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(
-    names: Sequence[str],
-    found: Sequence[Sequence[Any]],
-    digest: str,
-    margins: object,
-    detection: object,
+    names: Sequence[str], found: Sequence[Sequence[Any]], digest: str, margins: object, late: Any
 ) -> Outcome:
     """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
     counts: dict[str, Any] = {"missed": None}
     counts.update(zip(names, encoding.integers(found), strict=True))
-    told, late = encoding.margins(margins), encoding.detection(detection)
-    return Outcome(**counts, digest=digest, margins=told, detection=late)
+    detection = tuple((n, n_late) for n, n_late in encoding.integers(late or ())) or None
+    return Outcome(**counts, digest=digest, margins=encoding.margins(margins), detection=detection)

@@ -116,9 +116,9 @@ class Batch:
         of_goals, of_faults = self._counts
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
-        margins = zip(*(column[k] for column in self._margins), measured, strict=True)
-        detection = zip(*(column[k] for column in self._detection), strict=True)
-        return digested(counts, margins, detection, *(rows[k] for rows in self._packed))
+        margin, nearest, *detection = (column[k] for column in self._beside)
+        beside = zip(margin, nearest, measured, strict=True), zip(*detection, strict=True)
+        return digested(counts, *beside, *(rows[k] for rows in self._packed))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
@@ -132,12 +132,9 @@ class Batch:
         return [column.tolist() for column in goals], [column.tolist() for column in faults]
 
     @cached_property
-    def _margins(self) -> list[Any]:
-        return [self.results[name].tolist() for name in ("margin", "nearest")]
-
-    @cached_property
-    def _detection(self) -> list[Any]:
-        return [self.results[name].tolist() for name in ("broken", "undetected")]
+    def _beside(self) -> list[Any]:
+        names = ("margin", "nearest", "broken", "undetected")
+        return [self.results[name].tolist() for name in names]
 
     @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:
