@@ -142,17 +142,22 @@ def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
     ticks = []
 
     def watch(world, belief, verdicts):
-        ticks.append((tuple(verdicts.is_true), tuple(verdicts.is_believed)))
+        judged = (verdicts.is_true, verdicts.is_believed, verdicts.missed)
+        ticks.append(tuple(map(tuple, judged)))
 
     outcome = ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
 
     assert len(ticks) == DURATION
     for goal in range(len(CODE.mission.goals)):
-        pairs = [(true[goal], believed[goal]) for true, believed in ticks]
+        pairs = [(true[goal], believed[goal]) for true, believed, _ in ticks]
         assert outcome.true[goal] == sum(true for true, _ in pairs)
         assert outcome.believed[goal] == sum(believed for _, believed in pairs)
         assert outcome.phantom[goal] == sum(believed and not true for true, believed in pairs)
         assert outcome.masked[goal] == sum(true and not believed for true, believed in pairs)
+        broken = [true[goal] or missed[goal] > 0 for true, _, missed in ticks]
+        seen = [believed for _, believed in pairs][broken.index(True) :] if any(broken) else []
+        n_late = seen.index(1) if any(seen) else len(seen)
+        assert outcome.detection[goal] == (len(seen), n_late)
 
 
 def test_a_digest_holds_what_each_fault_did_in_the_order_of_the_specification():

@@ -44,9 +44,12 @@ FLIGHT_TABLE = (
 )
 """Makes the table of flights after a search, which a record of an earlier mrsfi lacks."""
 
+EVALUATION = f"evaluation ({_columns(COUNTS, BESIDE)})"
+"""The table of evaluations with its columns, which in an older record stand in another order."""
+
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    f"CREATE TABLE evaluation ({_columns(COUNTS, BESIDE)}, PRIMARY KEY (idx))",
+    f"CREATE TABLE {EVALUATION[:-1]}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
     FLIGHT_TABLE,

@@ -169,7 +169,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """
         text = encoding.canonical
         rows = {
-            "evaluation": [_row(evaluation) for evaluation in evaluations],
+            database.EVALUATION: [_row(evaluation) for evaluation in evaluations],
             "failure": [_failure_row(failure) for failure in failures],
             "generation": [
                 (each.index, text(each.statistics), text(each.population), each.random_state)
@@ -180,7 +180,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             for name in [name for name in encoding.BESIDE if name not in self._stored]:
                 database.add_column(connection, name)
                 self._stored = (*self._stored, name)
-            _require_next("evaluation", rows["evaluation"], self.n_evaluations)
+            _require_next("evaluation", rows[database.EVALUATION], self.n_evaluations)
             _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
                 if new:

@@ -260,6 +260,7 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
         applied=(11,),
         changed=(12,),
         margins=((0.1 + 0.2, 412), None),
+        detection=((588, 3), (0, 0)),
     )
     store.append([replace(evaluation(0, (1, 2)), outcome=distinct)])
 
@@ -267,19 +268,23 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
     assert list(store.margins()) == [(0, [3, 4], distinct.margins)]
 
 
-def test_a_record_from_before_margins_is_read_and_goes_on_with_them(tmp_path):
+@pytest.mark.parametrize("missing", [("margins",), ("detection",), ("margins", "detection")])
+def test_a_record_from_before_margins_or_detection_is_read_and_goes_on_with_them(tmp_path, missing):
     path = tmp_path / "run"
     with CampaignStore.create(path, SETTINGS, MANIFEST) as store:
         store.append([evaluation(0, (1,))])
         digest = store.digest()
     with closing(sqlite3.connect(path / "campaign.sqlite")) as older, older:
-        older.execute("ALTER TABLE evaluation DROP COLUMN margins")
+        for name in missing:
+            older.execute(f"ALTER TABLE evaluation DROP COLUMN {name}")
         older.execute("PRAGMA user_version = 2")
     measured = evaluation(1, (1,))
-    measured = replace(measured, outcome=replace(measured.outcome, margins=((2.5, 7),)))
+    beside = {"margins": ((2.5, 7),), "detection": ((90, 4),)}
+    measured = replace(measured, outcome=replace(measured.outcome, **beside))
 
     with CampaignStore.open(path) as store:
         assert store.evaluation(0).outcome.margins is None
+        assert store.evaluation(0).outcome.detection is None
         assert store.digest() == digest
         store.append([measured])
         store.append([evaluation(2, (1,))])

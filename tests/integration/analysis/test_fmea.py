@@ -6,6 +6,7 @@ import pytest
 
 from mrsfi_runtime.analysis.weaknesses import failure_modes
 from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.weaknesses import weakness
@@ -26,7 +27,8 @@ def modes(found, chances=()):
 
 def test_a_row_says_what_the_flight_shows():
     goal = CODE.mission.goals[0]
-    form = weakness(goal.id, "true", STOP, start=100, finish=150, masked=True)
+    found = Detection("never", 3, 2, 0, 0)
+    form = weakness(goal.id, "true", STOP, start=100, finish=150, detection=found)
 
     (mode,) = modes([form, replace(form, column=form.column._replace(kind="missed"))])
 
@@ -36,10 +38,12 @@ def test_a_row_says_what_the_flight_shows():
     assert mode.failure_mode == "StopRobot from tick 100 to 150"
     assert mode.local_effect.startswith(f"at tick 99 what was sent was {robot} speed 0, not ")
     assert mode.end_effect == f"{goal.name} ({goal.id})"
-    assert (mode.measures, mode.detected, mode.severity) == ("true, missed", "no", "missed")
+    assert (mode.detected, mode.severity) == ("undetected in 2 of 3 variants", "missed")
     assert (mode.number, mode.occurrence) == (1, None)
     outcome = ReferenceEngine(CODE, 1).evaluate(form.witness)
-    assert mode.ticks == max(outcome.believed[0], outcome.true[0], outcome.missed[0])
+    counts = outcome.believed[0], outcome.true[0], outcome.missed[0]
+    assert mode.ticks == max(counts)
+    assert mode.measures == "believed {}, true {}, missed {}".format(*counts)
 
 
 def test_the_likeliest_come_first_then_what_is_missed_then_what_breaks_longest():

@@ -1,5 +1,6 @@
 """What is said of goals, and of what faults do, in names."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -10,14 +11,14 @@ from mrsfi_runtime.analysis.verdicts import (
     State,
     deed,
     headline,
-    noticed,
     owner_of,
     verdicts,
 )
+from mrsfi_runtime.analysis.weaknesses import detection
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import ways
-from mrsfi_runtime.causes.weakness import Known, Yardstick
+from mrsfi_runtime.causes.weakness import Detection, Known, Yardstick
 from mrsfi_runtime.model.fault_types import Mode, Units
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
@@ -101,22 +102,23 @@ def test_a_goal_whose_name_others_have_is_told_by_its_robots():
 
 
 @pytest.mark.parametrize(
-    ("measure", "masked", "since", "seen", "expected"),
+    ("measure", "late", "expected"),
     [
-        ("missed", False, 90, 91, "the CI notices 1 tick late"),
-        ("missed", False, 90, 30, "the CI notices 60 ticks ahead"),
-        ("true", False, 90, 90, "the CI notices at once"),
-        ("true", False, None, None, "the CI notices"),
-        ("true", True, 90, None, "the CI never notices"),
-        ("believed", False, 90, 90, "a false alarm of the CI"),
+        ("missed", (0, 1), "detected late in 1 of 2 variants, by up to 1 tick"),
+        ("true", (7, 60, 0), "detected late in 2 of 3 variants, by up to 60 ticks"),
+        ("true", (0,), "detected in time in 1 of 1 variant"),
+        ("missed", (0, 0), "detected in time in 2 of 2 variants"),
+        ("true", (0, 5, math.inf, math.inf), "undetected in 2 of 4 variants"),
+        ("true", (), ""),
+        ("believed", (), "a false alarm of the CI"),
     ],
 )
-def test_when_the_ci_notices_is_told_from_when_the_goal_breaks(
-    measure, masked, since, seen, expected
-):
-    found = replace(weakness("g1", measure, "f11", masked=masked), since=since, noticed=seen)
+def test_the_worst_of_all_variants_is_told_and_in_how_many_it_is_so(measure, late, expected):
+    found = Detection.of(dict(enumerate(late)))
 
-    assert noticed(found, Units()) == expected
+    (way,) = ways([weakness("g1", measure, "f11", detection=found)])
+
+    assert detection(way, Units()) == expected
 
 
 @pytest.mark.parametrize(
@@ -128,7 +130,7 @@ def test_when_the_ci_notices_is_told_from_when_the_goal_breaks(
             "is only believed broken if KAL's energy is reported 10 % too low for 81 ticks; .+",
         ),
         (3, "believed", "is violated without any fault"),
-        (3, "true", "is violated if KAL's energy is reported 10 % too low for 81 ticks; the CI.+"),
+        (3, "true", "is violated if KAL's energy is reported 10 % too low for 81 ticks"),
     ],
 )
 def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without, measure, expected):

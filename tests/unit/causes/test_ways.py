@@ -1,23 +1,20 @@
 """Ways to break a goal, of weaknesses by several measures."""
 
+import math
+
 import pytest
 
 from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.weakness import Detection
 from tests.support.weaknesses import weakness
 
 
 @pytest.mark.parametrize(
-    ("measure", "masked", "expected"),
-    [
-        ("true", True, True),
-        ("true", False, False),
-        ("missed", True, True),
-        ("believed", True, False),
-    ],
+    ("late", "expected"), [((0.0, math.inf), True), ((0.0, 3.0), False), ((), False)]
 )
-def test_a_way_is_unseen_if_the_goal_truly_breaks_and_the_ci_never_notices(
-    measure, masked, expected
-):
-    (way,) = ways([weakness("g1", measure, "f4", masked=masked)])
+def test_a_way_is_undetected_if_a_variant_is_never_detected(late, expected):
+    found = Detection.of(dict(enumerate(late)))
 
-    assert way.is_unseen == expected
+    (way,) = ways([weakness("g1", "true", "f4", detection=found)])
+
+    assert way.is_undetected == expected

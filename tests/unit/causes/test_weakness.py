@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +35,20 @@ def test_it_is_broken_since_it_exceeds_that():
 
     for without_faults, ticks in ((0, {FIRST: 0, SECOND: 3}), (7, {FIRST: 2})):
         assert Yardstick.of(MISSION, outcome_of(*[without_faults] * 6)).since(flight) == ticks
+
+
+def test_what_is_truly_broken_is_detected_as_late_as_the_belief_shows_it():
+    fault_free = replace(outcome_of(*[0] * 6), true=(0, 0, 0, 4, 0, 0))
+    broken = replace(
+        fault_free,
+        true=(3, 3, 3, 9, 0, 0),
+        missed=(0, 0, 0, 0, 1, 0),
+        detection=((90, 0), (90, 7), (90, 90), (99, 0), (1, 1), (0, 0)),
+    )
+    yardstick = Yardstick.of(MISSION, fault_free)
+
+    assert dict(yardstick.late(broken)) == {"g1": 0, "g2": 7, "g3": math.inf, "g5": math.inf}
+    assert not [*yardstick.late(replace(broken, detection=None))]  # of an older record
 
 
 def test_an_older_record_does_not_say_since_when():
@@ -106,15 +121,10 @@ def test_weaknesses_stand_by_goal_size_and_measure_with_a_form_for_several_or_th
     assert {each.column for each in second} == {SECOND}
 
     assert (first.column, first.faults) == (FIRST, ("f4", "f5"))
-    assert (believed.column.kind, believed.faults, believed.is_masked) == (
-        "believed",
-        ("f2",),
-        False,
-    )
+    assert (believed.column.kind, believed.faults) == ("believed", ("f2",))
     assert [each.faults for each in second] == [("f2",), ("f3",), ("f4", "f5")]
     assert second[0].witness == believed.witness == (TimedFault("f2", 1, 9),)
     assert second[1].witness == (TimedFault("f3", 3, 9),)
-    assert [each.is_masked for each in second] == [False, True, True]
     assert [(each.n_broken, each.n_tried) for each in second] == [(2, 2), (2, 3), (1, 1)]
 
 

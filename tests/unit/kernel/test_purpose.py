@@ -73,6 +73,38 @@ def test_a_track_is_missed_off_it_or_unfinished_at_the_end(waypoint, violated, t
     assert is_missed(world, 0, violated) is expected
 
 
+@pytest.mark.parametrize(
+    ("believed", "expected"),
+    [
+        ((0, 0, 0, 1, 0), (3, 1)),
+        ((0, 0, 1, 0, 0), (3, 0)),
+        ((1, 1, 0, 0, 0), (3, 3)),  # a false alarm, and nothing when it happens
+        ((0, 0, 0, 0, 1), (3, 2)),
+    ],
+)
+def test_what_is_believed_counts_from_the_first_true_violation(believed, expected):
+    world = state(AvoidCollision(MEMBERS), duration=5)
+    verdicts = no_verdicts(1)
+    for tick, judged in enumerate(zip((0, 0, 1, 0, 1), believed, strict=True)):
+        world.mission.tick = tick
+        verdicts.is_true[0], verdicts.is_believed[0] = judged
+        count(verdicts, world)
+
+    assert (verdicts.broken[0], verdicts.undetected[0]) == expected
+
+
+@pytest.mark.parametrize(("believed", "expected"), [(0, (1, 1)), (1, (1, 0))])
+def test_what_is_missed_without_a_violation_is_broken_from_then_on(believed, expected):
+    world = state(Stay(HERE), duration=3)
+    verdicts = no_verdicts(1)
+    for tick in range(3):
+        world.mission.tick = tick
+        verdicts.is_believed[0] = believed
+        count(verdicts, world)
+
+    assert (verdicts.broken[0], verdicts.undetected[0]) == expected
+
+
 def test_what_was_missed_once_stays_missed():
     world = state(AvoidCollision(MEMBERS), duration=10)
     verdicts = no_verdicts(1)
