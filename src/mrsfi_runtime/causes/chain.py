@@ -182,7 +182,7 @@ def _owners(mission: Mission) -> Mapping[str, Sequence[str]]:
         name: [each.id for each in getattr(mission, name)]
         for name in ("robots", "sensors", "obstacles", "goals")
     }
-    members = [goal.id for goal in mission.goals for _ in goal.members]
+    members = [goal.id for goal in mission.goals for _ in goal.terms.robots]
     return known | {
         "members": members,
         "commands": known["robots"],
