@@ -49,14 +49,14 @@ def drawn(seed, n_robots):
         for name, text in zip(("mission.xmi", "faults.xmi"), texts, strict=True):
             (models / name).write_text(text, encoding="ascii")
         generate(models, place / "generated" / "crowd")
-        return "crowd", ("--evaluations", "200", "--engine", "reference")
+        return "crowd", ("--evaluations", "100")
 
     return write
 
 
 def node(place):
     yard(place)
-    return "yard", ("--evaluations", "40", *PYTHON, *SERVICE)
+    return "yard", ("--evaluations", "15", *PYTHON, *SERVICE)
 
 
 CAMPAIGNS = {
@@ -105,7 +105,9 @@ def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeyp
     told = sentences(printed)
     assert {cells[number][0] for number in told} == {goal for goal, _ in cells.values()}
     for number, sentence in told.items():
-        assert "without any fault" in sentence or sentence.endswith(f"; {words[number]}")
+        if "without any fault" in sentence:
+            continue
+        assert sentence.endswith(f"; {words[number]}")
         assert all(words[number] in text for text in texts)
         if cells[number] in truly:
             assert re.search(rf"^{number}  .*\n    Broken by .*, {words[number]}; ", shown, re.M)

@@ -79,7 +79,7 @@ def command(
       mrsfi weaknesses runs/cover --map 3 runs/map.png
       mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
       mrsfi weaknesses runs/cover --bounds --json
-      mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
+      mrsfi weaknesses runs/cover --json | jq '.[] | select(.detection.n_never > 0)'
     """
     from mrsfi.campaign_folders import open_campaign
     from mrsfi.weaknesses import flying_again, harvested, refined
