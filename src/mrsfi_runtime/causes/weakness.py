@@ -71,8 +71,8 @@ class Yardstick:
     def late(self, flown: Outcome) -> Iterator[tuple[str, float]]:
         """Yield the goals that a flight truly breaks, and how many ticks late that is detected."""
         truly = {goal for goal, kind in self.broken(flown) if kind != MEASURES[0]}
-        goals = dict.fromkeys(column.goal for column in self.columns)
-        for goal, (n_broken, n_late) in zip(goals, flown.detection or (), strict=False):
+        goals = self.columns[:: len(MEASURES)]
+        for (goal, _), (n_broken, n_late) in zip(goals, flown.detection or (), strict=False):
             if goal in truly:
                 yield goal, n_late if n_late < n_broken else math.inf
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from itertools import chain
+from operator import itemgetter
 from pathlib import Path
 from sqlite3 import Connection
 from typing import Any, Self, TypeVar
@@ -201,11 +201,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def fault_sets(self) -> Iterator[frozenset[str]]:
         """Yield the pool faults of each evaluation, in index order."""
-
-        def read(columns: Sequence[Sequence[str]]) -> list[frozenset[str]]:
-            return [frozenset(encoding.fault_texts(text)[0]) for text in columns[0]]
-
-        yield from chain.from_iterable(self.stored(("specification",), self.n_evaluations, read))
+        for texts in self.stored(("specification",), self.n_evaluations, itemgetter(0)):
+            yield from (frozenset(self._decoded(encoding.fault_texts, each)[0]) for each in texts)
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
