@@ -74,6 +74,7 @@ CAMPAIGNS = {
 @pytest.mark.parametrize("name", ["rendezvous", *in_turn([*CAMPAIGNS][1:])])
 def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "1000")
+    monkeypatch.chdir(tmp_path)  # where a node is started
     mission, options = CAMPAIGNS[name](tmp_path)
     (tmp_path / "case.toml").write_text(CASE, encoding="ascii")
     mrsfi("evolve", mission, *SEARCH, *options, "--out", "run", cwd=tmp_path)

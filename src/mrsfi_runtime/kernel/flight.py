@@ -169,8 +169,9 @@ def count(verdicts: Verdicts, world: State) -> None:
         is_due = tick >= verdicts.due[goal]
         if verdicts.missed[goal] > 0 or ((true or is_due) and is_missed(world, goal, true)):
             verdicts.missed[goal] += 1
-        if true or verdicts.broken[goal] > 0 or verdicts.missed[goal] > 0:
-            is_hidden = verdicts.undetected[goal] == verdicts.broken[goal] and not believed
+            true = 1
+        if true or verdicts.broken[goal] > 0:
+            is_hidden = not believed and verdicts.undetected[goal] == verdicts.broken[goal]
             verdicts.undetected[goal] += is_hidden
             verdicts.broken[goal] += 1
         if is_due:
