@@ -56,7 +56,7 @@ def drawn(seed, n_robots):
 
 def node(place):
     yard(place)
-    return "yard", ("--evaluations", "15", *PYTHON, *SERVICE)
+    return "yard", ("--evaluations", "30", *PYTHON, *SERVICE)
 
 
 CAMPAIGNS = {

@@ -135,12 +135,11 @@ def test_failure_modes_have_a_row_for_each_goal_and_set(place, told, tmp_path):
     sets = {(one["goal"], " ".join(one["faults"])) for one in told}
     goals = [each["end_effect"].rpartition("(")[2].removesuffix(")") for each in rows]
     assert sorted(zip(goals, (each["faults"] for each in rows), strict=True)) == sorted(sets)
-    unseen = {(one["goal"], " ".join(one["faults"])) for one in told if one["masked"]}
+    worst = {(one["goal"], " ".join(one["faults"])): one["detection"] for one in told}
     assert {
-        (goal, each["faults"])
+        (goal, each["faults"]): each["detected"].startswith("undetected")
         for goal, each in zip(goals, rows, strict=True)
-        if each["detected"] == "no"
-    } <= unseen
+    } == {cell: found is not None and found["worst"] == "never" for cell, found in worst.items()}
     assert all(each["item"] and each["local_effect"] and int(each["ticks"]) for each in rows)
     assert {each["occurrence"] for each in rows} == {""}
 
