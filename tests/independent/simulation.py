@@ -669,6 +669,13 @@ class Flight:
         self.published = [self.truth.reports()]  # "as if every message had arrived once"
         measures = ("believed", "true", "phantom", "masked", "missed")
         self.counts = {name: [0 for _ in mission.goals] for name in measures}
+        self.shown: list[list[bool]] = [[] for _ in mission.goals]
+
+    def detection(self) -> list[tuple[int, int]]:
+        """Return the two numbers of [S Detection] of each goal."""
+        return [
+            (len(shown), shown.index(True) if True in shown else len(shown)) for shown in self.shown
+        ]
 
     def fly(self) -> Iterator[int]:
         """Fly tick by tick, in the order of [S The story], and yield the end of each."""
@@ -812,3 +819,6 @@ class Flight:
             self.counts["masked"][k] += true and not believed
             # "counts from the tick at which it first holds to the last of the mission"
             self.counts["missed"][k] += self.counts["missed"][k] > 0 or is_missed(goal, self.truth)
+            # "the ticks from the first true violation on"
+            if true or self.counts["missed"][k] or self.shown[k]:
+                self.shown[k].append(bool(believed))

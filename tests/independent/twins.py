@@ -70,6 +70,7 @@ class Twins:
         assert next(ticks, "over") == "over"
         for name in MEASURES:
             assert tuple(flight.counts[name]) == getattr(outcome, name), f"{name}, {case}"
+        assert tuple(flight.detection()) == outcome.detection, f"detection, {case}"
         assert tuple(notes.count for notes in flight.truth.notes) == outcome.samples, case
         for goal, margin in zip(self.mission.goals, outcome.margins, strict=True):
             assert margins.agree(goal, margin), f"margin {margin} of {goal.id}, {case}"
