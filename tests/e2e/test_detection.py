@@ -114,6 +114,30 @@ def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeyp
             assert re.search(rf"^{number}  .*\n    Broken by .*, {words[number]}; ", shown, re.M)
 
 
+def test_what_a_command_flies_to_find_mildest_variants_counts_for_it(tmp_path):
+    mission, options = planted(tmp_path)
+    (tmp_path / "case.toml").write_text(CASE, encoding="ascii")
+    mrsfi("evolve", mission, *SEARCH, *options, "--out", "run", cwd=tmp_path)
+    run = tmp_path / "run"
+
+    before = {
+        row["number"]: row["detection"] for row in mrsfi_json("weaknesses", run, cwd=tmp_path)
+    }
+    rows = mrsfi_json("weaknesses", run, "--mildest", cwd=tmp_path)
+
+    judged = [(before[row["number"]], row["detection"]) for row in rows if row["detection"]]
+    assert all(now["n_variants"] >= then["n_variants"] for then, now in judged)
+    assert any(now["n_variants"] > then["n_variants"] for then, now in judged)
+    with flown_again(run) as (model, fly):
+        without = fly(())
+        for row in rows:
+            flight = fly(tuple(timed(fault.values()) for fault in row["witness"]))
+            late = ticks_late(flight, without, model.goal_ids.index(row["goal"]))
+            if late is not None:
+                found = row["detection"]
+                assert late <= (math.inf if found["n_never"] else found["latest"])
+
+
 @contextmanager
 def flown_again(run):
     """Yield the model of a campaign, and what records flights of it."""
