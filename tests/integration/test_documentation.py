@@ -104,7 +104,11 @@ def _unknown_words(line: str) -> list[str]:
     command = cli.get_command(click.Context(cli), name)
     if command is None:
         return [name]
-    known = {option for parameter in command.params for option in parameter.opts}
+    known = {
+        option
+        for parameter in command.params
+        for option in (*parameter.opts, *parameter.secondary_opts)
+    }
     return [f"{name} {word}" for word in words if word.startswith("--") and word not in known]
 
 

@@ -9,7 +9,9 @@ of it is the mildest form that was found.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from itertools import chain, combinations, starmap
+from operator import add
 from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
@@ -102,7 +104,8 @@ class Deviation:
     def size(self, specification: Specification) -> float:
         """Return how strong a form is: how far off, and for which share of the mission at work."""
         duration = self.space.duration
-        return sum(map(self.share, specification)) + fault_ticks(specification, duration) / duration
+        off = reduce(add, map(self.share, specification), 0.0)  # ``sum`` depends on the Python
+        return off + fault_ticks(specification, duration) / duration
 
     def milder(
         self, timed: TimedFault, off: float = 1.0, before: float = 1.0, after: float = 1.0

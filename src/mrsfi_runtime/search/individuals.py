@@ -111,8 +111,9 @@ def lent_to_deap(rng: Random) -> Iterator[None]:
 def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
     """Select by spins of a roulette whose slots are as wide as the fitness.
 
-    It selects as DEAP's does, which adds up all slots anew at every spin. If all fitness is zero,
-    selection is uniform: DEAP's roulette would return nobody.
+    It selects as DEAP's does, which adds up all slots anew at every spin; but ``sum`` rounds
+    floats otherwise since Python 3.12, so they are added up one after the other. If all fitness
+    is zero, selection is uniform: DEAP's roulette would return nobody.
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:
@@ -121,7 +122,7 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
         return uniform(individuals, n_selected, rng)
     ranked = sorted(individuals, key=attrgetter("fitness"), reverse=True)
     ends = list(accumulate(individual.fitness.values[0] for individual in ranked))
-    total = sum(individual.fitness.values[0] for individual in individuals)
+    *_, total = accumulate(individual.fitness.values[0] for individual in individuals)
     selected: list[Individual] = []
     while len(selected) < n_selected:
         slot = bisect_right(ends, rng.random() * total)
