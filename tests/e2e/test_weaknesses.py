@@ -1,6 +1,7 @@
 """What a campaign of algorithm cover has found is true, and told in names, figures and JSON."""
 
 import csv
+import re
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -80,6 +81,17 @@ def test_in_more_mission_seeds_it_says_in_how_many_each_holds(place, told):
     assert max(held) == 3
     of_one = {"seeds": {"held": 1, "of": 1}, "label": "of this seed"}
     assert [one | of_one for one in again] == told
+
+
+def test_sentences_tell_of_as_many_mission_seeds_as_the_table(place, told):
+    options = ("--seeds", "3", "--goal", told[0]["goal"], *REFERENCE)
+
+    said = mrsfi("weaknesses", "runs/cover", *options, cwd=place).stdout
+
+    (of_sentence,) = re.findall(r"weakness 1: .* (\d)/3 seeds", said)
+    again = mrsfi_json("weaknesses", "runs/cover", *options, cwd=place)
+    assert int(of_sentence) in {one["seeds"]["held"] for one in again if one["number"] == 1}
+    assert "1/1" not in said
 
 
 def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatch):

@@ -9,7 +9,7 @@ breaks each goal is shrunk to its mildest form, which takes flights beyond those
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
@@ -87,6 +87,12 @@ class Harvest:
     def ways(self) -> tuple[Way, ...]:
         """The weaknesses by goal and set of faults, numbered."""
         return ways(self.weaknesses, self.mildest)
+
+    def with_seeds_of(self, found: Iterable[Way]) -> Self:
+        """Return it with the weaknesses of some ways as these have them, in other mission seeds."""
+        told = {(one.column, one.faults): one for way in found for one in way.by}
+        some = (told.get((one.column, one.faults), one) for one in self.weaknesses)
+        return replace(self, weaknesses=tuple(some))
 
 
 def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:

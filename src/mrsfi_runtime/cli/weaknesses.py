@@ -108,7 +108,7 @@ def command(
         elif is_json:
             print_json([each for way in found for each in way.as_json()])
         else:
-            ways.print_all(campaign, known, found, goals)
+            ways.print_all(campaign, known.with_seeds_of(found), found, goals)
 
 
 def _write(
