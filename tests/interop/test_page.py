@@ -294,11 +294,20 @@ def test_the_first_screen_says_what_breaks_which_goal(
                  and "grave" in (row.get_attribute("class") or "")}  # fmt: skip
         n_seen = sum(bottom <= height for bottom in bottoms)
         wide = page.shown.evaluate("document.documentElement.scrollWidth")
+        over = page.shown.evaluate(
+            """() => {
+                const right = (element) => element.getBoundingClientRect().right;
+                const goals = document.querySelector("#goals");
+                const cells = [...goals.querySelectorAll("tbody td")].map(right);
+                return Math.max(...cells) - right(goals.parentElement);
+            }"""
+        )
         page.shown.screenshot(path=_shot(tmp_path, any_campaign, width))
 
     assert grave == broken
     assert n_seen >= min(len(rows), len(broken) + 1)
     assert wide <= width
+    assert over < 1.0  # pixels by which a cell lies over what is beside the table
     assert (any_campaign / "report.html").stat().st_size < 3_000_000
 
 
