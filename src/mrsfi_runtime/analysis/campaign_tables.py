@@ -64,11 +64,12 @@ def _missed_from(outcome: Outcome, duration: int) -> Sequence[Cell]:
 
 def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
     """Say of goals that held by how much, and when that was the least; empty if of none."""
-    found = zip(mission.goals, outcome.margins or (), outcome.true, strict=False)
+    missed = outcome.missed or (0,) * len(outcome.true)
+    found = zip(mission.goals, outcome.margins or (), outcome.true, missed, strict=False)
     told = [
         f"{goal.id} by {nearness(mission, goal, margin)} at tick {margin[1]}"
-        for goal, margin, n_violated in found
-        if margin is not None and not n_violated
+        for goal, margin, n_violated, n_missed in found
+        if margin is not None and not n_violated and not n_missed
     ]
     return f"Held: {', '.join(told)}" if told else ""
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
-from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.columns import Columns, _met
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.errors import RecordError, SpecificationError
@@ -163,3 +164,16 @@ def test_a_table_lists_every_so_manyth_evaluation_across_all_that_is_read_at_onc
 )
 def test_at_most_a_hundred_thousand_are_listed(n_evaluations, step):
     assert every(n_evaluations, MOST_LISTED) == step
+
+
+@pytest.mark.parametrize(
+    ("known", "keys", "places"),
+    [([], [4, 3, 3], [0, 1]), ([3], [4, 5], [0, 1]), ([3, 5], [5, 4, 4], [1]), ([7], [7], [])],
+)
+def test_keys_are_new_where_none_before_is_the_same(known, keys, places):
+    known, keys = (np.array(each, np.uint64) for each in (known, keys))
+
+    met, new = _met(known, keys)
+
+    assert new == places
+    assert met.tolist() == sorted({*known.tolist(), *keys.tolist()})

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import nearest_in_words
 from mrsfi_runtime.analysis.verdicts import (
     GoalVerdict,
     State,
@@ -22,6 +23,7 @@ from mrsfi_runtime.causes.weakness import Detection, Known, Yardstick
 from mrsfi_runtime.model.fault_types import Mode, Units
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
+from tests.support.search import outcome_of
 from tests.support.weaknesses import weakness
 from tests.support.world import paper_code
 
@@ -93,6 +95,19 @@ def test_every_mode_has_its_words():
         assert "KAL's position" in deed(CODE.mission, replace(named, fault=struck))
 
 
+@pytest.mark.parametrize(
+    ("fault", "changed", "told"),
+    [
+        ("f3", {}, ((2, "KAL r3"), "gps position off")),
+        ("f26", {}, ((0, "LEN r1"), "stopped")),
+        ("f19", {}, ((3, "map"), "o2 random")),
+        ("f7", {"target": "m1"}, ((3, "map"), "too low")),  # a message that carries no speed
+    ],
+)
+def test_a_fault_is_told_by_whom_it_strikes_and_what_it_does(fault, changed, told):
+    assert owner_of(CODE.mission, replace(CODE.pool[fault], **changed)) == told
+
+
 def test_a_goal_whose_name_others_have_is_told_by_its_robots():
     goals = CODE.mission.goals
 
@@ -142,6 +157,7 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
 
     (said,) = (each.sentence for each in told if each.goal == "g3")
     assert re.fullmatch(f"SufficientEnergy g3 {expected}", said)
+    assert {each.unknown for each in told} == {"unknown: no bound"}  # nothing was drawn
 
 
 def verdict(goal, state, *faults):
@@ -168,3 +184,17 @@ VIOLATED = verdict("g3", State.VIOLATED, "f3")
 )
 def test_the_headline_says_how_many_goals_break_and_under_how_many_faults(found, expected):
     assert headline(found) == expected
+
+
+def test_what_held_was_neither_violated_nor_missed_and_has_a_margin():
+    outcome = replace(
+        outcome_of(*(0,) * 6),
+        true=(0, 3, 0, 0, 0, 0),
+        missed=(0, 0, 9, 0, 0, 0),
+        margins=((1.5, 7), (-0.5, 8), (2.0, 9), None, (30.0, 99), None),
+    )
+
+    told = nearest_in_words(CODE.mission, outcome)
+
+    assert told == "Held: g1 by 1.5 at tick 7, g5 by 30 ticks at tick 99"
+    assert nearest_in_words(CODE.mission, replace(outcome, margins=None)) == ""
