@@ -161,7 +161,7 @@ def evolve(
     """Search to the end, and then find all the ways in which goals break.
 
     ``watched`` yields what is told after each generation. ``explains`` is as before if left out.
-    Somebody else's simulation is not asked again after the search.
+    An external simulation is only searched on.
     """
     path, store = campaign.folder.path, campaign.store
     explains = _explains(store, explains)
@@ -190,7 +190,7 @@ def evolve(
 
 
 def _tell_unused(store: CampaignStore, tell: Tell) -> None:
-    if store.settings.unused(store.n_evaluations + store.n_failures):
+    if store.settings.is_short(store.n_evaluations + store.n_failures):
         tell(
             f"the search ended after {store.n_evaluations} of {store.settings.evaluations} "
             "evaluations: it made no new specification any more"

@@ -175,12 +175,12 @@ def send_operation(raw: socket.socket, op: str, **fields: Any) -> None:
 
 
 def drained(raw: socket.socket) -> bytes:
-    """Read a raw socket until the other side ends it, and return the last of it."""
+    """Read a raw socket until the other side ends it, and return the last MiB of it."""
     raw.settimeout(PATIENCE)
     tail = b""
     with suppress(ConnectionResetError):
         while content := raw.recv(MEBI):
-            tail = (tail + content)[-4096:]
+            tail = (tail + content)[-MEBI:]
     return tail
 
 

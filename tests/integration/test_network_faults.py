@@ -163,8 +163,7 @@ def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner):
             raw.shutdown(socket.SHUT_WR)
             tail = drained(raw)
 
-        reasons = (b"exceeds limit of 4194304 bytes", b"999 of 1000: its message was refused")
-        assert any(reason in tail for reason in reasons)
+        assert b"exceeds limit of 4194304 bytes" in tail or b"bytes, the limit" in tail
         assert witness.is_served()
 
 

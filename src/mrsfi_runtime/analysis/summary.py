@@ -82,7 +82,7 @@ class Summary:
     @property
     def counted(self) -> str:
         """How many evaluations were made, and of how many if the search made fewer than wanted."""
-        if self.settings.unused(self.n_evaluations + self.n_failures):
+        if self.settings.is_short(self.n_evaluations + self.n_failures):
             return f"{self.n_evaluations} of {self.settings.evaluations} evaluations"
         return counted(self.n_evaluations, "evaluations")
 

@@ -94,11 +94,7 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
     disable = not console.is_terminal
     for _ in track(flown, "replay", n_evaluations, console=console, disable=disable):
         pass
-    print_same(n_evaluations, campaign.store.digest(), is_json=is_json)
-
-
-def print_same(n_evaluations: int, digest: str, *, is_json: bool) -> None:
-    """Print that all evaluations of a campaign were flown again as recorded."""
+    digest = campaign.store.digest()
     if is_json:
         print_json({"n_evaluations": n_evaluations, "is_same": True, "digest": digest})
     else:

@@ -195,10 +195,9 @@ class CampaignSettings:
         """Return what a specification is to have little of; nothing as a rule."""
         return () if self.minimise is None else (COSTS[self.minimise](specification, duration),)
 
-    def unused(self, n_asked: int) -> int:
-        """Return how many of the evaluations that a search was to make it did not ask for."""
-        is_wanted = self.evaluations is not None and self.algorithm != COVERING  # which may end
-        return max(0, (self.evaluations or 0) - n_asked) if is_wanted else 0
+    def is_short(self, n_asked: int) -> bool:
+        """Whether a search was to make more evaluations; ``cover`` may end before."""
+        return self.algorithm != COVERING and n_asked < (self.evaluations or 0)
 
     @property
     def mission_seeds(self) -> tuple[int, ...]:
