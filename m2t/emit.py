@@ -91,7 +91,7 @@ def plan_files(
         generated = parse(text, f"{target / name} (as generated)")
         coming[name] = record_of(generated)
         old = standing.get(name)
-        contents[name] = merge(generated, old, known.get(name, ()), force=force) if old else text
+        contents[name] = merge(generated, old, known.get(name), force=force) if old else text
     removed = tuple(name for name in known if name in standing and name not in rendered)
     for name in removed:
         if is_hand_written(standing[name], known[name]):
@@ -128,10 +128,8 @@ def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
     return json.dumps(document, indent=2, sort_keys=True) + "\n"
 
 
-def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
-    """Return what a manifest remembers of files, by name: what is as any record was generated.
-
-    Several stand there where an earlier mrsfi was killed while it generated.
+def loads(text: str, name: str) -> dict[str, FileRecord]:
+    """Return what a manifest remembers of files, by name.
 
     What is no manifest, or one of a newer mrsfi, raises a ``GenerationError`` about ``name``.
     """
@@ -143,7 +141,7 @@ def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
                 f"{name}: has schema {schema}, written by a newer mrsfi; this one knows {SCHEMA}; "
                 "generate with the newer one"
             )
-        return {_file_name(path): _records(entry) for path, entry in document["files"].items()}
+        return {_file_name(path): _record(entry) for path, entry in document["files"].items()}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise GenerationError(
             f"{name}: is no manifest ({type(error).__name__}: {error}); restore it from version "
@@ -156,11 +154,8 @@ def _but_sources(text: str) -> dict[str, Any]:
     return {**json.loads(text), "sources": None}
 
 
-def _records(entry: Any) -> tuple[FileRecord, ...]:
-    return tuple(
-        FileRecord(str(each["skeleton"]), dict(each["regions"].items()))
-        for each in (entry if isinstance(entry, list) else [entry])
-    )
+def _record(entry: Any) -> FileRecord:
+    return FileRecord(str(entry["skeleton"]), dict(entry["regions"].items()))
 
 
 def _file_name(name: str) -> str:

@@ -170,38 +170,40 @@ def text_lines(text: str) -> list[str]:
 def merge(
     generated: GeneratedFile,
     existing: GeneratedFile,
-    records: tuple[FileRecord, ...],
+    record: FileRecord | None,
     *,
     force: bool = False,
 ) -> str:
     """Return the generated file with the hand-written code of the existing one.
 
-    What is equal to any of the manifest's ``records`` of the existing file was generated; without
-    any, all counts as edited. If hand-written code would be lost, in a region that is off or no
+    What is equal to the manifest's ``record`` of the existing file was generated; without one, all
+    counts as edited. If hand-written code would be lost, in a region that is off or no
     longer generated or, unless ``force``, in the skeleton, it is a ``ProtectedRegionError``.
     """
-    _require_no_orphans(generated, existing, records)
+    _require_no_orphans(generated, existing, record)
     text = "".join(
-        part if isinstance(part, str) else _merged(part, existing, records)
+        part if isinstance(part, str) else _merged(part, existing, record)
         for part in generated.parts
     )
     if not force and existing.skeleton != generated.skeleton:
-        _require_generated_skeleton(existing, records, text)
+        _require_generated_skeleton(existing, record, text)
     return text
 
 
-def is_hand_written(existing: GeneratedFile, records: tuple[FileRecord, ...]) -> bool:
+def is_hand_written(existing: GeneratedFile, record: FileRecord | None) -> bool:
     """Return whether anything in a file was edited since it was generated."""
-    return not any(text_hash(existing.skeleton) == record.skeleton for record in records) or any(
-        _is_edited(region, records) for region in existing.regions.values()
+    return (
+        record is None
+        or record.skeleton != text_hash(existing.skeleton)
+        or any(_is_edited(region, record) for region in existing.regions.values())
     )
 
 
-def _merged(region: Region, existing: GeneratedFile, records: tuple[FileRecord, ...]) -> str:
+def _merged(region: Region, existing: GeneratedFile, record: FileRecord | None) -> str:
     old = existing.regions.get(region.id)
     if old is None:
         return region.text
-    if old.body == region.body or not _is_edited(old, records):
+    if old.body == region.body or not _is_edited(old, record):
         return old.begin + region.body + old.end
     if not old.is_on:
         raise ProtectedRegionError(
@@ -211,21 +213,18 @@ def _merged(region: Region, existing: GeneratedFile, records: tuple[FileRecord, 
     return old.text
 
 
-def _is_edited(region: Region, records: tuple[FileRecord, ...]) -> bool:
-    body = text_hash(region.body)
-    return not any(record.regions.get(region.id) == body for record in records)
+def _is_edited(region: Region, record: FileRecord | None) -> bool:
+    return record is None or record.regions.get(region.id) != text_hash(region.body)
 
 
 def _require_no_orphans(
-    generated: GeneratedFile, existing: GeneratedFile, records: tuple[FileRecord, ...]
+    generated: GeneratedFile, existing: GeneratedFile, record: FileRecord | None
 ) -> None:
     """Refuse to drop a region that holds code; one that was emptied may go."""
     orphans = [
         region
         for region in existing.regions.values()
-        if region.id not in generated.regions
-        and region.body.strip()
-        and _is_edited(region, records)
+        if region.id not in generated.regions and region.body.strip() and _is_edited(region, record)
     ]
     if orphans:
         raise ProtectedRegionError(
@@ -239,16 +238,16 @@ def _require_no_orphans(
 
 
 def _require_generated_skeleton(
-    existing: GeneratedFile, records: tuple[FileRecord, ...], text: str
+    existing: GeneratedFile, record: FileRecord | None, text: str
 ) -> None:
-    """Refuse to overwrite a skeleton that no record knows; ``text`` is what would replace it."""
+    """Refuse to overwrite a skeleton that was not generated; ``text`` is what would replace it."""
     place = f"{existing.name}:{_first_difference(existing.text, text)}"
-    if not records:
+    if record is None:
         raise ProtectedRegionError(
             f"{place}: differs here from what would be generated, and no manifest says whether "
             "by hand; move your edits into protected regions, then generate with --force"
         )
-    if all(text_hash(existing.skeleton) != record.skeleton for record in records):
+    if record.skeleton != text_hash(existing.skeleton):
         raise ProtectedRegionError(
             f"{place}: the file was edited outside its protected regions, and this is the first "
             "line that generation would change; move the edits into a region, then generate "

@@ -74,10 +74,7 @@ def latest_folder() -> Path:
 
 @contextmanager
 def open_campaign(path: Path) -> Iterator[OpenCampaign]:
-    """Open a campaign for reading, one of an earlier mrsfi too.
-
-    It does without the copy of the generated code, which only the mrsfi of its day understands.
-    """
+    """Open a campaign for reading, without its copy of the code: mrsfi may be a later one."""
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
         models = load_mission_folder(folder.model)
@@ -177,16 +174,17 @@ def fly_all(campaign: FlyableCampaign, engine: Engine) -> Iterator[Evaluation]:
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
-    """Compare a replay with its record."""
-    if outcome == recorded.outcome:
-        return
+    """Compare a replay with what is recorded."""
     pairs = zip(fields(Outcome), astuple(outcome), astuple(recorded.outcome), strict=True)
     differences = [
-        f"{name.name} {now}, recorded {then}" for name, now, then in pairs if now != then
+        f"{name.name} {now}, recorded {then}"
+        for name, now, then in pairs
+        if then not in {None, now}
     ]
-    raise ReplayMismatch(
-        f"{folder}: evaluation {recorded.index} differs from its record: "
-        f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
-        "mrsfi, Python, the kind of processor, or an external simulation or node has changed since "
-        "(manifest in campaign.sqlite)"
-    )
+    if differences:
+        raise ReplayMismatch(
+            f"{folder}: evaluation {recorded.index} differs from its record: "
+            f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
+            "mrsfi, Python, the kind of processor, or an external simulation or node has changed "
+            "since (manifest in campaign.sqlite)"
+        )

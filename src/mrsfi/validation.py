@@ -129,7 +129,6 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
         return
     yield from _uncompiled(code)
     mission = code.mission
-    assert outcome.missed is not None
     counts = zip(outcome.believed, outcome.true, outcome.missed, strict=True)
     for element, goal, (believed, true, missed) in zip(
         loaded.mission.goals, mission.goals, counts, strict=True

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.markers import MARKER
-from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED, difference, flown_by
+from mrsfi_runtime.model.semantics import SEMANTICS, difference
 
 _OPTIONAL = (".progress",)
 
@@ -27,7 +27,7 @@ def require_semantics(directory: Path) -> None:
     if not path.is_file():
         raise GenerationError(f"{path}: no such file; run `mrsfi generate` to make it")
     try:
-        found = int(json.loads(path.read_bytes()).get("semantics", UNNUMBERED))
+        found = int(json.loads(path.read_bytes()).get("semantics", 1))  # the first had no number
     except (ValueError, TypeError, AttributeError) as error:
         raise GenerationError(
             f"{path}: is no manifest ({type(error).__name__}: {error}); restore it from version "
@@ -36,8 +36,7 @@ def require_semantics(directory: Path) -> None:
     if found != SEMANTICS:
         remedy = "run `mrsfi generate`, then review the diff and your regions"
         raise GenerationError(
-            f"{path}: {difference(found)}; "
-            f"{remedy if found < SEMANTICS else f'use {flown_by(found)}'}"
+            f"{path}: {difference(found)}; {remedy if found < SEMANTICS else 'use a later mrsfi'}"
         )
 
 

@@ -3,14 +3,12 @@
 import os
 import shutil
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.generated_code import load_code, load_module
-from mrsfi_runtime.model.semantics import RELEASES, SEMANTICS
 from tests.support.tree import ROOT
 
 
@@ -69,9 +67,3 @@ def test_code_that_was_not_generated_for_todays_rules_is_not_loaded(tmp_path, te
 
     with pytest.raises(GenerationError, match=rf"code.manifest\.json: {said}"):
         load_code(folder)
-
-
-def test_this_mrsfi_is_the_one_that_flies_todays_rules():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-
-    assert project["version"].startswith(f"{RELEASES[SEMANTICS]}.")

@@ -1,5 +1,6 @@
 import json
 import re
+from importlib.metadata import version
 
 import pytest
 from PIL import Image
@@ -132,3 +133,12 @@ def test_a_flight_is_written_as_a_picture_that_moves(campaign, tmp_path):
         first = picture.convert("RGB").tobytes()
         picture.seek(50)
         assert picture.convert("RGB").tobytes() != first
+
+
+def test_a_campaign_of_before_0_3_ends_with_9_and_names_the_mrsfi_that_wrote_it(campaign, tmp_path):
+    execute(campaign, "PRAGMA user_version = 3")
+
+    error = mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
+
+    written = f"written by mrsfi {version('mrsfi')}; expected version 4 or later"
+    assert f"campaign.sqlite: found a campaign of version 3, {written}" in error

@@ -2,13 +2,14 @@
 
 import csv
 import re
+import shutil
 from xml.etree import ElementTree as ET
 
 import pytest
 
 import mrsfi as api
 from mrsfi_runtime.model.faults import TimedFault
-from tests.support.cli import mrsfi, mrsfi_json, workspace
+from tests.support.cli import execute, mrsfi, mrsfi_json, workspace
 
 MISSION = "tight_margins"
 REFERENCE = ("--engine", "reference", "--workers", "1")
@@ -127,6 +128,17 @@ def test_a_script_gets_the_same(place, told, monkeypatch):
 
     found = [one.as_json() for one in api.Campaign("runs/cover").weaknesses]
     assert found == [{k: v for k, v in one.items() if k != "number"} for one in told]
+
+
+def test_a_column_that_a_record_lacks_prints_not_recorded(place, tmp_path):
+    shutil.copytree(place / "runs" / "cover", tmp_path / "run")
+    for column in ("margins", "detection"):
+        execute(tmp_path / "run", f"ALTER TABLE evaluation DROP COLUMN {column}")
+
+    assert "; detection not recorded" in mrsfi("report", "run", cwd=tmp_path).stdout
+    mrsfi("replay", "run", "--engine", "reference", cwd=tmp_path)
+    found = mrsfi_json("weaknesses", "run", cwd=tmp_path)
+    assert {one["detection"] for one in found} == {None}
 
 
 def test_failure_modes_are_titled_with_the_name_of_the_mission_as_commands_know_it(place, tmp_path):

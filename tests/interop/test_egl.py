@@ -87,9 +87,9 @@ def test_egl_and_we_merge_hand_written_code_into_the_same_text(tmp_path):
 
     merged = _egl(target)
 
-    records = (record_of(parse(generated, NAME)),)
+    record = record_of(parse(generated, NAME))
     assert merged == by_hand
-    assert merge(parse(generated, NAME), parse(by_hand, NAME), records) == merged
+    assert merge(parse(generated, NAME), parse(by_hand, NAME), record) == merged
 
 
 def test_egl_keeps_hand_written_code_of_a_file_that_we_generated(tmp_path, note):
@@ -128,6 +128,6 @@ def test_egl_loses_code_where_we_refuse(region, renamed, tmp_path):
 
     assert _egl(target) == generated
 
-    records = (record_of(parse(generated, NAME)),)
+    record = record_of(parse(generated, NAME))
     with pytest.raises(ProtectedRegionError, match=f"'{renamed}'"):
-        merge(parse(generated, NAME), parse(by_hand, NAME), records)
+        merge(parse(generated, NAME), parse(by_hand, NAME), record)

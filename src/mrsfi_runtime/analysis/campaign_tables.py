@@ -14,7 +14,7 @@ from mrsfi_runtime.analysis.table import Cell, Table, in_words
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Goal, GoalDisc, Mission
 from mrsfi_runtime.model.outcome import COUNTED, TOLD, Margin, Outcome
-from mrsfi_runtime.record.measure import NONE, UNKNOWN, Measure, ticks
+from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation, Flown
@@ -38,7 +38,7 @@ def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
     """Return what happened to each goal, in model order."""
     counted = [name for name in COUNTED if name != "missed"]
     counts = [getattr(outcome, name) for name in counted]
-    since = _missed_from(outcome, mission.duration)
+    since = outcome.missed_since(mission.duration)
     found = zip(mission.goals, zip(*counts, since, strict=True), outcome.samples, strict=True)
     rows = [(goal.id, goal.task.name, *cells, _samples(goal, n)) for goal, cells, n in found]
     words = ("goal", "task")
@@ -57,15 +57,11 @@ def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
     ]
 
 
-def _missed_from(outcome: Outcome, duration: int) -> Sequence[Cell]:
-    """Return from which tick on each goal was certain to be missed; an older record says ``?``."""
-    return outcome.missed_since(duration) or [UNKNOWN] * len(outcome.true)
-
-
 def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
     """Say of goals that held by how much, and when that was the least; empty if of none."""
-    missed = outcome.missed or (0,) * len(outcome.true)
-    found = zip(mission.goals, outcome.margins or (), outcome.true, missed, strict=False)
+    if outcome.margins is None:
+        return "Held: not recorded"
+    found = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
     told = [
         f"{goal.id} by {nearness(mission, goal, margin)} at tick {margin[1]}"
         for goal, margin, n_violated, n_missed in found
@@ -135,11 +131,10 @@ def critical_table(
 
 
 def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
-    """Return the goals that a line says something of: ``g3:509 g5:915``; ``?`` if it cannot."""
-    nothing = {NONE, UNKNOWN} if name == _MISSED_FROM else {NONE, "0", "0.00"}
+    """Return the goals that a line says something of: ``g3:509 g5:915``."""
+    nothing = {NONE} if name == _MISSED_FROM else {NONE, "0", "0.00"}
     pairs = zip(goals, cells, strict=True)
-    named = " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing)
-    return named or (UNKNOWN if UNKNOWN in cells else "none")
+    return " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing) or "none"
 
 
 def _violation_lines(
@@ -154,8 +149,7 @@ def _violation_lines(
         )
     yield "believed", tuple(map(str, evaluation.outcome.believed))
     yield "true", tuple(map(str, evaluation.outcome.true))
-    since = _missed_from(evaluation.outcome, measure.duration)
-    yield _MISSED_FROM, tuple(map(in_words, since))
+    yield _MISSED_FROM, tuple(map(in_words, evaluation.outcome.missed_since(measure.duration)))
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:
@@ -233,7 +227,7 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
     """Return evaluations with what came of each goal; several objectives in one cell.
 
     The counts are those of the first mission seed. A cell is empty where a goal was not missed
-    since any tick, or an older record does not say.
+    since any tick.
     """
     counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
@@ -263,9 +257,7 @@ def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure
             each.fault_ticks,
             *(sum(getattr(each.outcome, name)) for name in COUNTED[:-1]),
             " ".join(
-                goal
-                for goal, n in zip(measure.goals, each.outcome.missed or (), strict=False)
-                if n > 0
+                goal for goal, n in zip(measure.goals, each.outcome.missed, strict=True) if n > 0
             ),
         )
         for each in flown

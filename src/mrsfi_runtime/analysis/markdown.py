@@ -23,7 +23,6 @@ from mrsfi_runtime.analysis.weaknesses import (
     way_table,
 )
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.named_faults import named_faults
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
@@ -107,8 +106,8 @@ def _extent(summary: Summary) -> str:
     return (
         f"{summary.counted} of {summary.n_distinct} distinct specifications in "
         f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
-        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}, "
-        f"the rules of {flown_by(summary.semantics)}.{listed if step > 1 else ''}"
+        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}."
+        f"{listed if step > 1 else ''}"
     )
 
 
@@ -122,8 +121,7 @@ def _top(summary: Summary) -> Iterator[str]:
     words = _BELIEVED_TRUE + (" on the first mission seed" if measure.n_seeds > 1 else "")
     if not measure.is_shown_by_outcomes:
         words = f"{measure}: {words}"
-    missed = _MISSED if top[0].outcome.missed is not None else "what was missed is not recorded"
-    yield from _section(table, f"Violations per goal in ticks, {words}; {missed}.")
+    yield from _section(table, f"Violations per goal in ticks, {words}; {_MISSED}.")
     yield (
         "The faults of each: *start* and *finish* are the window, *applied* and *changed* the "
         "numbers of ticks at which it was active and changed a value; *target* is what it "

@@ -115,10 +115,10 @@ def goal_in_words(mission: Mission, goal: str) -> str:
 
 
 def detection(way: Way, units: Units) -> str:
-    """Return whether the CI detects what breaks a goal; nothing where an older record is silent."""
+    """Return whether the CI detects what breaks a goal."""
     if way.shown.column.kind == MEASURES[0]:
         return "a false alarm of the CI"
-    return way.shown.detection.in_words(units) if way.shown.detection else ""
+    return way.shown.detection.in_words(units) if way.shown.detection else "detection not recorded"
 
 
 def verdict(way: Way, units: Units) -> str:
@@ -127,7 +127,7 @@ def verdict(way: Way, units: Units) -> str:
     kind = shown.column.kind
     alone = "alone" if len(way.faults) == 1 else "together"
     how = f"only {_BREAKS[kind]}" if kind == MEASURES[0] else _BREAKS[kind]
-    seen = f", {shown.detection.in_words(units)}" if shown.detection else ""
+    seen = "" if kind == MEASURES[0] else f", {detection(way, units)}"
     return (
         f"{' and '.join(way.faults)} {alone}, {how}{seen}; "
         f"{100 * shown.share:.0f} % of {counted(shown.n_tried, 'forms')} "

@@ -67,7 +67,7 @@ class Mildest:
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
         """Return that of plain values; errors as of a weakness."""
-        weakness, off = Weakness.from_json(row), tuple(map(str, row.get("off", ())))
+        weakness, off = Weakness.from_json(row), tuple(map(str, row["off"]))
         return cls(weakness, str(row["sentence"]), int(row["flights"]), off)
 
 

@@ -87,8 +87,8 @@ class Yardstick:
 
 
 def _counts(outcome: Outcome) -> Iterator[int]:
-    """Yield the counts of an outcome by column; 0 where an older record does not say."""
-    found = [getattr(outcome, measure) or (0,) * len(outcome.true) for measure in MEASURES]
+    """Yield the counts of an outcome by column."""
+    found = [getattr(outcome, measure) for measure in MEASURES]
     return (count for goal in zip(*found, strict=True) for count in goal)
 
 
@@ -262,7 +262,7 @@ class Weakness:
     ``since`` on, if that is known. ``n_tried`` forms of just these faults were flown, of which
     ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks
     it and no part of the witness does. All weaknesses of a goal and a set have one ``detection``:
-    none if it does not truly break, or where an older record does not say.
+    none if it does not truly break, or if it is not recorded.
     """
 
     column: Column
@@ -313,7 +313,7 @@ class Weakness:
             round(float(row["share"]) * n_tried),
             int(seeds["held"]),
             int(seeds["of"]),
-            None if row.get("since") is None else int(row["since"]),
+            None if row["since"] is None else int(row["since"]),
         )
 
 

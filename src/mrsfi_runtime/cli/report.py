@@ -26,7 +26,7 @@ def command(folder: Path | None, ratio: str | None, form: str, is_json: bool) ->
 
     CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
     runs/ that was written last. Everything comes from the folder's own copies, whatever was
-    edited since; campaigns of an earlier mrsfi are read as well.
+    edited since.
 
     \b
     Examples:

@@ -68,7 +68,7 @@ def command(
     tells that form where it is known, of all sets with --mildest, or else the one shown.
 
     Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that
-    was not let to, or of an earlier mrsfi, does so with: mrsfi explain RUN --all
+    was not let to does so with: mrsfi explain RUN --all
 
     \b
     Examples:

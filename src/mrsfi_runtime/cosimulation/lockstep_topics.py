@@ -10,7 +10,6 @@ that keeps order within a topic only may deliver ``GO`` before the commands that
 from typing import NamedTuple, TypeVar
 
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.model.semantics import UNNUMBERED
 from mrsfi_runtime.transport.topics import Payload, Service, Topic
 
 SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")
@@ -57,11 +56,11 @@ earlier one left behind, take each other's messages for their own.
 
 
 class Setup(NamedTuple):
-    """Numbers of ``SETUP``; who leaves ``semantics`` out is of the version before it was said."""
+    """Numbers of ``SETUP``."""
 
     run: int
     seed: int
-    semantics: int = UNNUMBERED
+    semantics: int
 
 
 class Go(NamedTuple):
@@ -93,14 +92,13 @@ def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
     It is a ``ProtocolError`` if they are not as many integers as they should be.
     """
     found = payload.get("data")
-    n_most = len(kind._fields)
     if (
         not isinstance(found, list)
-        or not n_most - len(kind._field_defaults) <= len(found) <= n_most
+        or len(found) != len(kind._fields)
         or not all(type(value) is int for value in found)
     ):
         raise ProtocolError(
-            f"{topic.name} carried {found!r}; expected {n_most} integers: "
+            f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
             f"{', '.join(kind._fields)} (docs/bus.md)"
         )
     return kind(*found)

@@ -24,7 +24,7 @@ from mrsfi_runtime.cosimulation.sides import Simulation
 from mrsfi_runtime.cosimulation.waiting import Completion, Patience
 from mrsfi_runtime.errors import MrsfiError, ProtocolError
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.semantics import SEMANTICS, flown_by
+from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.dialect import time_of
 from mrsfi_runtime.transport.topics import Payload, Transport
 
@@ -135,8 +135,8 @@ class SimulationHost:
 
 
 def _refused(semantics: int) -> ProtocolError:
-    """Return what to tell a CI of other rules, again and again: one of version 1 asks for 30 s."""
+    """Return what a CI of other rules is answered."""
     return ProtocolError(
         f"{REFUSAL} {SEMANTICS} is what this simulation flies; {SETUP.name} asked for semantics "
-        f"{semantics}, which {flown_by(semantics)} flies; run both sides with one mrsfi"
+        f"{semantics}; run both sides with one mrsfi"
     )

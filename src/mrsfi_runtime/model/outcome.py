@@ -31,8 +31,7 @@ class Outcome:
         True, not believed.
     missed
         Ticks from the one on at which it was certain, from the truth alone, that the goal's
-        purpose is not met; 0 where it was met. ``None`` in a record of semantics 1, which does not
-        say.
+        purpose is not met; 0 where it was met.
     samples
         Samples counted towards each goal, in truth; 0 for goals that gather none.
     applied
@@ -44,17 +43,17 @@ class Outcome:
     margins
         How far each goal was from being truly violated when it was nearest to it, in the unit of
         its task, and the tick of that; ``None`` for a goal of which that cannot be said. ``None``
-        as a whole in a record of an earlier mrsfi.
+        as a whole if not recorded.
     detection
         Ticks from the first one on at which each goal was truly violated or missed, and how many of
-        these passed before the belief showed a violation. ``None`` as a whole as of margins.
+        these passed before the belief showed a violation. ``None`` as a whole if not recorded.
     """
 
     believed: tuple[int, ...]
     true: tuple[int, ...]
     phantom: tuple[int, ...]
     masked: tuple[int, ...]
-    missed: tuple[int, ...] | None
+    missed: tuple[int, ...]
     samples: tuple[int, ...]
     applied: tuple[int, ...]
     changed: tuple[int, ...]
@@ -62,21 +61,14 @@ class Outcome:
     margins: tuple[Margin | None, ...] | None = None
     detection: tuple[tuple[int, int], ...] | None = None
 
-    def missed_since(self, duration: int) -> tuple[int | None, ...] | None:
-        """Return from which tick on each goal was certain to be missed, ``None`` if it was met.
-
-        ``None`` as a whole if that is not known.
-        """
-        if self.missed is None:
-            return None
+    def missed_since(self, duration: int) -> tuple[int | None, ...]:
+        """Return from which tick on each goal was certain to be missed, ``None`` if it was met."""
         return tuple(duration - ticks if ticks else None for ticks in self.missed)
 
     def told(self, duration: int) -> dict[str, tuple[int | None, ...]]:
         """Return what came of each goal by the names in ``TOLD``; None where there is nothing."""
-        unknown = (None,) * len(self.true)
         counts = [getattr(self, name) for name in COUNTED]
-        found = (count or unknown for count in (*counts, self.missed_since(duration)))
-        return dict(zip(TOLD, found, strict=True))
+        return dict(zip(TOLD, (*counts, self.missed_since(duration)), strict=True))
 
 
 @dataclass(frozen=True, slots=True)

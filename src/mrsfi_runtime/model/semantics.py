@@ -11,25 +11,8 @@ Version 2
     says; a robot obeys commands up to its own greatest speed; an outcome says what was missed.
 """
 
-from collections.abc import Mapping
-
 SEMANTICS = 2
 """The version that this runtime flies."""
-
-UNNUMBERED = 1
-"""The version of what says none: there was no other when it was written."""
-
-RELEASES: Mapping[int, str] = {1: "0.1", 2: "0.2"}
-"""The releases of mrsfi that fly each version, by the beginning of their number."""
-
-
-def flown_by(semantics: int, release: str = "") -> str:
-    """Return which mrsfi flies a version, a later one included.
-
-    ``release`` is the mrsfi known to have used one that stands in no table yet; may be empty.
-    """
-    known = RELEASES.get(semantics, release)
-    return f"mrsfi {known}" if known else "a later mrsfi"
 
 
 def difference(found: int) -> str:

@@ -2,78 +2,56 @@
 
 Nothing of ``sqlite3`` leaves this module but the connection: what goes wrong in it becomes
 a ``RecordError`` with the path, what was found and what was expected.
+
+Every record from mrsfi 0.3.0 on, which began with version 4, stays readable. A later version only
+adds columns. Where a record lacks one, its values are ``None`` and print as *not recorded*. Records
+of versions 1 to 3 are refused.
 """
 
+import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Container, Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import keep_names
-from mrsfi_runtime.record.encoding import BESIDE, COUNTS
+from mrsfi_runtime.record.encoding import OUTCOME
 from mrsfi_runtime.record.folder import new_name
 
-SCHEMA = 3
-"""Version of the layout; a file of a newer one is refused, so that no earlier mrsfi flies it.
+SCHEMA = 4
+"""Version of the layout that is written; a file of a newer one is refused."""
 
-In version 1 nothing says which semantics was flown, and outcomes may have fewer counts. Up to
-version 2 no outcome has margins; detection may be missing in version 3.
-"""
+_FIRST = 4  # version that is read
 
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
 
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
 
-def quoted(columns: Iterable[str]) -> str:
-    """Return columns as a query names them, also those whose names are words of SQL."""
-    return ", ".join(f'"{name}"' for name in columns)
+EVALUATION = ("idx", "generation", "fitness", "fault_ticks", *OUTCOME, "specification")
+"""Columns of the table of evaluations."""
 
 
-def _columns(
-    counts: Iterable[str], beside: Iterable[str], specification: str = "specification"
-) -> str:
-    head = f"idx, generation, {specification}, fitness, fault_ticks"
-    return f"{head}, {quoted(counts)}, digest, {', '.join(beside)}"
+def quoted(columns: Iterable[str], stored: Container[str] = EVALUATION) -> str:
+    """Return columns as a query names them, with NULL for one that a record does not have."""
+    return ", ".join(f'"{name}"' if name in stored else "NULL" for name in columns)
 
-
-FLIGHT_TABLE = (
-    "CREATE TABLE IF NOT EXISTS flight "
-    "(idx INTEGER PRIMARY KEY, mission_seed, specification, found)"
-)
-"""Makes the table of flights after a search, which a record of an earlier mrsfi lacks."""
-
-EVALUATION = f"evaluation ({_columns(COUNTS, BESIDE)})"
-"""The table of evaluations with its columns, which in an older record stand in another order."""
 
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    f"CREATE TABLE {EVALUATION[:-1]}, PRIMARY KEY (idx))",
+    f"CREATE TABLE evaluation ({quoted(EVALUATION)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
-    FLIGHT_TABLE,
+    "CREATE TABLE flight (idx INTEGER PRIMARY KEY, mission_seed, specification, found)",
 )
 
 
-def stored_columns(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]:
-    """Return what a record has of an outcome and its digest; an older one has fewer."""
+def stored_columns(path: Path, connection: sqlite3.Connection) -> frozenset[str]:
+    """Return the columns that a record has for evaluations."""
     with translated(path):
-        columns = {row[1] for row in connection.execute("PRAGMA table_info(evaluation)")}
-    return tuple(name for name in (*COUNTS, *BESIDE) if name in columns)
-
-
-def select_evaluations(stored: Sequence[str], specification: str = "specification") -> str:
-    """Return the query for evaluations by ``stored_columns``; something may stand for faults."""
-    counts = [name for name in stored if name not in BESIDE]
-    beside = [name if name in stored else "NULL" for name in BESIDE]
-    return f"SELECT {_columns(counts, beside, specification)} FROM evaluation"
-
-
-def add_column(connection: sqlite3.Connection, name: str) -> None:
-    """Make a column of ``BESIDE`` that a record of an earlier mrsfi lacks."""
-    connection.execute(f"ALTER TABLE evaluation ADD COLUMN {name}")
-    connection.execute(f"PRAGMA user_version = {SCHEMA}")
+        columns = connection.execute("PRAGMA table_info(evaluation)")
+        return frozenset(name for _, name, *_ in columns)
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:
@@ -200,8 +178,21 @@ def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
             f"{path}: found a SQLite file that is not a campaign; expected the record of "
             "'mrsfi evolve'; name the folder of one"
         )
+    if version < _FIRST:
+        raise RecordError(
+            f"{path}: found a campaign of version {version}, written by {_writer(connection)}; "
+            f"expected version {_FIRST} or later, as mrsfi writes it from 0.3.0 on; open the "
+            "campaign with the mrsfi that wrote it, or fly it anew with `mrsfi evolve`"
+        )
     if version > SCHEMA:
         raise RecordError(
             f"{path}: found a campaign of version {version}; expected at most {SCHEMA}, which "
             "is what this mrsfi reads; open it with the newer mrsfi that wrote it"
         )
+
+
+def _writer(connection: sqlite3.Connection) -> str:
+    with suppress(sqlite3.Error, ValueError, TypeError, LookupError):
+        ((text,),) = connection.execute("SELECT value FROM meta WHERE key = 'manifest'")
+        return f"mrsfi {json.loads(text)['versions']['mrsfi']}"
+    return "a mrsfi whose version is not recorded"

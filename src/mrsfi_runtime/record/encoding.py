@@ -13,11 +13,11 @@ from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.gate import plain
 from mrsfi_runtime.model.outcome import Margin, Outcome
 
-BESIDE = ("margins", "detection")
-"""What an outcome has beside its digest; in a record of an earlier mrsfi it may be missing."""
+OUTCOME = tuple(each.name for each in fields(Outcome))
+"""Names of what an outcome has, in the order in which they are stored."""
 
-COUNTS = tuple(each.name for each in fields(Outcome) if each.name not in ("digest", *BESIDE))
-"""Names of the count vectors of an outcome, in the order in which they are stored."""
+COUNTS = OUTCOME[: OUTCOME.index("digest")]
+"""Of these, the count vectors."""
 
 _ENCODER = json.JSONEncoder(
     separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=methodcaller("item")

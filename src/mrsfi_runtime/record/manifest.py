@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
-from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED
+from mrsfi_runtime.model.semantics import SEMANTICS
 
 BOTH, CI, INJECTOR = "both", "ci", "injector"
 """Sides that a campaign ran: simulation and collective intelligence, the latter alone, or what is
@@ -100,4 +100,4 @@ class Manifest:
         """Return the manifest that ``as_json`` described; what is missing is empty."""
         known = {each.name: values[each.name] for each in fields(cls) if each.name in values}
         engine = EngineRecord.from_json(values)
-        return cls(**{"semantics": UNNUMBERED, **known, "engine": engine})
+        return cls(**{**known, "engine": engine})

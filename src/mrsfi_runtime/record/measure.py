@@ -75,8 +75,8 @@ class Measure:
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
 
 
-NONE, UNKNOWN = "–", "?"
-"""What a table shows where there is nothing, and where an older record does not say."""
+NONE = "–"
+"""What a table shows where there is nothing."""
 
 
 def ticks(count: float) -> str:

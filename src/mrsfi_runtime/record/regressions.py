@@ -107,7 +107,7 @@ class Regression:
                 found = "nothing" if value is None else repr(value)
                 raise UsageError(f"{path}: {key}: found {found}; expected {wanted}")
         seeds, limits = tuple(content["mission_seeds"]), content["max"]
-        if content.get("goals", len(limits)) != len(limits):  # files of before do not say
+        if content["goals"] != len(limits):
             raise UsageError(
                 f"{path}: max: found {len(limits)} limits; expected {content['goals']}, as many as "
                 "goals says; restore the file, or correct goals if that is wanted"
@@ -170,10 +170,7 @@ _RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
         "a list of whole numbers >= 0, at least one",
         lambda value: isinstance(value, list) and bool(value) and all(map(_is_count, value)),
     ),
-    "goals": (
-        "a whole number >= 0, that of the limits",
-        lambda value: value is None or _is_count(value),
-    ),
+    "goals": ("a whole number >= 0, that of the limits, kept from mrsfi 0.3.0 on", _is_count),
     "max": (
         "a table with a whole number >= 0 for at least one goal",
         lambda value: (

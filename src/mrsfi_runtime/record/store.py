@@ -9,7 +9,6 @@ import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from sqlite3 import Connection
@@ -18,7 +17,7 @@ from typing import Any, Self, TypeVar
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Margin, Outcome
-from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
+from mrsfi_runtime.model.semantics import SEMANTICS, difference
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
@@ -96,12 +95,10 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(int(seed), known, FailedFlight(found))
-        names = {*encoding.COUNTS, "digest", *encoding.BESIDE}
-        if rest or not isinstance(found, dict) or {*found, *encoding.BESIDE} != names:
+        least, most = {*encoding.COUNTS, "digest"}, {*encoding.OUTCOME}
+        if rest or not isinstance(found, dict) or not least <= {*found} <= most:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
-        counts = [found[name] for name in encoding.COUNTS]
-        digest, beside = str(found["digest"]), map(found.get, encoding.BESIDE)
-        return cls(int(seed), known, _outcome(encoding.COUNTS, counts, digest, *beside))
+        return cls(int(seed), known, _outcome(*map(found.get, encoding.OUTCOME)))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -118,9 +115,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(database.damaged(path, str(error))) from error
         manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
-        self._stored = database.stored_columns(path, connection)
-        self._counts = [name for name in self._stored if name not in encoding.BESIDE]
-        self._evaluations = database.select_evaluations(self._stored)
+        self._columns = database.stored_columns(path, connection)
 
     @classmethod
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
@@ -142,11 +137,11 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def require_flyable(self) -> None:
         """Refuse to fly what was found under other rules of the world: it would differ."""
-        found, release = self.manifest.semantics, self.manifest.versions.get("mrsfi", "")
+        found, release = self.manifest.semantics, self.manifest.versions.get("mrsfi")
         if found != SEMANTICS:
             folder = self.path.parent
             raise RecordError(
-                f"{folder}: {difference(found)}; fly the campaign with {flown_by(found, release)}, "
+                f"{folder}: {difference(found)}; fly the campaign with mrsfi {release}, "
                 f"read it with `mrsfi report {folder}`, or begin a new one"
             )
 
@@ -169,7 +164,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """
         text = encoding.canonical
         rows = {
-            database.EVALUATION: [_row(evaluation) for evaluation in evaluations],
+            "evaluation": [_row(evaluation) for evaluation in evaluations],
             "failure": [_failure_row(failure) for failure in failures],
             "generation": [
                 (each.index, text(each.statistics), text(each.population), each.random_state)
@@ -177,10 +172,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             ],
         }
         with database.transaction(self.path, self._connection) as connection:
-            for name in [name for name in encoding.BESIDE if name not in self._stored]:
-                database.add_column(connection, name)
-                self._stored = (*self._stored, name)
-            _require_next("evaluation", rows[database.EVALUATION], self.n_evaluations)
+            _require_next("evaluation", rows["evaluation"], self.n_evaluations)
             _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
                 if new:
@@ -195,9 +187,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def evaluations(self, first: int = 0, n_most: int | None = None) -> Iterator[Evaluation]:
         """Yield evaluations in index order: all, or at most so many from one index on."""
         end = self.n_evaluations if n_most is None else first + n_most
-        for rows in self._batches(self._evaluations, range(first, end)):
+        for rows in self._batches(self._from_evaluations(), range(first, end)):
             for row in rows:
-                yield self._decoded(partial(_evaluation, self._counts), row)
+                yield self._decoded(_evaluation, row)
 
     def fault_sets(self) -> Iterator[frozenset[str]]:
         """Yield the pool faults of each evaluation, in index order."""
@@ -206,18 +198,17 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
-        query = database.select_evaluations(self._stored, "NULL")
+        query = self._from_evaluations(database.EVALUATION[:-1])
         for rows in self._batches(query, range(0, self.n_evaluations, step)):
             for row in rows:
-                yield self._decoded(lambda row: Flown(*_flown(self._counts, row)), row)
+                yield self._decoded(lambda row: Flown(*_flown(row)), row)
 
     def stored(
         self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
     ) -> Iterator[T]:
         """Yield what the first evaluations have in some columns, decoded, thousands at a time."""
-        query = f"SELECT {database.quoted(columns)} FROM evaluation"
         n_read = 0
-        for rows in self._batches(query, range(n)):
+        for rows in self._batches(self._from_evaluations(columns), range(n)):
             n_expected = min(_BATCH, n - n_read)
             if len(rows) != n_expected:
                 found = f"{len(rows)} evaluations from {n_read} on"
@@ -226,25 +217,24 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             yield self._decoded(decode, list(zip(*rows, strict=True)))
 
     def margins(self) -> Iterator[tuple[int, list[int], tuple[Margin | None, ...]]]:
-        """Yield evaluations with true violations and margins by goal; none from an older record."""
-        if "margins" in self._stored:
-            query = 'SELECT idx, "true", margins FROM evaluation'
-            for rows in self._batches(query, range(self.n_evaluations)):
-                told = [row for row in rows if row[2] is not None]
-                texts = [text for _, *both in told for text in both]
-                found = self._decoded(encoding.lists, texts)
-                for (index, *_), true, each in zip(told, found[::2], found[1::2], strict=True):
-                    margins = self._decoded(encoding.margins, each)
-                    yield index, true, margins or ()
+        """Yield evaluations with true violations and margins by goal, where these are recorded."""
+        query = self._from_evaluations(("idx", "true", "margins"))
+        for rows in self._batches(query, range(self.n_evaluations)):
+            told = [row for row in rows if row[2] is not None]
+            texts = [text for _, *both in told for text in both]
+            found = self._decoded(encoding.lists, texts)
+            for (index, *_), true, each in zip(told, found[::2], found[1::2], strict=True):
+                margins = self._decoded(encoding.margins, each)
+                yield index, true, margins or ()
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation."""
-        rows = self._select(f"{self._evaluations} WHERE idx = ?", (int(index),))
+        rows = self._select(f"{self._from_evaluations()} WHERE idx = ?", (int(index),))
         if not rows:
             n_found = self.n_evaluations
             expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
             raise RecordError(f"{self.path}: found no evaluation {index}; expected {expected}")
-        return self._decoded(partial(_evaluation, self._counts), rows[0])
+        return self._decoded(_evaluation, rows[0])
 
     def generations(self) -> Iterator[Generation]:
         """Yield all finished generations in order."""
@@ -303,8 +293,6 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def flights(self) -> tuple[RecordedFlight, ...]:
         """Return what was flown after the search, in order."""
-        if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'flight'"):
-            return ()  # a record of an earlier mrsfi
         rows = self._select("SELECT mission_seed, specification, found FROM flight ORDER BY idx")
         return tuple(self._decoded(RecordedFlight.from_row, row) for row in rows)
 
@@ -320,7 +308,6 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Store what was flown after the search, in one transaction."""
         rows = [(None, *flight.row()) for flight in flights]
         with database.transaction(self.path, self._connection) as connection:
-            connection.execute(database.FLIGHT_TABLE)
             connection.executemany("INSERT INTO flight VALUES (?, ?, ?, ?)", rows)
 
     def rows(self, table: str) -> list[tuple[Any, ...]]:
@@ -334,12 +321,15 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        counts = database.quoted(self._counts)
-        query = f"SELECT specification, {counts}, digest, fitness FROM evaluation"
+        query = self._from_evaluations(("specification", *encoding.COUNTS, "digest", "fitness"))
         for rows in self._batches(query, range(self.n_evaluations)):
             lines = [*map(encoding.canonical, rows), ""]
             digest.update("\n".join(lines).encode())
         return digest.hexdigest()
+
+    def _from_evaluations(self, columns: Sequence[str] = database.EVALUATION) -> str:
+        """Return the query for columns of all evaluations."""
+        return f"SELECT {database.quoted(columns, self._columns)} FROM evaluation"
 
     def _next(self, table: str) -> int:
         """Return the index that comes next: how many rows there are, as they have no gaps."""
@@ -372,28 +362,26 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     return (
         int(evaluation.index),
         int(evaluation.generation),
-        encoding.specification_text(evaluation.specification),
         fitness,
         int(evaluation.fault_ticks),
         *found,
         outcome.digest,
         *(encoding.canonical(each) if each else None for each in beside),
+        encoding.specification_text(evaluation.specification),
     )
 
 
-def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
-    flown = _flown(names, row)
-    (specification,) = encoding.lists([row[2]])
-    return Evaluation(*flown, encoding.specification(specification))
+def _evaluation(row: Sequence[Any]) -> Evaluation:
+    *flown, text = row
+    (specification,) = encoding.lists([text])
+    return Evaluation(*_flown(flown), encoding.specification(specification))
 
 
-def _flown(
-    names: Sequence[str], row: tuple[Any, ...]
-) -> tuple[int, int, Outcome, tuple[float, ...], int]:
-    index, generation, _, fitness_text, fault_ticks, *texts, digest, margins, detection = row
+def _flown(row: Sequence[Any]) -> tuple[int, int, Outcome, tuple[float, ...], int]:
+    index, generation, fitness_text, fault_ticks, *texts, digest, margins, detection = row
     texts += [margins or "[]", detection or "[]"]
-    fitness, *found, margins, detection = encoding.lists([fitness_text, *texts])
-    outcome = _outcome(names, found, digest, margins, detection)
+    fitness, *counts, margins, detection = encoding.lists([fitness_text, *texts])
+    outcome = _outcome(*counts, digest, margins, detection)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -420,11 +408,9 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
     return FailedEvaluation(number, generation, encoding.specification(specification), traceback)
 
 
-def _outcome(
-    names: Sequence[str], found: Sequence[Sequence[Any]], digest: str, margins: object, late: Any
-) -> Outcome:
-    """Return an outcome of counts by their names; in a record of semantics 1 one is missing."""
-    counts: dict[str, Any] = {"missed": None}
-    counts.update(zip(names, encoding.integers(found), strict=True))
+def _outcome(*found: Any) -> Outcome:
+    """Return an outcome of what is stored of it; margins and detection may be missing."""
+    *counts, digest, margins, late = found
     detection = tuple((n, n_late) for n, n_late in encoding.integers(late or ())) or None
-    return Outcome(**counts, digest=digest, margins=encoding.margins(margins), detection=detection)
+    named: dict[str, Any] = dict(zip(encoding.COUNTS, encoding.integers(counts), strict=True))
+    return Outcome(**named, digest=digest, margins=encoding.margins(margins), detection=detection)

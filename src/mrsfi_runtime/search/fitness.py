@@ -48,9 +48,6 @@ class Score(NamedTuple):
     outcome: Outcome | None = None
 
 
-Findings = FitnessInput
-"""The name of 0.1, for one more release."""
-
 FitnessFunction: TypeAlias = Callable[[FitnessInput], float]
 """From findings to a number >= 0; more is more critical."""
 

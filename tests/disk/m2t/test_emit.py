@@ -166,21 +166,6 @@ def test_crashed_generations_are_not_mistaken_for_edits(target, first, second):
     assert plan_files(target, rendered(4), {"mission.xmi": "hash"}).stale == ()
 
 
-def test_what_an_earlier_mrsfi_left_when_it_was_killed_counts_as_generated(target):
-    emit(target, rendered(1))
-    manifest = json.loads((target / MANIFEST).read_text())
-    old = manifest["files"]
-    emit(target, rendered(2))
-    new = json.loads((target / MANIFEST).read_text())["files"]
-    manifest["files"] = {name: [old[name], new[name]] for name in old}
-    (target / MANIFEST).write_text(json.dumps(manifest))
-    (target / "a.py").write_text(rendered(1)["a.py"])
-
-    emit(target, rendered(3))
-
-    assert contents(target) == rendered(3)
-
-
 def test_folder_that_cannot_be_made_is_an_error_of_generation(tmp_path):
     (tmp_path / "there").write_text("a file where a folder is needed")
 

@@ -45,15 +45,6 @@ def test_flights_change_neither_evaluations_nor_digest(store):
     assert (tuple(store.evaluations()), store.digest()) == before
 
 
-def test_a_record_of_before_there_were_flights_has_none_and_takes_some(store):
-    with closing(sqlite3.connect(store.path)) as other:
-        other.execute("DROP TABLE flight")
-
-    assert store.flights() == ()
-    store.append_flights([FLOWN])
-    assert store.flights() == (FLOWN,)
-
-
 @pytest.mark.parametrize(
     ("column", "content"),
     [

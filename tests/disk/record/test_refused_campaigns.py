@@ -1,13 +1,16 @@
 import sqlite3
 from contextlib import closing
+from dataclasses import replace
 
 import pytest
 
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
+from tests.support.cli import execute
 
 DAMAGED = "the record is damaged"
 
@@ -76,7 +79,7 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ("PRAGMA user_version = 4", "found a campaign of version 4; expected at most 3"),
+        ("PRAGMA user_version = 5", "found a campaign of version 5; expected at most 4"),
         *(
             (f"UPDATE evaluation SET {column} = '{text}'", DAMAGED)
             for column, text in (
@@ -90,7 +93,7 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
                 ("samples", "[1,"),
             )
         ),
-        ("ALTER TABLE evaluation DROP COLUMN masked", f"{DAMAGED}: .*'masked'"),
+        ("ALTER TABLE evaluation DROP COLUMN masked", DAMAGED),
         ("DELETE FROM meta WHERE key = 'settings'", DAMAGED),
         *(
             (f"UPDATE meta SET value = '{text}' WHERE key = 'settings'", f"{DAMAGED}: .*{reason}")
@@ -110,3 +113,42 @@ def test_a_record_that_makes_no_sense_is_refused(tmp_path, change, reason):
 
     with pytest.raises(RecordError, match=reason), CampaignStore.open(tmp_path) as store:
         tuple(store.evaluations())
+
+
+@pytest.mark.parametrize("version", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("manifest", "writer"),
+    [
+        ('{"versions": {"mrsfi": "0.1.7"}}', "mrsfi 0.1.7"),
+        ("{}", "a mrsfi whose version is not recorded"),
+        ("", "a mrsfi whose version is not recorded"),
+    ],
+)
+def test_a_record_of_before_0_3_is_refused_with_who_wrote_it(tmp_path, version, manifest, writer):
+    path = tmp_path / "campaign.sqlite"
+    CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
+    change = f"UPDATE meta SET value = '{manifest}' WHERE key = 'manifest'"
+    execute(tmp_path, f"PRAGMA user_version = {version}", change)
+
+    with pytest.raises(RecordError) as caught:
+        CampaignStore.open(tmp_path)
+
+    assert str(caught.value) == (
+        f"{path}: found a campaign of version {version}, written by {writer}; expected version 4 "
+        "or later, as mrsfi writes it from 0.3.0 on; open the campaign with the mrsfi that wrote "
+        "it, or fly it anew with `mrsfi evolve`"
+    )
+
+
+def test_a_record_of_other_semantics_is_not_flown_and_names_who_wrote_it(tmp_path):
+    later = replace(Manifest(versions={"mrsfi": "0.9.3"}), semantics=SEMANTICS + 1)
+    store = CampaignStore.create(tmp_path, CampaignSettings(), later)
+
+    with store, pytest.raises(RecordError) as caught:
+        store.require_flyable()
+
+    assert str(caught.value) == (
+        f"{tmp_path}: found semantics {SEMANTICS + 1}; expected semantics {SEMANTICS}, which this "
+        "mrsfi flies (docs/semantics.md); fly the campaign with mrsfi 0.9.3, read it with `mrsfi "
+        f"report {tmp_path}`, or begin a new one"
+    )

@@ -19,6 +19,7 @@ from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation
 from tests.support.campaigns import SETTINGS, evaluation, outcome
+from tests.support.cli import execute
 
 MANIFEST = Manifest(
     mission="uuv_sampling",
@@ -268,27 +269,16 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
     assert list(store.margins()) == [(0, [3, 4], distinct.margins)]
 
 
-@pytest.mark.parametrize("missing", [("margins",), ("detection",), ("margins", "detection")])
-def test_a_record_from_before_margins_or_detection_is_read_and_goes_on_with_them(tmp_path, missing):
-    path = tmp_path / "run"
-    with CampaignStore.create(path, SETTINGS, MANIFEST) as store:
-        store.append([evaluation(0, (1,))])
-        digest = store.digest()
-    with closing(sqlite3.connect(path / "campaign.sqlite")) as older, older:
-        for name in missing:
-            older.execute(f"ALTER TABLE evaluation DROP COLUMN {name}")
-        older.execute("PRAGMA user_version = 2")
-    measured = evaluation(1, (1,))
-    beside = {"margins": ((2.5, 7),), "detection": ((90, 4),)}
-    measured = replace(measured, outcome=replace(measured.outcome, **beside))
+def test_columns_that_a_record_lacks_are_none(store):
+    store.append([evaluation(0, (1,))])
+    digest = store.digest()
+    for name in ("margins", "detection"):
+        execute(store.path.parent, f"ALTER TABLE evaluation DROP COLUMN {name}")
 
-    with CampaignStore.open(path) as store:
-        assert store.evaluation(0).outcome.margins is None
-        assert store.evaluation(0).outcome.detection is None
-        assert store.digest() == digest
-        store.append([measured])
-        store.append([evaluation(2, (1,))])
-
-    with CampaignStore.open(path) as store:
-        assert list(store.margins()) == [(1, [0], ((2.5, 7),))]
-        assert store.evaluation(1) == measured
+    with CampaignStore.open(store.path.parent) as read:
+        (found,) = read.evaluations()
+        assert (found.outcome.margins, found.outcome.detection) == (None, None)
+        assert read.evaluation(0) == found
+        assert [each.outcome for each in read.flown(1)] == [found.outcome]
+        assert [*read.margins()] == []
+        assert read.digest() == digest

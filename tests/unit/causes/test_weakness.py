@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, Yardstick, faults_of, in_seeds
+from mrsfi_runtime.causes.weakness import MEASURES, Known, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import FailedFlight
 from tests.support.search import outcome_of, paper_mission
-from tests.support.weaknesses import weakness
 
 MISSION = paper_mission()
 FIRST, SECOND = Column("g1", "believed"), Column("g2", "true")
@@ -48,24 +47,7 @@ def test_what_is_truly_broken_is_detected_as_late_as_the_belief_shows_it():
     yardstick = Yardstick.of(MISSION, fault_free)
 
     assert dict(yardstick.late(broken)) == {"g1": 0, "g2": 7, "g3": math.inf, "g5": math.inf}
-    assert not [*yardstick.late(replace(broken, detection=None))]  # of an older record
-
-
-def test_an_older_record_does_not_say_since_when():
-    found = replace(weakness("g1", "true", "f9"), since=0)
-
-    told = found.as_json()
-
-    assert Weakness.from_json(told) == found
-    assert Weakness.from_json({k: v for k, v in told.items() if k != "since"}).since is None
-
-
-def test_an_older_record_does_not_say_what_was_missed():
-    yardstick = Yardstick.of(MISSION, outcome_of(*[0] * 6))
-
-    broken = yardstick.broken(replace(outcome_of(*[0] * 6), missed=None, true=(0, 3, 0, 0, 0, 0)))
-
-    assert broken == {SECOND}
+    assert not [*yardstick.late(replace(broken, detection=None))]  # not recorded
 
 
 def _flown(known, *faults, breaks=(), start=0):

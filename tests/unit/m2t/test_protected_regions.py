@@ -27,8 +27,8 @@ def edited(old: str, new: str, text: str = GENERATED) -> str:
     return text.replace(old, new)
 
 
-def merged(existing: str, *, generated: str = GENERATED, records=(RECORD,), force=False) -> str:
-    return merge(parse(generated, "new"), parse(existing, "ci.py"), records, force=force)
+def merged(existing: str, *, generated: str = GENERATED, record=RECORD, force=False) -> str:
+    return merge(parse(generated, "new"), parse(existing, "ci.py"), record, force=force)
 
 
 def test_regions_are_found_with_bodies_and_lines():
@@ -72,9 +72,9 @@ def test_parsed_document_has_the_text_it_was_parsed_from(text):
 def test_merge_of_a_file_with_itself_changes_nothing(text):
     document = parse(text, "x")
 
-    assert merge(document, document, (record_of(document),)) == text
-    assert merge(document, document, ()) == text
-    assert not is_hand_written(document, (record_of(document),))
+    assert merge(document, document, record_of(document)) == text
+    assert merge(document, document, None) == text
+    assert not is_hand_written(document, record_of(document))
 
 
 @given(documents(), st.data())
@@ -86,7 +86,7 @@ def test_edited_bodies_of_regions_that_are_on_survive_and_nothing_else_changes(t
             body = data.draw(BODIES)
             rewritten = rewritten.replace(region.text, region.begin + body + region.end)
 
-    found = merge(document, parse(rewritten, "x"), (record_of(document),))
+    found = merge(document, parse(rewritten, "x"), record_of(document))
 
     assert found == rewritten
 
@@ -141,19 +141,19 @@ WITHOUT_G1 = GENERATED[: GENERATED.index("\n\ndef check_g1")]
 
 
 @pytest.mark.parametrize(
-    ("existing", "generated", "records", "expected"),
+    ("existing", "generated", "record", "expected"),
     [
-        (GENERATED, OTHER_BODY, (RECORD,), OTHER_BODY),
+        (GENERATED, OTHER_BODY, RECORD, OTHER_BODY),
         (
             BY_HAND,
             edited("# Generated\n", "# Generated anew\n"),
-            (RECORD,),
+            RECORD,
             edited("# Generated\n", "# Generated anew\n", BY_HAND),
         ),
-        (GENERATED, OTHER_BODY, (), GENERATED),
-        (OFF, OTHER_BODY, (RECORD,), edited("g1.check on", "g1.check off", OTHER_BODY)),
-        (GENERATED, WITHOUT_G1, (RECORD,), WITHOUT_G1),
-        (edited("    return tasks.violated(ci)\n", "\n"), WITHOUT_G1, (RECORD,), WITHOUT_G1),
+        (GENERATED, OTHER_BODY, None, GENERATED),
+        (OFF, OTHER_BODY, RECORD, edited("g1.check on", "g1.check off", OTHER_BODY)),
+        (GENERATED, WITHOUT_G1, RECORD, WITHOUT_G1),
+        (edited("    return tasks.violated(ci)\n", "\n"), WITHOUT_G1, RECORD, WITHOUT_G1),
     ],
     ids=[
         "a body that nobody edited is generated anew",
@@ -164,8 +164,8 @@ WITHOUT_G1 = GENERATED[: GENERATED.index("\n\ndef check_g1")]
         "an orphaned region that was emptied goes",
     ],
 )
-def test_what_is_there_and_what_is_generated_are_merged(existing, generated, records, expected):
-    assert merged(existing, generated=generated, records=records) == expected
+def test_what_is_there_and_what_is_generated_are_merged(existing, generated, record, expected):
+    assert merged(existing, generated=generated, record=record) == expected
 
 
 EDITED = edited("tasks.violated(ci)", "False")
@@ -193,9 +193,9 @@ MINE = "# protected region mine on begin\nx = 1\n# protected region mine end\n"
                 ),
             )
         ),
-        (OFF, {"generated": OTHER_BODY, "records": ()}, "although it is off"),
+        (OFF, {"generated": OTHER_BODY, "record": None}, "although it is off"),
         (EDITED_OUTSIDE, {}, r"ci\.py:2: .*edited outside"),
-        (GENERATED, {"generated": OTHER_IMPORT, "records": ()}, "no manifest says"),
+        (GENERATED, {"generated": OTHER_IMPORT, "record": None}, "no manifest says"),
         (GENERATED + MINE, {}, "'mine' holds hand-written code"),
     ],
 )
@@ -209,7 +209,7 @@ def test_what_would_be_lost_stops_generation(existing, more, message):
     [
         (EDITED_OUTSIDE, {}, GENERATED),
         (edited("import tasks", "import os", EDITED), {}, EDITED),
-        (GENERATED, {"generated": OTHER_IMPORT, "records": ()}, OTHER_IMPORT),
+        (GENERATED, {"generated": OTHER_IMPORT, "record": None}, OTHER_IMPORT),
     ],
 )
 def test_forced_generation_replaces_all_but_edited_regions(existing, more, expected):

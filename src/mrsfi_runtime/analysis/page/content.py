@@ -127,7 +127,7 @@ def _first_screen(
                 "goal": way.goal,
                 "name": names[way.goal],
                 "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
-                f"{detection(way, mission.units)}".removesuffix("; "),
+                f"{detection(way, mission.units)}",
                 "sure": verdict(way, mission.units),
                 "kind": way.shown.column.kind,
                 "unseen": way.is_undetected,
