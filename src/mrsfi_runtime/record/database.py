@@ -22,7 +22,7 @@ from mrsfi_runtime.record.folder import new_name
 SCHEMA = 4
 """Version of the layout that is written; a file of a newer one is refused."""
 
-_FIRST = 4  # version that is read
+_FIRST = 4  # oldest version that is read
 
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
 
