@@ -1,4 +1,4 @@
-"""The tables of docs/measurements.md, from the folders that ``mrsfi compare`` left in ``runs/``.
+"""The tables of benchmarks/results/searches.md, from what ``mrsfi compare`` left in ``runs/``.
 
 Run ``python -m benchmarks.search_tables [RUNS]`` after the comparisons that the page lists.
 """

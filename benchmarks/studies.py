@@ -1,4 +1,4 @@
-"""The studies of docs/studies.md, with their raw runs in docs/studies.
+"""The studies of operators and settings, with their raw runs in benchmarks/results.
 
 ``python -m benchmarks.studies operators FOLDER`` searches six missions with restricted and freed
 operators, in a folder that is new or to go on; ``parameters FOLDER`` takes the runs from the folder
@@ -23,7 +23,7 @@ from mrsfi_runtime.analysis.table import Table, as_csv, to_markdown
 from mrsfi_runtime.study.comparison import RunResult, compare_ranks, holm
 from mrsfi_runtime.study.variants import PAPERS, Variant
 
-KEPT = Path("docs/studies")
+KEPT = Path("benchmarks/results")
 N_SEEDS, N_EVALUATIONS = 20, 909
 SETTINGS = {
     "restricted": ("exchange", "redraw"),
@@ -81,7 +81,6 @@ def operators(folder: Path) -> None:
 
 def keep(name: str, columns: Iterable[str], rows: Iterable[tuple[object, ...]]) -> None:
     """Write the runs of a study."""
-    KEPT.mkdir(exist_ok=True)
     (KEPT / f"{name}.csv").write_bytes(as_csv([tuple(columns), *rows]))  # type: ignore[list-item]
 
 

@@ -1,7 +1,7 @@
 """Whether searches find more where the pool declares triggers: equal evaluations, with and without.
 
 Run ``python -m benchmarks.triggers [FILE]`` from the project's folder; rows go to ``FILE`` as CSV,
-by default ``docs/studies/triggers.csv``. Each algorithm searches the paper's mission with 909
+by default ``benchmarks/results/triggers.csv``. Each algorithm searches the paper's mission with 909
 evaluations and 20 seeds, in one mission seed: once as it is, once with the four triggers below.
 """
 
@@ -29,7 +29,7 @@ from mrsfi_runtime.search.space import SearchSpace
 if TYPE_CHECKING:
     from mrsfi_runtime.causes.counts import Column
 
-FILE = Path("docs/studies/triggers.csv")
+FILE = Path("benchmarks/results/triggers.csv")
 SEARCHES = ("paper", "guided", "cover")
 SEEDS = range(1, 21)
 N_EVALUATIONS = 909

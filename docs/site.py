@@ -35,13 +35,14 @@ _LINK = re.compile(r"\[(?P<text>[^\]]*)\]\((?![a-z]+:|#)(?P<path>[^)#\s]+)(?P<re
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pages of the tree's root and of its examples, and the reference."""
+    """Add the pages of the tree's root, examples and results of benchmarks, and the reference."""
     texts = {
         "reference/commands.md": _commands(),
         "reference/metamodels.md": _metamodels(),
         "reference/python.md": _python(),
     }
-    for path in (*ROOT.glob("*.md"), *ROOT.glob("examples/*/README.md")):
+    pages = ("*.md", "examples/*/README.md", "benchmarks/results/*.md")
+    for path in (path for pattern in pages for path in ROOT.glob(pattern)):
         texts[_page_of(path)] = path.read_text(encoding="utf-8")
     for name, text in texts.items():
         files.append(File.generated(config, name, content=text))

@@ -48,7 +48,7 @@ ELSEWHERE = {
 }
 """What runs, or holds to the code, blocks that are run neither in order nor shortened."""
 
-HOURS = ("docs/search.md", "docs/measurements.md", "docs/compare.md")
+HOURS = ("docs/search.md", "benchmarks/results/searches.md", "docs/compare.md")
 SHORTER = {"compare": "--seeds 2 --evaluations 2 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
 DRAWN = 2
@@ -58,7 +58,7 @@ LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n?```\w+\n")
 
 PAGES = {
     path.relative_to(ROOT).as_posix(): path.read_text("utf-8")
-    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md")
+    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md", "benchmarks/results/*.md")
     for path in ROOT.glob(pattern)
 }
 

@@ -17,7 +17,7 @@ from tests.support.tree import ROOT
 
 PAGES = {
     page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8")
-    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md")
+    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md", "benchmarks/results/*.md")
     for page in ROOT.glob(pattern)
     if page.name != "CHANGELOG.md"  # names what is gone as well
 }
