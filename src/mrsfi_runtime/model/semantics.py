@@ -7,7 +7,7 @@ Version 1
     mrsfi 0.1. Verdicts and reactions are decided to the last bit; belief begins without a speed;
     a robot obeys commands up to five times its nominal speed.
 Version 2
-    mrsfi 0.2. Verdicts have a tolerance and reactions a reserve; belief begins with what the model
+    mrsfi 0.3. Verdicts have a tolerance and reactions a reserve; belief begins with what the model
     says; a robot obeys commands up to its own greatest speed; an outcome says what was missed.
 """
 
