@@ -9,7 +9,7 @@ from collections.abc import Callable, Hashable
 from typing import Any, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.services import Services, converted
+from mrsfi_bridge.services import Services
 from mrsfi_bridge.type_table import ServiceType
 
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
@@ -26,7 +26,6 @@ class Actions(Services):
     """
 
     noun = "action"
-    asks = "send_action_goal"
     _id = "send_action_goal"
 
     def send_goal(
@@ -70,7 +69,7 @@ class Actions(Services):
         """
         call = self._asked(owner, goal_id)
         try:
-            result = converted(call.type.response, values if is_ok else {})
+            result = call.type.response.convert(values if is_ok else {})
         except ProtocolError as error:
             reason = f"result of action {call.service}: {error}"
             self.refuse(owner, goal_id, reason)

@@ -17,10 +17,6 @@ ROUNDS = 2
 class Pinged(Protocol):
     """A client that can be pinged."""
 
-    @property
-    def is_quiet(self) -> bool:
-        """Whether all that it said was carried out."""
-
     def ping(self, content: bytes) -> None:
         """Ping it, behind all that it was sent."""
 
@@ -61,13 +57,8 @@ class Barriers:
 
     def pong(self, client: Pinged, content: bytes) -> None:
         """Take what a client answered to a ping."""
-        waiting = self._open.get(content, {})
-        if client not in waiting:
-            return
-        if not client.is_quiet:  # something large, worked off in turns
-            client.ping(content)
-            return
-        self._answered(content, client)
+        if client in self._open.get(content, {}):
+            self._answered(content, client)
 
     def gone(self, client: Pinged) -> None:
         """Wait no more for a client that has left."""

@@ -1,11 +1,10 @@
 """Topics: who publishes, who subscribes, and what is delivered. Knows no sockets."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, Protocol
 
-from mrsfi_bridge.encodings import PLAIN, Form, Outgoing
+from mrsfi_bridge.encodings import PLAIN, Outgoing
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import check_name
 from mrsfi_bridge.settings import Limits
@@ -15,10 +14,6 @@ from mrsfi_bridge.type_table import TypeTable
 
 class Subscriber(Protocol):
     """Takes messages for a client."""
-
-    @property
-    def form(self) -> Form | None:
-        """How it encodes them, if it does."""
 
     def receive(self, outgoing: Outgoing) -> None:
         """Take one."""
@@ -81,26 +76,10 @@ class Broker:
         It is a ``ProtocolError`` if the client does not advertise the topic, the message does not
         fit its type, or latched messages take too much.
         """
-        topic, _ = self._published(client, name)
+        topic, publication = self._published(client, name)
         outgoing = Outgoing(topic.structure, topic.structure.convert(message))
         topic.n_numbered += 1
         outgoing.number(topic.n_numbered)
-        self.deliver(client, name, outgoing)
-
-    def preparation(self, client: Hashable, name: str, message: Any) -> Callable[[], Outgoing]:
-        """Return what makes a large message ready for ``deliver``, in any thread."""
-        topic, publication = self._published(client, name)
-        topic.n_numbered += 1
-        forms = {form for each in topic.subscribers.values() if (form := each.form) is not None}
-        if publication.is_latched:
-            forms.add((name, PLAIN))
-        return partial(Outgoing.prepared, topic.structure, message, topic.n_numbered, forms)
-
-    def deliver(self, client: Hashable, name: str, outgoing: Outgoing) -> None:
-        """Deliver a message that is ready; what ``publish`` refuses is refused here, too."""
-        topic, publication = self._published(client, name)
-        if topic.structure is not outgoing.structure:
-            raise ProtocolError(f"topic '{name}' carries {topic.structure.name} by now")
         if publication.is_latched:
             self._latch(topic, publication, outgoing)
         self._pass_on(topic, outgoing)

@@ -32,7 +32,6 @@ class _LocalSubscriber(NamedTuple):
 
     callbacks: list[Callable[[dict[str, Any]], None]]
     failed: FirstError
-    form: None = None
 
     def receive(self, outgoing: Outgoing) -> None:
         """Hand a message on."""

@@ -12,7 +12,7 @@ import base64
 import math
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
@@ -20,8 +20,8 @@ import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
 from mrsfi_bridge.definitions import SCALAR, TEXTS, TIMES, VARIABLE, Field
-from mrsfi_bridge.structures import BYTE_ARRAYS, Ready, Structure, now
-from mrsfi_bridge.texts import to_json, to_large_json
+from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
+from mrsfi_bridge.texts import to_json
 
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
@@ -110,44 +110,24 @@ class Outgoing:
             frames = self._frames[key] = self._encode(topic, encoding)
         return frames
 
-    @classmethod
-    def prepared(
-        cls, structure: Structure, message: Any, seq: int, forms: Iterable["Form"]
-    ) -> "Outgoing":
-        """Return a large message of a client, encoded in all forms that are wanted.
-
-        It takes long, and may be done in another thread. ``seq`` is the number of its header.
-        """
-        outgoing = cls(structure, structure.convert(message))
-        outgoing.number(seq)
-        for topic, encoding in forms:
-            outgoing._frames[topic, encoding] = outgoing._encode(topic, encoding, to_large_json)
-        return outgoing
-
     def number(self, seq: int) -> None:
         """Give its header, if it has one, a number, whatever the client says."""
         if self.structure.is_numbered:
             self.message["header"]["seq"] = seq
 
-    def _encode(
-        self, topic: str, encoding: Encoding, as_json: Callable[[Any], bytes] = to_json
-    ) -> bytes:
+    def _encode(self, topic: str, encoding: Encoding) -> bytes:
         if encoding.compression == "cbor":
             return _binary(topic, _tagged(self.structure, self.message))
         if encoding.compression == "cbor-raw":
             content = _packed(self.structure, self.message)
             return _binary(topic, {**now(), "bytes": content})
         operation = {"op": "publish", "topic": topic, "msg": self.message}
-        return text_frames(operation, encoding, as_json)
+        return text_frames(operation, encoding)
 
 
-def text_frames(
-    operation: dict[str, Any],
-    encoding: Encoding = PLAIN,
-    as_json: Callable[[Any], bytes] = to_json,
-) -> bytes:
+def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
     """Return the frames that carry an operation as text, ready to be written to a socket."""
-    content = as_json(operation)
+    content = to_json(operation)
     if encoding.compression == "png":
         content = to_json({"op": "png", "data": png(content)})
     size = encoding.fragment_size
@@ -161,15 +141,6 @@ def text_frames(
         for number, start in enumerate(starts)
     )
     return b"".join(_frame(OP_TEXT, to_json(each)) for each in fragments)
-
-
-def as_service_json(operation: dict[str, Any]) -> bytes:
-    """Return a call or an answer as JSON, of which request or response may be encoded already."""
-    name, part = next((each for each in operation.items() if type(each[1]) is Ready), ("", None))
-    if part is None:
-        return to_json(operation)
-    others = to_json({key: value for key, value in operation.items() if key != name})
-    return b'%s,"%s":%s}' % (others[:-1], name.encode(), part.json)
 
 
 def png(content: bytes) -> str:

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.texts import LARGE_DECODER, from_json
+from mrsfi_bridge.texts import from_json
 
 Operation: TypeAlias = dict[str, Any]
 
@@ -23,9 +23,6 @@ _FRAGMENT_BYTES = 64
 """What a fragment takes beside its letters."""
 
 _MAX_UNFINISHED = 16
-_MAX_REFUSED = 64
-_MAX_NOTED = 1000
-"""Fragments of a refused message of which is noted which have arrived."""
 
 _DECODER = json.JSONDecoder()
 
@@ -112,19 +109,17 @@ def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
     try:
         value = from_json(text)
     except (ValueError, RecursionError):
-        yield from several(text, refuse, _DECODER)
+        yield from _several(text, refuse)
     else:
         yield value
 
 
-def several(
-    text: str, refuse: Callable[[str], None], decoder: json.JSONDecoder = LARGE_DECODER
-) -> Iterator[Any]:
-    """Yield the values that follow each other in a text; as it is, of a large one."""
+def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
+    """Yield the values that follow each other in a text."""
     position = 0
     while position < len(text):
         try:
-            value, position = decoder.raw_decode(text, position)
+            value, position = _DECODER.raw_decode(text, position)
         except (ValueError, RecursionError) as error:
             reason = str(error) if isinstance(error, ValueError) else "nested too deeply"
             refuse(f"bad JSON at letter {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")
@@ -172,86 +167,55 @@ def check_name(name: str, noun: str) -> None:
     raise ProtocolError(f"{shown} is no {noun} name: 1 to {_LONGEST_NAME} letters without blanks")
 
 
+class _Unfinished(NamedTuple):
+    """A message of which some fragments are still to come."""
+
+    total: int
+    parts: list[str]
+    n_bytes: int
+
+
 class Fragments:
     """Puts messages together that arrive in fragments; unfinished ones share ``max_bytes``.
 
-    A message is refused whole: fragments of its ID are refused until all of its own have arrived,
-    or until a first fragment that is not its own begins another message.
+    The fragments of a message arrive in order. After one that is refused, the others of its
+    message are refused, too, since the next one to be taken is again the first of a message.
     """
 
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
-        self._parts: dict[str | int, dict[int, str]] = {}
-        self._totals: dict[str | int, int] = {}
-        self._refused: dict[str | int, tuple[int, set[int]]] = {}  # total, 0 if unknown; arrived
+        self._unfinished: dict[str | int, _Unfinished] = {}
         self.n_bytes = 0
 
     def add(self, fragment: Operation) -> str | None:
         """Take a fragment; return the message that it completes.
 
-        It is a ``ProtocolError`` if the fragment makes no sense, unfinished messages take too much,
-        or its message was refused.
+        It is a ``ProtocolError`` if the fragment makes no sense, or unfinished messages take too
+        much.
         """
         fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
-        try:
-            self._check(fragment_id, number, total, fragment["data"])
-        except ProtocolError:
-            self.refuse(fragment_id, number, total)
-            raise
-        self._refused.pop(fragment_id, None)
-        if number == 0 and 0 in self._parts.get(fragment_id, ()):  # it begins the message anew
-            self._forget(fragment_id)
-        parts = self._parts.setdefault(fragment_id, {})
-        self._totals[fragment_id] = total
-        self.n_bytes += _size(fragment["data"]) - _size(parts.get(number))
-        parts[number] = fragment["data"]
-        if len(parts) < total:
-            return None
-        return "".join(part for _, part in sorted(self._forget(fragment_id).items()))
-
-    def refuse(self, fragment_id: Any, number: Any, total: Any) -> None:
-        """Forget the message of a fragment that is refused, and refuse its other fragments."""
-        if type(fragment_id) not in _CALL.kinds or len(str(fragment_id)) > _LONGEST_ID:
-            return
-        is_clear = type(number) is type(total) is int and 0 <= number < total
-        known = self._totals.get(fragment_id, total if is_clear and number == 0 else 0)
-        arrived = set(self._forget(fragment_id))
-        known, arrived = self._refused.pop(fragment_id, (known, arrived))
-        if is_clear and total == known and number not in arrived:
-            arrived.add(number)
-        elif is_clear and known:  # of another message: the ID is free after a third's first one
-            known, arrived = (total, arrived & {0} | {number}) if number else (0, set())
-        if not 0 < known <= _MAX_NOTED:
-            known, arrived = 0, set()
-        if not known or len(arrived) < known:
-            self._refused[fragment_id] = known, arrived
-        if len(self._refused) > _MAX_REFUSED:
-            del self._refused[next(iter(self._refused))]
-
-    def _check(self, fragment_id: str | int, number: int, total: int, data: str) -> None:
-        if fragment_id in self._refused:
-            known, arrived = self._refused[fragment_id]
-            if number or (total == known and 0 not in arrived):
-                raise ProtocolError(f"fragment {number} of {total}: its message was refused")
+        message = self._forget(fragment_id) or _Unfinished(total, [], 0)
         if not 0 <= number < total <= _MAX_FRAGMENTS:
             raise ProtocolError(f"fragment {number} of {total}, of at most {_MAX_FRAGMENTS}")
-        if self._totals.get(fragment_id, total) != total:
-            raise ProtocolError(f"fragments disagree: {total} and {self._totals[fragment_id]}")
-        if self._parts.get(fragment_id, {}).get(number, data) != data:
-            raise ProtocolError(f"fragment {number} of {total} came before with other data")
-        if fragment_id not in self._parts and len(self._parts) >= _MAX_UNFINISHED:
+        if (number, total) != (len(message.parts), message.total):
+            expected = f"{len(message.parts)} of {message.total}"
+            raise ProtocolError(f"fragment {number} of {total}, expected {expected}")
+        if len(self._unfinished) >= _MAX_UNFINISHED:
             raise ProtocolError(
                 f"{_MAX_UNFINISHED} messages in fragments are unfinished, the limit"
             )
-        if self.n_bytes + _size(data) > self._max_bytes:
+        n_bytes = message.n_bytes + len(fragment["data"]) + _FRAGMENT_BYTES
+        if self.n_bytes + n_bytes > self._max_bytes:
             raise ProtocolError(f"unfinished messages take over {self._max_bytes} bytes, the limit")
+        message.parts.append(fragment["data"])
+        if len(message.parts) == total:
+            return "".join(message.parts)
+        self._unfinished[fragment_id] = message._replace(n_bytes=n_bytes)
+        self.n_bytes += n_bytes
+        return None
 
-    def _forget(self, fragment_id: str | int) -> dict[int, str]:
-        parts = self._parts.pop(fragment_id, {})
-        self._totals.pop(fragment_id, None)
-        self.n_bytes -= sum(map(_size, parts.values()))
-        return parts
-
-
-def _size(part: str | None) -> int:
-    return 0 if part is None else len(part) + _FRAGMENT_BYTES
+    def _forget(self, fragment_id: str | int) -> _Unfinished | None:
+        """Return what has arrived of a message, and keep it no more."""
+        message = self._unfinished.pop(fragment_id, None)
+        self.n_bytes -= 0 if message is None else message.n_bytes
+        return message

@@ -6,14 +6,13 @@ import http
 import logging
 import re
 import socket
-from collections import deque
-from collections.abc import Callable, Generator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from typing import Any, cast
 from urllib.parse import parse_qs, urlsplit
 
+from websockets.exceptions import PayloadTooBig
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.protocol import State
@@ -24,15 +23,12 @@ from mrsfi_bridge.barrier import Barriers
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi, tell_clients
-from mrsfi_bridge.session import LARGE, LOGGER, Hub, Session, Work
+from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.stream import Message, Pong, Stream
 from mrsfi_bridge.structures import now
 
 _BACKLOG = 512
-_TURN_S = 0.005
-"""How long a client is served, of what it said in one frame, before others are."""
-
 _READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
 _SHAKING = 256
@@ -62,9 +58,6 @@ class Connection(asyncio.BufferedProtocol):
         self._stream = Stream(self._protocol)
         self._session: Session | None = None
         self._outbox: list[bytes] = []
-        self._texts: deque[str] = deque()
-        self._n_waiting = 0  # letters of texts that are not carried out yet
-        self._steps: Generator[Work | None, Any, None] | None = None
         self._is_answered = False
         self._since = self._heard = self._now()
         self._pinged: float | None = None
@@ -74,11 +67,6 @@ class Connection(asyncio.BufferedProtocol):
     def is_client(self) -> bool:
         """Whether hands were shaken."""
         return self._session is not None
-
-    @property
-    def is_quiet(self) -> bool:
-        """Whether all that the client said was carried out."""
-        return not self._n_waiting
 
     def _now(self) -> float:
         return self._server.hub.scheduler.time()
@@ -112,6 +100,8 @@ class Connection(asyncio.BufferedProtocol):
                 self._server.barriers.pong(self, event.content)
             elif isinstance(event, Request):
                 self._shake_hands(event)
+        if self._ending is None and isinstance(self._protocol.parser_exc, PayloadTooBig):
+            self._tell(f"your message is longer than {self._limits.frame_bytes} bytes, the limit")
         self._flush()
         if _QUICKACK is not None and not self._is_answered:  # no client waits for it to send more
             with suppress(OSError):
@@ -129,8 +119,6 @@ class Connection(asyncio.BufferedProtocol):
             LOGGER.info("%s: left%s", self.name, f" ({exc})" if exc else "")
             self._session.leave()
             self._session = None
-            self._texts.clear()
-            self._steps = None
             self._server.tell_clients()
         self._outbox.clear()
         self._server.gone(self)
@@ -191,11 +179,15 @@ class Connection(asyncio.BufferedProtocol):
         """Tell the client that it uses too much, and cut it off."""
         if self._ending is not None:
             return
-        LOGGER.warning("%s: disconnected: %s", self.name, reason)
         if self._protocol.state is State.OPEN:
-            self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
-            self._server.dirty(self)
+            self._tell(reason)
         self.close(CloseCode.TRY_AGAIN_LATER, reason[:120])
+
+    def _tell(self, reason: str) -> None:
+        """Tell the client why it is disconnected, before it is."""
+        LOGGER.warning("%s: disconnected: %s", self.name, reason)
+        self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
+        self._ending = self._now()
 
     def abort(self, reason: str) -> None:
         """Cut the client off, and forget what waits for it."""
@@ -216,7 +208,7 @@ class Connection(asyncio.BufferedProtocol):
             LOGGER.warning("%s: refused: %s", self.name, response.reason_phrase)
             self._ending = self._now()
             return
-        self._session = Session(self._server.hub, self.name, self._send, self._take_text)
+        self._session = Session(self._server.hub, self.name, self._send)
         self._server.hub.counts.clients += 1
         LOGGER.info("%s: connected", self.name)
         self._server.tell_clients()
@@ -240,43 +232,7 @@ class Connection(asyncio.BufferedProtocol):
             kind = "text" if message.is_text else "binary"
             self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
             return
-        self._take_text(text)
-
-    def _take_text(self, text: str) -> None:
-        """Carry out a text at once, or in its turns if it is large, or others are before it."""
-        if self._session is not None and not self._n_waiting and len(text) < LARGE:
-            self._session.receive(text)
-            return
-        self._texts.append(text)
-        self._n_waiting += len(text)
-        if self._n_waiting == len(text):
-            self._transport.pause_reading()
-            self._go_on()
-
-    def _go_on(self, result: Any = None, error: BaseException | None = None) -> None:
-        """Carry out texts that wait, as long as it is this client's turn."""
-        self._heard, self._pinged = self._now(), None  # no pong is read while it lasts
-        end = self._heard + _TURN_S
-        while self._session is not None and (self._steps is not None or self._texts):
-            if self._steps is None:
-                self._steps = self._session.steps(self._texts.popleft())
-            try:
-                work = self._steps.throw(error) if error else self._steps.send(result)
-            except StopIteration:
-                self._steps, result, error = None, None, None
-                continue
-            result = error = None
-            if work is not None:
-                self._server.beside(work, self._go_on)
-                break
-            if self._now() > end:
-                self._server.hub.scheduler.call_soon(self._go_on)
-                break
-        else:
-            self._n_waiting = 0
-            if not self._transport.is_closing():
-                self._transport.resume_reading()
-        self._flush()
+        self._session.receive(text)
 
     # What goes out.
 
@@ -292,7 +248,7 @@ class Connection(asyncio.BufferedProtocol):
             self.refuse(
                 f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
             )
-        n_bytes += self._stream.n_bytes + self._n_waiting
+        n_bytes += self._stream.n_bytes
         if self._session is not None:
             n_bytes += self._session.fragments.n_bytes
         self._server.hold(self, n_bytes if n_bytes > _FEW_BYTES else 0)
@@ -326,7 +282,6 @@ class BridgeServer:
         self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
         self._checks: asyncio.TimerHandle | None = None
         self.barriers = Barriers(self._loop, lambda: self.hub.broker.is_idle)
-        self._thread = ThreadPoolExecutor(1, "mrsfi-bridge-large")
 
     async def start(self) -> None:
         """Listen, or raise ``ListenError`` if the address cannot be bound."""
@@ -349,7 +304,6 @@ class BridgeServer:
         if self._server is None:
             return
         self._server.close()
-        self._thread.shutdown(wait=False, cancel_futures=True)
         if self._checks is not None:
             self._checks.cancel()
         for connection in tuple(self._connections):
@@ -412,23 +366,6 @@ class BridgeServer:
     def barrier(self, then: Callable[[], None]) -> None:
         """Call a function when all clients have answered what they were sent until now."""
         self.barriers.begin(lambda: [each for each in self._connections if each.is_client], then)
-
-    def beside(self, work: Work, on_done: Callable[[Any, BaseException | None], None]) -> None:
-        """Have something done in another thread, and a function told what came of it.
-
-        Of a server that ends, nothing comes any more.
-        """
-
-        def done(future: Future[Any]) -> None:
-            if future.cancelled():
-                return
-            error = future.exception()
-            result = None if error else future.result()
-            with suppress(RuntimeError):  # the loop has ended
-                self._loop.call_soon_threadsafe(on_done, result, error)
-
-        with suppress(RuntimeError):  # the server has ended
-            self._thread.submit(work).add_done_callback(done)
 
     def tell_clients(self) -> None:
         """Publish who is connected."""

@@ -7,9 +7,8 @@ from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.protocol import absolute, check_name
+from mrsfi_bridge.protocol import check_name
 from mrsfi_bridge.settings import Limits
-from mrsfi_bridge.structures import Ready, Structure
 from mrsfi_bridge.type_table import ServiceType, TypeTable
 
 Ask: TypeAlias = Callable[[str, Any], None]
@@ -51,7 +50,6 @@ class Services:
     """
 
     noun = "service"
-    asks = "call_service"
     _id = "service_request"
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -111,7 +109,7 @@ class Services:
             reply(False, f"{self._limits.uses} of your calls are under way, the limit")
             return ""
         try:
-            request = converted(service.type.request, _named(arguments, service.type))
+            request = service.type.request.convert(_named(arguments, service.type))
         except ProtocolError as error:
             reply(False, f"request of {self.noun} {name}: {error}")
             return ""
@@ -122,23 +120,6 @@ class Services:
         service.ask(call_id, request)
         return call_id
 
-    def preparation(self, operation: dict[str, Any]) -> Callable[[], Ready] | None:
-        """Return what makes a large request or response ready, in any thread, if it is wanted.
-
-        ``call`` and ``respond`` take what comes of it, or the error, in its place.
-        """
-        if operation["op"] == self.asks:
-            service = self.services.get(absolute(operation[self.noun].partition("#")[0]))
-            arguments = operation.get("args") or {}
-            if service is None:
-                return None
-            return lambda: Ready(service.type.request, _named(arguments, service.type))
-        call = self._calls.get(operation["id"])
-        values = operation.get("values")
-        if call is None or not isinstance(values, dict):
-            return None
-        return lambda: Ready(call.type.response, values)
-
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
         """Pass the response of a provider to the caller.
 
@@ -147,7 +128,7 @@ class Services:
         """
         call = self._taken(owner, call_id)
         try:
-            response = converted(call.type.response, values)
+            response = call.type.response.convert(values)
         except ProtocolError as error:
             reason = f"response of {self.noun} {call.service}: {error}"
             call.reply(False, reason)
@@ -205,13 +186,6 @@ class Services:
             call.timer.cancel()
         self._n_calls[call.caller] -= 1
         return call
-
-
-def converted(structure: Structure, value: Any) -> dict[str, Any]:
-    """Return a request or response in normal form, or raise why it was refused before."""
-    if isinstance(value, ProtocolError):
-        raise value
-    return structure.convert(value)
 
 
 def _named(arguments: Any, service_type: ServiceType) -> Any:

@@ -2,16 +2,14 @@
 
 import logging
 from asyncio import AbstractEventLoop
-from collections.abc import Callable, Generator
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 from mrsfi_bridge.actions import SUCCEEDED, Actions
 from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.broker_of_ros2 import BrokerOfRos2
-from mrsfi_bridge.encodings import PLAIN, as_service_json, text_frames
+from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import (
     Fragments,
@@ -19,7 +17,6 @@ from mrsfi_bridge.protocol import (
     absolute,
     check_operation,
     operations,
-    several,
 )
 from mrsfi_bridge.services import Services
 from mrsfi_bridge.settings import Limits
@@ -37,15 +34,6 @@ from mrsfi_bridge.type_table import TypeTable
 LOGGER = logging.getLogger("mrsfi.bridge")
 
 LEVELS = ("info", "warning", "error", "none")
-LARGE = 1 << 17
-"""Letters from which on a text is carried out step by step."""
-
-_LARGE = ("publish", "call_service", "service_response", "send_action_goal", "action_result")
-"""Operations that may hold much."""
-
-Work: TypeAlias = Callable[[], Any]
-"""What takes long."""
-
 _MAX_REASON = 500
 _LOGGED_FIRST = 10
 _LOGGED_EVERY = 1000
@@ -84,21 +72,13 @@ class Hub:
 class Session:
     """Carries out the operations of one client, whose ``name`` is for the log.
 
-    ``send`` takes frames for it, ``take`` a text that was put together, if not ``receive``;
-    ``fragments`` are messages whose parts have not all come.
+    ``send`` takes frames for it; ``fragments`` are messages whose parts have not all come.
     """
 
-    def __init__(
-        self,
-        hub: Hub,
-        name: str,
-        send: Callable[[bytes], None],
-        take: Callable[[str], None] | None = None,
-    ) -> None:
+    def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
         self.name = name
         self._hub = hub
         self._send = send
-        self._take = take or self.receive
         self._level = "none"
         self._adverts: Uses[None] = Uses(hub.limits.uses)
         self._wishes: Uses[Wish] = Uses(hub.limits.uses)
@@ -109,87 +89,16 @@ class Session:
 
     def receive(self, text: str) -> None:
         """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
-        if len(text) < LARGE:
-            for value in operations(text, self._drop):
-                self._carry_out(value)
-            return
-        steps = self.steps(text)
-        with suppress(StopIteration):
-            work = next(steps)
-            while True:
-                try:
-                    result = None if work is None else work()
-                except ProtocolError as error:
-                    work = steps.throw(error)
-                else:
-                    work = steps.send(result)
-
-    def steps(self, text: str) -> Generator[Work | None, Any, None]:
-        """Do the same for a large text, step by step, so that others have their turns.
-
-        What it yields, if it is not ``None``, takes long, and may be done in another thread; the
-        generator is sent what comes of it, or it is thrown the error.
-        """
-        refused: list[str] = []
-        values = yield partial(list, several(text, refused.append))
-        for value in values:
-            op = value.get("op") if isinstance(value, dict) else None
-            if op == "fragment" or (op in _LARGE and len(values) == 1):
-                yield from self._carry_out_large(value)
-            else:
-                self._carry_out(value)
-            yield None
-        for reason in refused:
-            self._drop(reason)
-
-    def _obey(self, operation: Operation) -> None:
-        getattr(self, f"_{operation['op']}")(operation)  # one for each of the protocol
-
-    def _checked(self, value: Any) -> Operation:
-        try:
-            return check_operation(value)
-        except ProtocolError:
-            if isinstance(value, dict) and value.get("op") == "fragment":
-                self.fragments.refuse(*map(value.get, ("id", "num", "total")))
-            raise
+        for value in operations(text, self._drop):
+            self._carry_out(value)
 
     def _carry_out(self, value: Any) -> None:
         self._hub.counts.received += 1
         try:
-            operation = self._checked(value)
-            self._obey(operation)
+            operation = check_operation(value)
+            getattr(self, f"_{operation['op']}")(operation)  # one for each of the protocol
         except ProtocolError as error:
             self._drop(str(error), value)
-
-    def _carry_out_large(self, value: dict[str, Any]) -> Generator[Work | None, Any, None]:
-        """Carry out an operation that may hold much, or what a fragment completes, step by step."""
-        self._hub.counts.received += 1
-        try:
-            operation = self._checked(value)
-            if operation["op"] == "fragment":
-                text = self.fragments.add(operation)
-                yield from () if text is None else self.steps(text)
-                return
-            if operation["op"] != "publish":
-                yield from self._serve_large(operation)
-                return
-            topic = self._joined(operation)
-            work = self._hub.broker.preparation(self, topic, operation.get("msg", {}))
-            outgoing = yield work
-            self._hub.broker.deliver(self, topic, outgoing)
-        except ProtocolError as error:
-            self._drop(str(error), value)
-
-    def _serve_large(self, operation: Operation) -> Generator[Work, Any, None]:
-        provided = self._hub.actions if "action" in operation else self._hub.services
-        work = provided.preparation(operation)
-        if work is not None:
-            name = "args" if operation["op"] == provided.asks else "values"
-            try:
-                operation[name] = yield work
-            except ProtocolError as error:
-                operation[name] = error  # for the caller to hear of
-        self._obey(operation)
 
     def leave(self) -> None:
         """End everything that the client does."""
@@ -287,7 +196,7 @@ class Session:
 
         def reply(is_ok: bool, values: Any) -> None:
             told = {**answer, "values": values, "result": is_ok}
-            self._send(text_frames(told, encoding, as_service_json))
+            self._send(text_frames(told, encoding))
 
         arguments = operation.get("args")
         if arguments is None:
@@ -309,7 +218,7 @@ class Session:
 
         def ask(call_id: str, request: dict[str, Any]) -> None:
             call = {"op": "call_service", "id": call_id, "service": name, "args": request}
-            self._send(text_frames(call, PLAIN, as_service_json))
+            self._send(text_frames(call))
 
         if self._hub.services.advertise(self, absolute(name), operation["type"], ask):
             self.status("warning", f"service '{name}' had another provider before you")
@@ -325,7 +234,7 @@ class Session:
             if goal is not None:
                 told |= {"op": "send_action_goal", "action_type": type_name, "feedback": True}
                 told["args"] = goal
-            self._send(text_frames(told, PLAIN, as_service_json))
+            self._send(text_frames(told))
 
         if self._hub.actions.advertise(self, absolute(name), type_name, ask):
             self.status("warning", f"action '{name}' had another provider before you")
@@ -344,7 +253,7 @@ class Session:
             elif not operation.get("feedback", False):
                 return
             said = {"op": told["op"], **named, **told}
-            self._send(text_frames(said, encoding, as_service_json))
+            self._send(text_frames(said, encoding))
 
         goal, type_name = operation.get("args") or {}, operation["action_type"]
         goal_id = self._hub.actions.send_goal(self, absolute(name), type_name, goal, answer)
@@ -371,7 +280,7 @@ class Session:
     def _fragment(self, operation: Operation) -> None:
         text = self.fragments.add(operation)
         if text is not None:
-            self._take(text)
+            self.receive(text)
 
     def _deliver(self, frames: bytes) -> None:
         self._hub.counts.sent += 1

@@ -43,8 +43,8 @@ class Limits:
     """
 
     clients: int = 256
-    frame_bytes: int = 8 * _MEBI
-    queue_bytes: int = 16 * _MEBI
+    frame_bytes: int = 10 * _MEBI
+    queue_bytes: int = 24 * _MEBI
     total_bytes: int = 256 * _MEBI
     latched_bytes: int = 64 * _MEBI
     topics: int = 20_000

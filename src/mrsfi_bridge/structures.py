@@ -23,7 +23,6 @@ from mrsfi_bridge.definitions import (
     Field,
 )
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.texts import to_large_json
 
 Convert: TypeAlias = Callable[[Any], Any]
 """Returns the normal form of a value, or raises ``FieldError``."""
@@ -62,15 +61,6 @@ def mismatch(value: Any, expected: str) -> FieldError:
     if len(shown) > _MAX_SHOWN:
         shown = f"{shown[:_MAX_SHOWN]}…"
     return FieldError(f"found {shown}, expected {expected}")
-
-
-class Ready(dict[str, Any]):
-    """A large message in normal form, of a structure, and its JSON."""
-
-    def __init__(self, structure: "Structure", value: Any) -> None:
-        super().__init__(structure.convert(value))
-        self.structure = structure
-        self.json = to_large_json(dict(self))
 
 
 class Structure:
@@ -124,8 +114,6 @@ class Structure:
             value = _of_ros_2(value)
         if not isinstance(value, dict):
             raise mismatch(value, f"the fields of {self.name}")
-        if type(value) is Ready and value.structure is self:
-            return value
         result = {}
         n_found = 0
         name = ""

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Form, Outgoing
+from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
 from mrsfi_bridge.errors import ProtocolError
 
 V = TypeVar("V")
@@ -138,11 +138,6 @@ class Subscription:
         self._queue: deque[bytes] = deque()
         self._last = float("-inf")
         self._timer: TimerHandle | None = None
-
-    @property
-    def form(self) -> Form:
-        """How it encodes messages."""
-        return self._topic, self.wish.encoding
 
     def receive(self, outgoing: Outgoing) -> None:
         """Send a message now, later or never, as the client asked."""

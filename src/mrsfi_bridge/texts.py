@@ -1,16 +1,8 @@
-"""Values as JSON and back: by ``orjson`` where that is installed, which is faster.
-
-What is written in C lets no other thread run meanwhile. Of what is large, ``to_large_json`` and
-``LARGE_DECODER`` do a part at a time.
-"""
+"""Values as JSON and back: by ``orjson`` where that is installed, which is faster."""
 
 import json
-import re
-from collections.abc import Callable, Iterator
 from contextlib import suppress
-from json.decoder import JSONArray, JSONObject  # type: ignore[attr-defined]
 from json.encoder import c_make_encoder, encode_basestring_ascii  # type: ignore[attr-defined]
-from json.scanner import py_make_scanner  # type: ignore[attr-defined]
 from typing import Any
 
 try:
@@ -18,14 +10,9 @@ try:
 except ImportError:  # of the extra ``fast``
     orjson = None  # type: ignore[assignment, unused-ignore]
 
-_PART = 1 << 14
-"""Numbers of a list that are written in one go."""
-
-_PART_LETTERS = 1 << 17
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 """Reads as ``json.loads`` does, which looks for an encoding and for blanks first."""
 
-_NUMBERS = re.compile(r"[-+0-9.eE,\s]*")
 if c_make_encoder is None:
     _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
 else:  # the same, which makes what encodes anew for each value
@@ -60,58 +47,6 @@ def from_json(content: bytes | bytearray | str) -> Any:
         if end == len(text):
             return value
     return json.loads(text)
-
-
-def to_large_json(value: Any) -> bytes:
-    """Return the same as ``to_json``."""
-    return b"".join(_pieces(value))
-
-
-def _pieces(value: Any) -> Iterator[bytes]:
-    if isinstance(value, dict):
-        for number, (key, part) in enumerate(value.items()):
-            yield b"%s%s:" % (b"," if number else b"{", to_json(key))
-            yield from _pieces(part)
-        yield b"}" if value else b"{}"
-    elif isinstance(value, list) and len(value) > _PART:
-        for start in range(0, len(value), _PART):
-            yield b"," if start else b"["
-            yield to_json(value[start : start + _PART])[1:-1]
-        yield b"]"
-    else:
-        yield to_json(value)
-
-
-def _array(place: tuple[str, int], scan: Callable[..., Any]) -> tuple[list[Any], int]:
-    """Return the list that begins before a place in a text, and where it ends."""
-    text, start = place
-    end = text.find("]", start)
-    if end - start < _PART_LETTERS or not _NUMBERS.fullmatch(text, start, end):
-        found: tuple[list[Any], int] = JSONArray(place, scan)
-        return found
-    values: list[Any] = []
-    while start <= end:
-        cut = text.find(",", min(start + _PART_LETTERS, end), end)
-        cut = end if cut < 0 else cut
-        part = json.loads(f"[{text[start:cut]}]")
-        if not part:
-            raise json.JSONDecodeError("Expecting value", text, start)
-        values += part
-        start = cut + 1
-    return values, end + 1
-
-
-class _LargeDecoder(json.JSONDecoder):
-    """Reads as Python does, but long lists of numbers part by part in C."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.parse_object, self.parse_array = JSONObject, _array
-        self.scan_once = py_make_scanner(self)
-
-
-LARGE_DECODER = _LargeDecoder()
-"""Reads JSON texts that are large."""
 
 
 def _finite(value: Any) -> Any:
