@@ -21,24 +21,28 @@ SCALAR = -1
 VARIABLE = 0
 """Array length of an array of any length."""
 
-INTEGER_BITS = {
-    "byte": (8, True),
-    "char": (8, False),
-    "int8": (8, True),
-    "uint8": (8, False),
-    "int16": (16, True),
-    "uint16": (16, False),
-    "int32": (32, True),
-    "uint32": (32, False),
-    "int64": (64, True),
-    "uint64": (64, False),
+FORMATS = {
+    "bool": "?",
+    "byte": "b",
+    "char": "B",
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float32": "f",
+    "float64": "d",
 }
-"""Integer types: number of bits, and whether they have a sign."""
+"""Formats of ``struct`` of the types that are bytes or numbers; small letters have a sign."""
 
 FLOATS = ("float32", "float64")
+INTEGERS = tuple(name for name in FORMATS if name not in ("bool", *FLOATS))
 TIMES = ("time", "duration")
 TEXTS = ("string", "wstring")
-PRIMITIVES = frozenset((*INTEGER_BITS, *FLOATS, *TIMES, *TEXTS, "bool"))
+PRIMITIVES = frozenset((*FORMATS, *TIMES, *TEXTS))
 
 _TYPE = r"(?P<type>[A-Za-z]\w*(?:/[A-Za-z]\w*)?)"
 _NAME = r"\s+(?P<name>[A-Za-z]\w*)\s*(?:=(?P<value>.*))?"

@@ -19,30 +19,13 @@ from typing import Any, NamedTuple, TypeAlias
 import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_bridge.definitions import SCALAR, TEXTS, TIMES, VARIABLE, Field
+from mrsfi_bridge.definitions import FORMATS, SCALAR, TEXTS, TIMES, VARIABLE, Field
 from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
 from mrsfi_bridge.texts import to_json
 
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
 """Encodings of one message that are kept."""
-
-_FORMATS = {
-    "bool": "?",
-    "byte": "b",
-    "char": "B",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-    "float32": "f",
-    "float64": "d",
-}
-"""Formats of ``struct``; both binary forms are little-endian."""
 
 _CDR = b"\0\1\0\0"
 """Says that little-endian CDR follows."""
@@ -229,7 +212,7 @@ class _Packer:
         values = base64.b64decode(value) if field.type in BYTE_ARRAYS else value
         if field.length == VARIABLE:
             self._add_numbers("uint32", [len(values)])
-        if field.type in _FORMATS:
+        if field.type in FORMATS:
             self._add_numbers(field.type, values)
         else:
             for each in values:
@@ -249,14 +232,14 @@ class _Packer:
 
     def _add_numbers(self, type_name: str, values: Sequence[Any]) -> None:
         if self._is_cdr and values:
-            self.content += bytes(-len(self.content) % struct.calcsize(_FORMATS[type_name]))
+            self.content += bytes(-len(self.content) % struct.calcsize(FORMATS[type_name]))
         self.content += _packed_numbers(type_name, values)
 
 
 def _packed_numbers(type_name: str, values: Sequence[Any]) -> bytes:
     if type_name == "float32":
         values = [_single(value) for value in values]
-    return struct.pack(f"<{len(values)}{_FORMATS[type_name]}", *values)
+    return struct.pack(f"<{len(values)}{FORMATS[type_name]}", *values)
 
 
 def _single(value: float) -> float:

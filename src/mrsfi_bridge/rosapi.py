@@ -218,17 +218,10 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
             name: hub.types.spelled(service.type.name, "srv") for name, service in services.items()
         }
 
-    def node(request: Fields) -> Fields:
-        service = services.get(absolute(request["service"]))
-        return {"node": "" if service is None else _node(service.owner)}
-
     return {
         "services": lambda _: {"services": list(services)},
         "service_type": lambda request: {"type": types().get(absolute(request["service"]), "")},
         "services_for_type": lambda request: {"services": _of_type(request["type"], types())},
-        "service_providers": lambda request: {"providers": _of_type(request["service"], types())},
-        "service_node": node,
-        "service_host": lambda _: {"host": "localhost"},
     }
 
 
@@ -265,16 +258,11 @@ def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
             default = request.get("default") or request.get("default_value")  # of ROS 1, or 2
             return {"value": to_json(_value(default or "null")).decode()}
 
-    def search(request: Fields) -> Fields:
-        name = request["name"]
-        return {"global_name": absolute(name) if name in parameters else ""}
-
     return {
         "get_param": get,
         "set_param": lambda request: parameters.set(request["name"], _value(request["value"])),
         "has_param": lambda request: {"exists": request["name"] in parameters},
         "delete_param": lambda request: parameters.delete(request["name"]),
-        "search_param": search,
         "get_param_names": lambda _: {"names": parameters.names},
     }
 

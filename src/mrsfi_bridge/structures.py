@@ -7,6 +7,7 @@ as base64 text.
 
 import base64
 import binascii
+import struct
 import sys
 import time
 from collections.abc import Callable
@@ -15,7 +16,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.definitions import (
     FLOATS,
-    INTEGER_BITS,
+    FORMATS,
+    INTEGERS,
     SCALAR,
     TEXTS,
     VARIABLE,
@@ -153,7 +155,7 @@ def now() -> dict[str, int]:
 
 
 def _integer(type_name: str) -> Convert:
-    bits, is_signed = INTEGER_BITS[type_name]
+    is_signed, bits = FORMATS[type_name].islower(), 8 * struct.calcsize(f"={FORMATS[type_name]}")
     low = -(1 << bits - 1) if is_signed else 0
     high = (1 << bits - is_signed) - 1
 
@@ -271,7 +273,7 @@ class _Primitive(NamedTuple):
 
 
 _PRIMITIVES = {
-    **{name: _Primitive(_integer(name), int) for name in INTEGER_BITS},
+    **{name: _Primitive(_integer(name), int) for name in INTEGERS},
     **dict.fromkeys(FLOATS, _Primitive(_number, float)),
     "bool": _Primitive(_boolean, bool),
     **dict.fromkeys(TEXTS, _Primitive(_text, str)),

@@ -56,10 +56,6 @@ def test_services_and_their_types(peer):
     assert peer.call("/rosapi/services_for_type", type="std_srvs/Trigger") == {
         "services": ["/reset"]
     }
-    assert peer.call("/rosapi/service_node", service="/reset") == {"node": "/rosbridge_websocket"}
-    assert peer.call("/rosapi/service_providers", service="std_srvs/Trigger") == {
-        "providers": ["/reset"]
-    }
 
 
 def test_every_service_of_rosapi_has_the_type_that_it_says(peer, hub):
@@ -173,7 +169,6 @@ def test_parameters_form_a_tree(peer):
         "names": ["/r/arm/speed", "/r/arm/reach/max", "/r/name"]
     }
     assert peer.call("/rosapi/has_param", name="r/arm") == {"exists": True}
-    assert peer.call("/rosapi/search_param", name="r/arm") == {"global_name": "/r/arm"}
 
 
 def test_setting_replaces_what_was_below_and_above(peer):

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mrsfi_bridge.definitions import FLOATS, INTEGER_BITS, SCALAR, TEXTS
+from mrsfi_bridge.definitions import FLOATS, INTEGERS, SCALAR, TEXTS
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import (
@@ -225,7 +225,7 @@ def _scaled(
         if (scale, offset) == (1.0, 0.0):
             return lambda ci: float(read(ci, index))
         return lambda ci: offset + scale * read(ci, index)
-    if kind in INTEGER_BITS:
+    if kind in INTEGERS:
         return lambda ci: round(offset + scale * read(ci, index))
     if kind == "bool":
         return lambda ci: bool(read(ci, index))
