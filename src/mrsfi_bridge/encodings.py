@@ -19,8 +19,17 @@ from typing import Any, NamedTuple, TypeAlias
 import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_bridge.definitions import FORMATS, SCALAR, TEXTS, TIMES, VARIABLE, Field
-from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
+from mrsfi_bridge.structures import (
+    BYTE_ARRAYS,
+    FORMATS,
+    SCALAR,
+    TEXTS,
+    TIMES,
+    VARIABLE,
+    Field,
+    Structure,
+    now,
+)
 from mrsfi_bridge.texts import to_json
 
 _MAX_FRAGMENTS = 4096

@@ -10,12 +10,11 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeAlias
 
-from mrsfi_bridge.definitions import SCALAR, TIMES, Definition, Field
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import absolute, check_name
 from mrsfi_bridge.services import OWN
 from mrsfi_bridge.session import Hub
-from mrsfi_bridge.structures import Structure, now
+from mrsfi_bridge.structures import SCALAR, TIMES, Definition, Field, Structure, now
 from mrsfi_bridge.texts import to_json
 from mrsfi_bridge.type_table import TypeTable, full_name
 

@@ -15,18 +15,18 @@ from typing import Any, NamedTuple
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
-from mrsfi_bridge.definitions import (
+from mrsfi_bridge.errors import ProtocolError, SettingsError
+from mrsfi_bridge.structures import (
     SCALAR,
     TIMES,
     VARIABLE,
     Constant,
     Definition,
     Field,
+    Structure,
     parse_message,
     parse_parts,
 )
-from mrsfi_bridge.errors import ProtocolError, SettingsError
-from mrsfi_bridge.structures import Structure
 
 STANDARD = Path(__file__).parent / "types"
 """Definitions that come with the server: services, and messages that ``rosbags`` lacks."""
