@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing
 from typing import Any
 
-from mrsfi_bridge.type_table import full_name
+from mrsfi_bridge.settings import full_name
 from mrsfi_runtime.cosimulation.waiting import Completion
 from mrsfi_runtime.errors import TransportTimeout, UsageError
 from mrsfi_runtime.model.mission import Mission

@@ -4,9 +4,9 @@ import sys
 
 import click
 
-from mrsfi_bridge.command import bridge_command
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.serving import serve
+from mrsfi_bridge.settings import bridge_command
 
 _INTERRUPTED = 130
 _PROGRAM = "python -m mrsfi_bridge"

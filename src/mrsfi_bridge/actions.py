@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.services import Services
-from mrsfi_bridge.type_table import ServiceType
+from mrsfi_bridge.settings import ServiceType
 
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 """How a goal ended; of ``action_msgs/GoalStatus``. Whatever else a provider says is the last."""

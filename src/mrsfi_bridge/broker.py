@@ -7,9 +7,8 @@ from typing import Any, Protocol
 from mrsfi_bridge.encodings import PLAIN, Outgoing
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import check_name
-from mrsfi_bridge.settings import Limits
+from mrsfi_bridge.settings import Limits, TypeTable
 from mrsfi_bridge.structures import Structure
-from mrsfi_bridge.type_table import TypeTable
 
 
 class Subscriber(Protocol):

@@ -9,8 +9,7 @@ from itertools import count
 
 from mrsfi_bridge.broker import Broker, Subscriber, Topic
 from mrsfi_bridge.encodings import Outgoing
-from mrsfi_bridge.settings import Limits
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import Limits, TypeTable
 
 DEPTH = 10
 """Messages of a topic that are under way at most; of more, the oldest are lost."""

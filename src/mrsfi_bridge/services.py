@@ -8,8 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import check_name
-from mrsfi_bridge.settings import Limits
-from mrsfi_bridge.type_table import ServiceType, TypeTable
+from mrsfi_bridge.settings import Limits, ServiceType, TypeTable
 
 Ask: TypeAlias = Callable[[str, Any], None]
 """Passes a call on to its provider: identifier of the call, and the request."""

@@ -19,7 +19,7 @@ from mrsfi_bridge.protocol import (
     operations,
 )
 from mrsfi_bridge.services import Services
-from mrsfi_bridge.settings import Limits
+from mrsfi_bridge.settings import Limits, TypeTable
 from mrsfi_bridge.subscription import (
     Budget,
     Subscription,
@@ -29,7 +29,6 @@ from mrsfi_bridge.subscription import (
     wanted_encoding,
     wish,
 )
-from mrsfi_bridge.type_table import TypeTable
 
 LOGGER = logging.getLogger("mrsfi.bridge")
 

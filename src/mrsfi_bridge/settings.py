@@ -1,11 +1,219 @@
-"""What a server is started with: address, access, limits."""
+"""What a server is started with: types, address, limits, and their options."""
 
 import ipaddress
 import re
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from mrsfi_bridge.errors import SettingsError
-from mrsfi_bridge.type_table import TypeTable
+import click
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
+
+from mrsfi_bridge.errors import ProtocolError, SettingsError
+from mrsfi_bridge.structures import (
+    SCALAR,
+    TIMES,
+    VARIABLE,
+    Constant,
+    Definition,
+    Field,
+    Structure,
+    parse_message,
+    parse_parts,
+)
+
+STANDARD = Path(__file__).parent / "types"
+"""Definitions that come with the server: services, and messages that ``rosbags`` lacks."""
+
+_NAME = re.compile(r"([A-Za-z]\w*)/(?:(?:msg|srv|action)/)?([A-Za-z]\w*)", re.ASCII)
+_MAX_SHOWN = 80
+_NO_FIELD = "structure_needs_at_least_one_member"
+_BASES = {"octet": "byte"}
+_MESSAGES = {name: f"builtin_interfaces/{name.capitalize()}" for name in TIMES}
+"""What is a message in ROS 2, and in ``rosbags``, and a type of its own in ROS 1."""
+
+_TIMES = {message: name for name, message in _MESSAGES.items()}
+_PACKAGES = {"rosapi_msgs": "rosapi", "example_interfaces": "rospy_tutorials"}
+"""Packages of ROS 2 whose definitions are those of another one in ROS 1."""
+
+_QUATERNION = "geometry_msgs/Quaternion"
+_NOUNS = {"msg": "message", "srv": "service", "action": "action"}
+
+
+class ServiceType(NamedTuple):
+    """What a service takes and gives; or an action, which gives ``feedback``, too."""
+
+    name: str
+    request: Structure
+    response: Structure
+    feedback: Structure | None = None
+
+
+class TypeTable:
+    """Types by name; a definition is read when its type is first asked for.
+
+    Of the user's ``folders`` the first that has a type wins; those that come with the server, and
+    the messages of Noetic or Jazzy, as ``ros`` is 1 or 2, are the last resort. An unknown type is a
+    ``ProtocolError``, a wrong definition a ``SettingsError``.
+    """
+
+    def __init__(self, folders: Sequence[Path] = (), ros: int = 1) -> None:
+        self.ros = ros
+        self._folders = (*folders, STANDARD)
+        self._structures: dict[str, Structure] = {}
+        self._services: dict[tuple[str, str], ServiceType] = {}
+        self._open: list[str] = []
+
+    def message(self, name: str) -> Structure:
+        """Return the structure of a message type."""
+        name = full_name(name)
+        if name not in self._structures:
+            self._structures[name] = self._read(name)
+        return self._structures[name]
+
+    def service(self, name: str) -> ServiceType:
+        """Return request and response of a service type."""
+        return self._exchange(name, "srv", ("Request", "Response"))
+
+    def action(self, name: str) -> ServiceType:
+        """Return goal, result and feedback of an action type."""
+        return self._exchange(name, "action", ("Goal", "Result", "Feedback"))
+
+    def spelled(self, name: str, kind: str = "msg") -> str:
+        """Return the name of a type as ROS spells it: ROS 2 in three parts."""
+        if self.ros == 1:
+            return name
+        return name.replace("/", f"/{kind}/")
+
+    def check(self) -> int:
+        """Read every definition of the user's folders and return their number.
+
+        A folder without definitions, or with a wrong one, is a ``SettingsError``.
+        """
+        n_read = 0
+        read = {"msg": self.message, "srv": self.service, "action": self.action}
+        for folder in self._folders[:-1]:
+            names = tuple(_names(folder))
+            if not names:
+                raise SettingsError(
+                    f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
+                )
+            for kind, name in names:
+                try:
+                    read[kind](name)
+                except ProtocolError as error:
+                    raise SettingsError(f"{folder}: {name}: {error}") from error
+            n_read += len(names)
+        return n_read
+
+    def _exchange(self, name: str, kind: str, parts: Sequence[str]) -> ServiceType:
+        name = full_name(name)
+        if (name, kind) not in self._services:
+            path = self._find(name, kind)
+            definitions = parse_parts(name, parts, _text(path), path, self.ros)
+            structures = (self._structure(each) for each in definitions)
+            self._services[name, kind] = ServiceType(name, *structures)
+        return self._services[name, kind]
+
+    def _structure(self, definition: Definition) -> Structure:
+        if self.ros != 1:
+            fields = definition.fields
+            in_ros_2 = (replace(f, type=_MESSAGES.get(f.type, f.type)) for f in fields)
+            definition = replace(definition, fields=tuple(in_ros_2))
+        return Structure(definition, self.message, self.ros)
+
+    def _read(self, name: str) -> Structure:
+        if name in self._open:
+            raise SettingsError(
+                f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
+            )
+        path = self._path(name, "msg")
+        known = _standard_message(name, self.ros) if path is None else None
+        self._open.append(name)
+        try:
+            if known is not None:
+                return self._structure(known)
+            path = self._find(name, "msg")
+            found = parse_message(name, _text(path).splitlines(), path, self.ros)
+            return self._structure(found)
+        finally:
+            self._open.pop()
+
+    def _path(self, name: str, kind: str) -> Path | None:
+        package, _, type_name = name.partition("/")
+        paths = [folder / package / kind / f"{type_name}.{kind}" for folder in self._folders]
+        if self.ros != 1 and package in _PACKAGES:
+            paths.append(STANDARD / _PACKAGES[package] / kind / f"{type_name}.{kind}")
+        return next((path for path in paths if path.is_file()), None)
+
+    def _find(self, name: str, kind: str) -> Path:
+        path = self._path(name, kind)
+        if path is not None:
+            return path
+        package, _, type_name = name.partition("/")
+        file = f"{package}/{kind}/{type_name}.{kind}"
+        raise ProtocolError(
+            f"unknown {_NOUNS[kind]} type '{name}'; add {file} to a folder of --types"
+        )
+
+
+def _standard_message(name: str, ros: int) -> Definition | None:
+    """Return a message of ROS itself, if there is one of this name."""
+    found = _messages(ros).get(name.replace("/", "/msg/"))
+    if found is None:
+        return None
+    constants, fields = found
+    return Definition(
+        name,
+        tuple(_field(name, ros, field, *node) for field, node in fields if field != _NO_FIELD),
+        tuple(Constant(constant, str(value)) for constant, _, value in constants),
+    )
+
+
+@cache
+def _messages(ros: int) -> Mapping[str, Any]:
+    return get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY).fielddefs
+
+
+def _field(message: str, ros: int, name: str, kind: Nodetype, found: Any) -> Field:
+    if kind in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
+        element, length = found
+        type_name = _field(message, ros, name, *element).type
+        is_fixed = kind is Nodetype.ARRAY
+        return Field(name, type_name, *((length,) if is_fixed else (VARIABLE, length)))
+    if kind is Nodetype.BASE:
+        is_unit = ros != 1 and (message, name) == (_QUATERNION, "w")  # rosbags has no defaults
+        type_name, bound = found
+        default = 1.0 if is_unit else None
+        return Field(name, _BASES.get(type_name, type_name), SCALAR, bound, default)
+    short = found.replace("/msg/", "/")
+    return Field(name, _TIMES.get(short, short) if ros == 1 else short)
+
+
+def full_name(name: str) -> str:
+    """Return a type's name as ``PACKAGE/TYPE``; ``ProtocolError`` if the name is none of a type."""
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'")
+    return f"{match[1]}/{match[2]}"
+
+
+def _names(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield kind and name of every definition in a folder."""
+    for kind in _NOUNS:
+        for path in sorted(folder.glob(f"*/{kind}/*.{kind}")):
+            yield kind, f"{path.parent.parent.name}/{path.stem}"
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(f"{path}: cannot be read: {error}") from error
+
 
 _MEBI = 1 << 20
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{16,}")
@@ -111,3 +319,111 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+_DEFAULT = Limits()
+
+_HELP = """Run a rosbridge server, for simulators and collective intelligences that meet on it.
+
+It speaks the rosbridge v2 protocol of ROS 1 or ROS 2 and needs no ROS: roslibpy, roslib.js and
+every other rosbridge client can connect. Its URL is printed to standard output, its log goes to
+standard error. It runs until it is interrupted (exit code 130) or terminated (0).
+
+\b
+Examples:
+  {program}
+  {program} --port 0                    any free port; read it from standard output
+  {program} --ros 2                     as rosbridge_suite on ROS 2 Jazzy answers
+  {program} --types my_robots/          definitions in my_robots/PACKAGE/msg/TYPE.msg
+  {program} --origin http://ui.example  a web page that may connect
+  MRSFI_BRIDGE_TOKEN=… {program} --host 0.0.0.0 --public
+
+It binds 127.0.0.1. Any other address needs --public and a token, which clients show in the
+URL, ws://HOST:9090/?token=…, or as header `Authorization: Bearer …`. The connection is not
+encrypted.
+"""
+
+_LIMITS = (
+    ("--max-clients", "clients", 1, 10_000, "Clients at a time."),
+    ("--max-frame", "frame_bytes", _MEBI, 1024, "Longest message in MiB."),
+    ("--max-queue", "queue_bytes", _MEBI, 4096, "What may wait for a slow client, in MiB."),
+    ("--max-memory", "total_bytes", _MEBI, 65536, "What may wait for all clients, in MiB."),
+    ("--max-topics", "topics", 1, 1_000_000, "Topics at a time."),
+)
+"""Options, the limit that each sets, in which unit, the greatest value, and what it says."""
+
+_OPTIONS = (
+    click.option("--host", default="127.0.0.1", show_default=True, help="Address to bind."),
+    click.option(
+        "--port",
+        type=click.IntRange(0, 65535),
+        default=9090,
+        show_default=True,
+        help="Port to bind; 0 takes any free one.",
+    ),
+    click.option(
+        "--ros",
+        type=click.Choice(["1", "2"]),
+        help="Version of ROS whose server it is like [default: the project's, or 1].",
+    ),
+    click.option("--public", "is_public", is_flag=True, help="Let other machines connect."),
+    click.option(
+        "--token",
+        envvar="MRSFI_BRIDGE_TOKEN",
+        help="What clients must show; also MRSFI_BRIDGE_TOKEN.",
+    ),
+    click.option(
+        "--origin", "origins", multiple=True, help="Origin of web pages that may connect."
+    ),
+    click.option(
+        "--types",
+        "folders",
+        multiple=True,
+        type=click.Path(path_type=Path, exists=True, file_okay=False),
+        help="Folder with message and service definitions of your own.",
+    ),
+    *(
+        click.option(
+            option,
+            limit,
+            type=click.IntRange(1, most),
+            default=getattr(_DEFAULT, limit) // unit,
+            show_default=True,
+            help=text,
+        )
+        for option, limit, unit, most, text in _LIMITS
+    ),
+    click.option(
+        "--service-timeout",
+        "service_s",
+        type=click.FloatRange(0, min_open=True),
+        default=_DEFAULT.service_s,
+        show_default=True,
+        help="Seconds that a service has for its answer.",
+    ),
+)
+
+
+def bridge_command(
+    program: str, run: Callable[[ServerSettings], None], ros_unasked: Callable[[], int] = lambda: 1
+) -> click.Command:
+    """Return the command that has ``run`` run a server; the last word of ``program`` names it.
+
+    ``ros_unasked`` says of which version of ROS it is, unless the command line does.
+    """
+
+    def callback(
+        ros: str | None, folders: tuple[Path, ...], service_s: float, **given: Any
+    ) -> None:
+        limits = {limit: given.pop(limit) * unit for _, limit, unit, _, _ in _LIMITS}
+        types = TypeTable(folders, int(ros or ros_unasked()))
+        run(ServerSettings(**given, types=types, limits=Limits(**limits, service_s=service_s)))
+
+    for option in reversed(_OPTIONS):
+        callback = option(callback)
+    name = program.rpartition(" ")[2]
+    return click.command(
+        name=name,
+        help=_HELP.format(program=program),
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )(callback)

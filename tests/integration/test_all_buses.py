@@ -6,8 +6,7 @@ from itertools import product
 from time import sleep
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings

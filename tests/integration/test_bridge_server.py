@@ -14,8 +14,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import Limits, ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
 from tests.integration.network import (
     MEBI,
     PATIENCE,

@@ -5,8 +5,7 @@ from contextlib import closing
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import ProtocolError

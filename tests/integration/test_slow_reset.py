@@ -7,8 +7,7 @@ from contextlib import contextmanager
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
 from mrsfi_runtime.engine.settings import EngineSettings

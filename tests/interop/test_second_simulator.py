@@ -17,8 +17,7 @@ from typing import Any
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.lockstep_topics import GO, RESET, SETUP
 from mrsfi_runtime.cosimulation.node.pace import ANSWER
 from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings

@@ -14,8 +14,7 @@ from websockets.streams import StreamReader
 
 from mrsfi_bridge.rosapi import provide_rosapi
 from mrsfi_bridge.session import Hub, Session
-from mrsfi_bridge.settings import Limits
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import Limits, TypeTable
 
 TYPES = TypeTable()
 FLOAT = "std_msgs/Float64"

@@ -5,7 +5,7 @@ from queue import SimpleQueue
 from threading import Thread
 from unittest.mock import patch
 
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.node import node as node_of
 from mrsfi_runtime.cosimulation.node.node import Node

@@ -1,8 +1,7 @@
 """The command ``mrsfi bridge``: the command of ``mrsfi_bridge`` with the errors of ``mrsfi``."""
 
-from mrsfi_bridge.command import bridge_command
 from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.settings import ServerSettings, bridge_command
 
 
 def _serve(settings: ServerSettings) -> None:

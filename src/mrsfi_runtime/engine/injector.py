@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.settings import Limits, ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer

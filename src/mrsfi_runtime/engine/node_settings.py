@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import NodeMapping
 from mrsfi_runtime.cosimulation.node.pace import ANSWER, BARRIER, PACES
 from mrsfi_runtime.cosimulation.node.reach import out_of_reach

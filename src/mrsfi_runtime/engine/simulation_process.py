@@ -14,8 +14,7 @@ from threading import Thread
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.engine.settings import EngineSettings

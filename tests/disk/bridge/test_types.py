@@ -7,7 +7,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from mrsfi_bridge.errors import ProtocolError, SettingsError
-from mrsfi_bridge.type_table import STANDARD, TypeTable
+from mrsfi_bridge.settings import STANDARD, TypeTable
 from tests.support.bridge import TYPES
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from tests.support.bridge import Peer, new_hub
 
 NAME, KIND = "/fibonacci", "example_interfaces/action/Fibonacci"

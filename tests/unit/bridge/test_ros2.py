@@ -5,7 +5,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from mrsfi_bridge.broker_of_ros2 import DEPTH, LIFESPAN_S
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from tests.support.bridge import Peer, new_hub
 
 TYPES = TypeTable(ros=2)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import GENERATED, NodeMapping
 from mrsfi_runtime.cosimulation.node.reach import out_of_reach
 from mrsfi_runtime.cosimulation.node.relay import held_commands

@@ -5,7 +5,7 @@ import tomllib
 
 import pytest
 
-from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import NodeMapping
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.errors import UsageError

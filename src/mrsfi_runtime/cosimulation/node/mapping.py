@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.type_table import full_name
+from mrsfi_bridge.settings import full_name
 from mrsfi_runtime.cosimulation.node.quantities import COMMANDS, PAIRS, QUANTITIES
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.mission import Mission

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mrsfi_bridge.errors import BridgeError
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_bridge.structures import FLOATS, INTEGERS, SCALAR, TEXTS
-from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.node.mapping import (
     Element,
     Entry,
