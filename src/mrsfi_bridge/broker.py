@@ -4,8 +4,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from mrsfi_bridge.encodings import PLAIN, Outgoing
 from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.frames import PLAIN, Outgoing
 from mrsfi_bridge.protocol import check_name
 from mrsfi_bridge.settings import Limits, TypeTable
 from mrsfi_bridge.structures import Structure

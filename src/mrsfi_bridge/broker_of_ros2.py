@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from mrsfi_bridge.broker import Broker, Subscriber, Topic
-from mrsfi_bridge.encodings import Outgoing
+from mrsfi_bridge.frames import Outgoing
 from mrsfi_bridge.settings import Limits, TypeTable
 
 DEPTH = 10

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
-from mrsfi_bridge.encodings import Outgoing
 from mrsfi_bridge.errors import NotRunningError
+from mrsfi_bridge.frames import Outgoing
 from mrsfi_bridge.server import BridgeServer
 from mrsfi_bridge.session import Hub
 from mrsfi_bridge.settings import ServerSettings

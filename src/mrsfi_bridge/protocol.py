@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.texts import from_json
+from mrsfi_bridge.frames import from_json
 
 Operation: TypeAlias = dict[str, Any]
 

@@ -9,8 +9,8 @@ from typing import Any
 from mrsfi_bridge.actions import SUCCEEDED, Actions
 from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.broker_of_ros2 import BrokerOfRos2
-from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.frames import text_frames
 from mrsfi_bridge.protocol import (
     Fragments,
     Operation,

@@ -5,8 +5,8 @@ from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
-from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
 from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.frames import COMPRESSIONS, PLAIN, Encoding, Outgoing
 
 V = TypeVar("V")
 

@@ -14,8 +14,7 @@ from roslibpy.comm import RosBridgeProtocol
 from roslibpy.comm.comm_asyncio import LOGGER, AsyncioRosBridgeClientFactory
 from roslibpy.core import MessageEncoder
 
-from mrsfi_bridge.stream import Message, client_stream
-from mrsfi_bridge.texts import from_json, to_json
+from mrsfi_bridge.frames import Message, client_stream, from_json, to_json
 
 _ENCODER = MessageEncoder(separators=(",", ":"))
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)  # Linux

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from websockets.frames import OP_BINARY, OP_TEXT
 
-from mrsfi_bridge.encodings import PLAIN, Encoding, Outgoing, png, text_frames
+from mrsfi_bridge.frames import PLAIN, Encoding, Outgoing, png, text_frames
 from tests.support.bridge import TYPES, parse_frames, png_text
 
 
