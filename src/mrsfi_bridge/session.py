@@ -12,23 +12,21 @@ from mrsfi_bridge.broker_of_ros2 import BrokerOfRos2
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.frames import text_frames
 from mrsfi_bridge.protocol import (
+    Budget,
     Fragments,
     Operation,
-    absolute,
-    check_operation,
-    operations,
-)
-from mrsfi_bridge.services import Services
-from mrsfi_bridge.settings import Limits, TypeTable
-from mrsfi_bridge.subscription import (
-    Budget,
     Subscription,
     Uses,
     Wish,
+    absolute,
+    check_operation,
+    operations,
     settled,
     wanted_encoding,
     wish,
 )
+from mrsfi_bridge.services import Services
+from mrsfi_bridge.settings import Limits, TypeTable
 
 LOGGER = logging.getLogger("mrsfi.bridge")
 
