@@ -10,10 +10,10 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeAlias
 
+from mrsfi_bridge.broker import OWN
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.frames import to_json
 from mrsfi_bridge.protocol import absolute, check_name
-from mrsfi_bridge.services import OWN
 from mrsfi_bridge.session import Hub
 from mrsfi_bridge.settings import TypeTable, full_name
 from mrsfi_bridge.structures import SCALAR, TIMES, Definition, Field, Structure, now

@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from mrsfi_bridge.actions import SUCCEEDED, Actions
-from mrsfi_bridge.broker import Broker
-from mrsfi_bridge.broker_of_ros2 import BrokerOfRos2
+from mrsfi_bridge.broker import SUCCEEDED, Actions, Broker, BrokerOfRos2, Services
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.frames import text_frames
 from mrsfi_bridge.protocol import (
@@ -25,7 +23,6 @@ from mrsfi_bridge.protocol import (
     wanted_encoding,
     wish,
 )
-from mrsfi_bridge.services import Services
 from mrsfi_bridge.settings import Limits, TypeTable
 
 LOGGER = logging.getLogger("mrsfi.bridge")

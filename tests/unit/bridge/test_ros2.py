@@ -4,7 +4,7 @@ import cbor2
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from mrsfi_bridge.broker_of_ros2 import DEPTH, LIFESPAN_S
+from mrsfi_bridge.broker import DEPTH, LIFESPAN_S
 from mrsfi_bridge.settings import TypeTable
 from tests.support.bridge import Peer, new_hub
 
