@@ -22,8 +22,7 @@ from websockets.typing import Origin
 from mrsfi_bridge.barrier import Barriers
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.frames import Message, Pong, Stream, text_frames
-from mrsfi_bridge.rosapi import provide_rosapi, tell_clients
-from mrsfi_bridge.session import LOGGER, Hub, Session
+from mrsfi_bridge.session import LOGGER, Hub, Session, provide_rosapi, tell_clients
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.structures import now
 

@@ -1,14 +1,17 @@
-"""One client of the server: what it asks for, and what it is told. Knows no sockets."""
+"""One client of the server, what all clients share, and the services of rosapi."""
 
+import json
 import logging
 from asyncio import AbstractEventLoop
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, TypeAlias
 
-from mrsfi_bridge.broker import SUCCEEDED, Actions, Broker, BrokerOfRos2, Services
+from mrsfi_bridge.broker import OWN, SUCCEEDED, Actions, Broker, BrokerOfRos2, Services
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.frames import text_frames
+from mrsfi_bridge.frames import text_frames, to_json
 from mrsfi_bridge.protocol import (
     Budget,
     Fragments,
@@ -17,13 +20,15 @@ from mrsfi_bridge.protocol import (
     Uses,
     Wish,
     absolute,
+    check_name,
     check_operation,
     operations,
     settled,
     wanted_encoding,
     wish,
 )
-from mrsfi_bridge.settings import Limits, TypeTable
+from mrsfi_bridge.settings import Limits, TypeTable, full_name
+from mrsfi_bridge.structures import SCALAR, TIMES, Definition, Field, Structure, now
 
 LOGGER = logging.getLogger("mrsfi.bridge")
 
@@ -279,3 +284,330 @@ class Session:
     def _deliver(self, frames: bytes) -> None:
         self._hub.counts.sent += 1
         self._send(frames)
+
+
+Fields: TypeAlias = dict[str, Any]
+Handler: TypeAlias = Callable[[Fields], Fields | None]
+"""Answers a request; ``None`` stands for a response without fields."""
+
+ROSOUT = "/rosout"
+_BRIDGE = "/rosbridge_websocket"
+_ROSAPI = "/rosapi"
+_CLIENT_COUNT, _CLIENTS = "/client_count", "/connected_clients"
+_DEEPEST = 32
+_TOTAL_BYTES = 1 << 24  # of all parameters
+_ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
+
+
+class _Parameters:
+    """Values under names like ``/robot/speed``; one with others below it stands for all of them.
+
+    ``max_parameters`` counts leaves; no value is longer than ``max_bytes`` as JSON text.
+    """
+
+    def __init__(self, max_parameters: int, max_bytes: int) -> None:
+        self._max_parameters = max_parameters
+        self._max_bytes = max_bytes
+        self._leaves: dict[str, str] = {}
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all leaves, in the order in which they came."""
+        return list(self._leaves)
+
+    def __contains__(self, name: str) -> bool:
+        path = absolute(name)
+        return path in self._leaves or any(self._below(path))
+
+    def get(self, name: str) -> Any:
+        """Return the value of a leaf, or a dictionary of those below it; ``KeyError`` if none."""
+        path = absolute(name)
+        if path in self._leaves:
+            return json.loads(self._leaves[path])
+        tree: dict[str, Any] = {}
+        for below in self._below(path):
+            *branches, leaf = below[len(path) :].strip("/").split("/")
+            node = tree
+            for branch in branches:
+                node = node.setdefault(branch, {})
+            node[leaf] = json.loads(self._leaves[below])
+        if not tree:
+            raise KeyError(path)
+        return tree
+
+    def set(self, name: str, value: Any) -> None:
+        """Give a name a value; a dictionary becomes names below it.
+
+        It is a ``ProtocolError`` if it is too large, or there are too many parameters.
+        """
+        path = absolute(name)
+        check_name(path, "parameter")
+        leaves = dict(_leaves(path, value, _DEEPEST))
+        n_bytes = sum(map(len, leaves.values()))
+        if n_bytes > self._max_bytes:
+            raise ProtocolError(f"{path}: {n_bytes} bytes, the limit is {self._max_bytes}")
+        if len(self._leaves) + len(leaves) > self._max_parameters:
+            raise ProtocolError(f"{path}: there are {self._max_parameters} parameters, the limit")
+        if sum(map(len, self._leaves.values())) + n_bytes > _TOTAL_BYTES:
+            raise ProtocolError(f"{path}: all parameters take over {_TOTAL_BYTES} bytes, the limit")
+        self.delete(path)
+        above = path
+        while above := above.rpartition("/")[0]:  # a name with others below it is no leaf
+            self._leaves.pop(above, None)
+        self._leaves.update(leaves)
+
+    def delete(self, name: str) -> None:
+        """Forget a name and all below it; one that has no value is no error."""
+        path = absolute(name)
+        for gone in [path, *self._below(path)]:
+            self._leaves.pop(gone, None)
+
+    def _below(self, path: str) -> Iterator[str]:
+        prefix = path if path.endswith("/") else f"{path}/"
+        return (leaf for leaf in self._leaves if leaf.startswith(prefix))
+
+
+def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
+    """Yield name and JSON text of every value that is no dictionary, or an empty one."""
+    if not isinstance(value, dict) or not value:
+        yield path, json.dumps(value)
+        return
+    if not n_levels:
+        raise ProtocolError(f"{path[:60]}…: more than {_DEEPEST} levels")
+    for name, part in value.items():
+        if not name or "/" in name:
+            raise ProtocolError(f"{path}: '{name:.40}' is no parameter name")
+        yield from _leaves(f"{path.rstrip('/')}/{name}", part, n_levels - 1)
+
+
+def provide_rosapi(hub: Hub) -> None:
+    """Have the server itself provide the services of rosapi, and advertise its own topics."""
+    is_ros_1 = hub.types.ros == 1
+    for name in (ROSOUT, f"{ROSOUT}_agg") if is_ros_1 else (ROSOUT,):
+        hub.broker.advertise(OWN, name, f"{'rosgraph_msgs' if is_ros_1 else 'rcl_interfaces'}/Log")
+    hub.broker.advertise(OWN, _CLIENT_COUNT, "std_msgs/Int32", is_latched=True)
+    hub.broker.advertise(OWN, _CLIENTS, "rosbridge_msgs/ConnectedClients", is_latched=True)
+    tell_clients(hub, [])
+    handlers = {
+        "get_time": lambda _: {"time": now()},
+        **_about_topics(hub),
+        **_about_services(hub),
+        **_about_types(hub.types),
+        **_about_nodes(hub),
+        **_about_parameters(_Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
+    }
+    if not is_ros_1:
+        handlers["get_ros_version"] = lambda _: {"version": hub.types.ros, "distro": "jazzy"}
+    for name, handler in handlers.items():
+        type_name = f"{'rosapi' if is_ros_1 else 'rosapi_msgs'}/{_type_name(name)}"
+        hub.services.advertise(OWN, f"{_ROSAPI}/{name}", type_name, _ask(hub, handler))
+
+
+def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
+    """Publish who is connected: address and time of each client."""
+    hub.broker.publish(OWN, _CLIENT_COUNT, {"data": len(clients)})
+    hub.broker.publish(OWN, _CLIENTS, {"clients": list(clients)})
+
+
+def _type_name(service: str) -> str:
+    """Return the type of a service, which is named after it, but for two."""
+    named_otherwise = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+    named = "".join(word.capitalize() for word in service.split("_"))
+    return named_otherwise.get(service, named)
+
+
+def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
+    """Return what passes a call on to one of the functions below."""
+
+    def ask(call_id: str, request: Fields) -> None:
+        try:
+            response = handler(request) or {}
+        except ProtocolError as error:
+            hub.services.refuse(OWN, call_id, str(error))
+        else:
+            hub.services.respond(OWN, call_id, response)
+
+    return ask
+
+
+def _about_topics(hub: Hub) -> dict[str, Handler]:
+    topics = hub.broker.topics
+
+    def types() -> dict[str, str]:
+        return {name: hub.types.spelled(topic.structure.name) for name, topic in topics.items()}
+
+    def all_topics() -> Fields:
+        return {"topics": list(topics), "types": list(types().values())}
+
+    def of_type(type_name: str) -> list[str]:
+        if hub.types.ros == 1:
+            return _of_type(type_name, types())
+        return [name for name, found in types().items() if found == type_name]  # in three parts
+
+    def action_servers(_: Fields) -> Fields:
+        names = [topic.removesuffix("/goal") for topic in topics if topic.endswith("/goal")]
+        found = [n for n in names if all(f"{n}/{part}" in topics for part in _ACTION_TOPICS)]
+        return {"action_servers": [*found, *hub.actions.services]}
+
+    def nodes(part: str, request: Fields) -> Fields:
+        topic = topics.get(absolute(request["topic"]))
+        return {part: [] if topic is None else _nodes(getattr(topic, part))}
+
+    return {
+        "topics": lambda _: all_topics(),
+        "topic_type": lambda request: {"type": types().get(absolute(request["topic"]), "")},
+        "topics_for_type": lambda request: {"topics": of_type(request["type"])},
+        "topics_and_raw_types": lambda _: {
+            **all_topics(),
+            "typedefs_full_text": [
+                _full_text(topic.structure, hub.types) for topic in topics.values()
+            ],
+        },
+        "action_servers": action_servers,
+        "publishers": partial(nodes, "publishers"),
+        "subscribers": partial(nodes, "subscribers"),
+    }
+
+
+def _of_type(type_name: str, types: Mapping[str, str]) -> list[str]:
+    """Return the names of what has a type; none for what is no type."""
+    with suppress(ProtocolError):
+        wanted = full_name(type_name)
+        return [name for name, found in types.items() if full_name(found) == wanted]
+    return []
+
+
+def _about_services(hub: Hub) -> dict[str, Handler]:
+    services = hub.services.services
+
+    def types() -> dict[str, str]:
+        return {
+            name: hub.types.spelled(service.type.name, "srv") for name, service in services.items()
+        }
+
+    return {
+        "services": lambda _: {"services": list(services)},
+        "service_type": lambda request: {"type": types().get(absolute(request["service"]), "")},
+        "services_for_type": lambda request: {"services": _of_type(request["type"], types())},
+    }
+
+
+def _about_types(types: TypeTable) -> dict[str, Handler]:
+    def defined(structure: Structure) -> Fields:
+        return {"typedefs": _type_definitions(structure, types)}
+
+    return {
+        "message_details": lambda r: defined(types.message(r["type"])),
+        "service_request_details": lambda r: defined(types.service(r["type"]).request),
+        "service_response_details": lambda r: defined(types.service(r["type"]).response),
+    }
+
+
+def _about_nodes(hub: Hub) -> dict[str, Handler]:
+    topics, services = hub.broker.topics, hub.services.services
+
+    def details(request: Fields) -> Fields:
+        node = request["node"]
+        return {
+            "subscribing": [n for n, topic in topics.items() if node in _nodes(topic.subscribers)],
+            "publishing": [n for n, topic in topics.items() if node in _nodes(topic.publishers)],
+            "services": [n for n, service in services.items() if _node(service.owner) == node],
+        }
+
+    return {"nodes": lambda _: {"nodes": [_ROSAPI, _BRIDGE]}, "node_details": details}
+
+
+def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
+    def get(request: Fields) -> Fields:
+        try:
+            return {"value": to_json(parameters.get(request["name"])).decode()}
+        except KeyError:
+            default = request.get("default") or request.get("default_value")  # of ROS 1, or 2
+            return {"value": to_json(_value(default or "null")).decode()}
+
+    return {
+        "get_param": get,
+        "set_param": lambda request: parameters.set(request["name"], _value(request["value"])),
+        "has_param": lambda request: {"exists": request["name"] in parameters},
+        "delete_param": lambda request: parameters.delete(request["name"]),
+        "get_param_names": lambda _: {"names": parameters.names},
+    }
+
+
+def _value(text: str) -> Any:
+    """Return the value of a JSON text; what is no JSON is a text itself."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+
+
+def _node(client: Any) -> str:
+    return _ROSAPI if client == OWN else _BRIDGE
+
+
+def _nodes(clients: Iterable[Any]) -> list[str]:
+    return sorted({_node(client) for client in clients})
+
+
+def _type_definitions(structure: Structure, types: TypeTable) -> list[Fields]:
+    """Return the definitions of a type and of all that it holds."""
+    definitions = {part.name: part.definition for part in _parts(structure)}
+    for field in [field for part in _parts(structure) for field in part.definition.fields]:
+        if field.type in TIMES:
+            definitions[field.type] = _time_definition(field.type)
+    return [_type_definition(each, types) for each in definitions.values()]
+
+
+def _parts(structure: Structure) -> Iterator[Structure]:
+    yield structure
+    for nested in structure.nested.values():
+        yield from _parts(nested)
+
+
+def _type_definition(definition: Definition, types: TypeTable) -> Fields:
+    fields, constants = definition.fields, definition.constants
+    return {
+        "type": types.spelled(definition.name),
+        "fieldnames": [field.name for field in fields],
+        "fieldtypes": [types.spelled(field.type) for field in fields],
+        "fieldarraylen": [field.length for field in fields],
+        "examples": [_example(field) for field in fields],
+        "constnames": [constant.name for constant in constants],
+        "constvalues": [constant.value for constant in constants],
+    }
+
+
+def _time_definition(name: str) -> Definition:
+    part = "uint32" if name == "time" else "int32"
+    return Definition(name, (Field("secs", part), Field("nsecs", part)))
+
+
+def _example(field: Field) -> str:
+    """Return the default of a field as text: lists and messages empty."""
+    if field.length != SCALAR:
+        return "[]"
+    if "/" in field.type or field.type in TIMES:
+        return "{}"
+    return {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}.get(field.type, "0")
+
+
+def _full_text(structure: Structure, types: TypeTable) -> str:
+    """Return the definition of a type and of all that it holds, as ROS prints them."""
+    parts = {part.name: part.definition for part in _parts(structure)}
+    own, *others = parts.values()
+    border = "=" * 80
+    return "\n".join(
+        (
+            _text(own, types),
+            *(f"{border}\nMSG: {part.name}\n{_text(part, types)}" for part in others),
+        )
+    )
+
+
+def _text(definition: Definition, types: TypeTable) -> str:
+    lengths = {SCALAR: "", 0: "[]"}
+    return "\n".join(
+        f"{types.spelled(field.type)}{lengths.get(field.length, f'[{field.length}]')} {field.name}"
+        for field in definition.fields
+    )

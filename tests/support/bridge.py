@@ -12,8 +12,7 @@ from PIL import Image
 from websockets.frames import OP_TEXT, Frame
 from websockets.streams import StreamReader
 
-from mrsfi_bridge.rosapi import provide_rosapi
-from mrsfi_bridge.session import Hub, Session
+from mrsfi_bridge.session import Hub, Session, provide_rosapi
 from mrsfi_bridge.settings import Limits, TypeTable
 
 TYPES = TypeTable()
