@@ -1,4 +1,4 @@
-"""The server: its sockets, from the opening handshake on, within the limits of all clients."""
+"""The server: its sockets, from the opening handshake on, its limits and its barriers."""
 
 import asyncio
 import hmac
@@ -6,10 +6,12 @@ import http
 import logging
 import re
 import socket
+from asyncio import AbstractEventLoop
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, cast
+from itertools import count
+from typing import Any, Protocol, cast
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.exceptions import PayloadTooBig
@@ -19,12 +21,75 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 from websockets.typing import Origin
 
-from mrsfi_bridge.barrier import Barriers
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.frames import Message, Pong, Stream, text_frames
 from mrsfi_bridge.session import LOGGER, Hub, Session, provide_rosapi, tell_clients
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.structures import now
+
+ROUNDS = 2
+"""Pings that go to each client, the second when the first is answered."""
+
+
+class Pinged(Protocol):
+    """A client that can be pinged."""
+
+    def ping(self, content: bytes) -> None:
+        """Ping it, behind all that it was sent."""
+
+
+class Barriers:
+    """Barriers of all clients of a server; ``is_idle`` says whether all that was said went out."""
+
+    def __init__(self, loop: AbstractEventLoop, is_idle: Callable[[], bool]) -> None:
+        self._loop = loop
+        self._is_idle = is_idle
+        self._numbers = count(1)
+        self._open: dict[bytes, dict[Pinged, Callable[[], None]]] = {}
+
+    def begin(
+        self, clients: Callable[[], list[Pinged]], then: Callable[[], None], rounds: int = ROUNDS
+    ) -> None:
+        """Call a function when those who are clients have answered so many pings, one by one.
+
+        While there is no client, nobody has answered.
+        """
+        if not self._is_idle():
+            self._loop.call_soon(self.begin, clients, then, rounds)
+            return
+        pinged = clients()
+        if not pinged:
+            return
+        if not rounds:
+            then()
+            return
+
+        def answered() -> None:
+            self.begin(clients, then, rounds - 1)
+
+        content = next(self._numbers).to_bytes(8, "big")
+        self._open[content] = dict.fromkeys(pinged, answered)
+        for client in pinged:
+            client.ping(content)
+
+    def pong(self, client: Pinged, content: bytes) -> None:
+        """Take what a client answered to a ping."""
+        if client in self._open.get(content, {}):
+            self._answered(content, client)
+
+    def gone(self, client: Pinged) -> None:
+        """Wait no more for a client that has left."""
+        for content in tuple(self._open):
+            if client in self._open.get(content, {}):
+                self._answered(content, client)
+
+    def _answered(self, content: bytes, client: Pinged) -> None:
+        waiting = self._open[content]
+        answered = waiting.pop(client)
+        if not waiting:
+            del self._open[content]
+            answered()
+
 
 _BACKLOG = 512
 _READ_BYTES = 1 << 18

@@ -1,6 +1,6 @@
 """Barriers: what waits until all clients have answered what they were told."""
 
-from mrsfi_bridge.barrier import ROUNDS, Barriers
+from mrsfi_bridge.server import ROUNDS, Barriers
 
 
 class Loop:
