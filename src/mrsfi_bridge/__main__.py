@@ -4,8 +4,8 @@ import sys
 
 import click
 
+from mrsfi_bridge.embedded import serve
 from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.serving import serve
 from mrsfi_bridge.settings import bridge_command
 
 _INTERRUPTED = 130

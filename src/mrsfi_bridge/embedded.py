@@ -1,15 +1,20 @@
-"""The server in a thread of this process, and clients of it that need no socket."""
+"""The server until it is told to end, or in a thread with clients that need no socket."""
 
 import asyncio
+import logging
+import signal
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
+import click
+
 from mrsfi_bridge.errors import NotRunningError
 from mrsfi_bridge.frames import Outgoing
 from mrsfi_bridge.server import BridgeServer
-from mrsfi_bridge.session import Hub
+from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
 
 _JOIN_S = 10.0
@@ -245,3 +250,39 @@ class EmbeddedBridge:
         loop.default_exception_handler(context)
         error = context.get("exception")
         self.failed.note(error or RuntimeError(str(context.get("message"))))
+
+
+def serve(settings: ServerSettings) -> None:
+    """Run a server until the process is told to end; its URL goes to standard output.
+
+    It is a ``SettingsError`` if the settings would open the server to strangers or a definition
+    is wrong, a ``ListenError`` if the address cannot be bound.
+    """
+    settings.check()
+    settings.types.check()
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+    )
+    asyncio.run(_serve(settings))
+
+
+async def _serve(settings: ServerSettings) -> None:
+    server = BridgeServer(settings)
+    await server.start()
+    click.echo(server.url)
+    sys.stdout.flush()
+    ended = asyncio.Event()
+    with suppress(NotImplementedError):  # Windows has no handlers, and ends the process itself
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
+    try:
+        await ended.wait()
+    finally:
+        await server.close()
+        counts = server.hub.counts
+        LOGGER.info(
+            "ended: %d clients, %d operations received, %d messages sent, %d dropped",
+            counts.clients,
+            counts.received,
+            counts.sent,
+            counts.dropped,
+        )

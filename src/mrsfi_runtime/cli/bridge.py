@@ -5,7 +5,7 @@ from mrsfi_bridge.settings import ServerSettings, bridge_command
 
 
 def _serve(settings: ServerSettings) -> None:
-    from mrsfi_bridge.serving import serve
+    from mrsfi_bridge.embedded import serve
     from mrsfi_runtime.transport.bridge_errors import as_ours
 
     try:
