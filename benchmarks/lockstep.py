@@ -21,7 +21,7 @@ from benchmarks.bridge_soak import child
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS
 
 MISSION = Path("generated") / "uuv_sampling"
 BASE = "asyncio"

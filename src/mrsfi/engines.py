@@ -19,7 +19,7 @@ from mrsfi_runtime.engine.settings import (
 )
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.record.manifest import BOTH, INJECTOR, EngineRecord
-from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
+from mrsfi_runtime.transport.topics import CLIENTS, Client, without_token
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine, Evaluator

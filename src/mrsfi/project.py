@@ -21,7 +21,7 @@ from typing import Any
 
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings
-from mrsfi_runtime.transport.dialect import ROS_VERSIONS
+from mrsfi_runtime.transport.topics import ROS_VERSIONS
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,10 +22,8 @@ from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.server_address import CLIENTS
-from mrsfi_runtime.transport.topics import Service, Topic
+from mrsfi_runtime.transport.topics import CLIENTS, LocalBus, Service, Topic
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
 from tests.support.two_sides import TwoSides
 from tests.tiers import slow

@@ -11,7 +11,7 @@ from contextlib import closing
 import pytest
 
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.cli import (
     MISSION,
     SMALL,

@@ -10,8 +10,7 @@ from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.transport.dialect import ROS_VERSIONS
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS
 from tests.support.rosbridge import Relay, code_of, digests_apart, reference_digests
 from tests.tiers import is_due, slow
 

@@ -30,7 +30,7 @@ from mrsfi_runtime.model.mission import (
     IntProperty,
     StringProperty,
 )
-from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.topics import LocalBus
 from tests.support.models.copies import edit
 from tests.support.models.generation import (
     ALL_TASKS,

@@ -17,7 +17,7 @@ from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.transport.dialect import ROS_VERSIONS
+from mrsfi_runtime.transport.topics import ROS_VERSIONS
 from tests.support.cli import mrsfi
 from tests.support.interrupted import digest
 from tests.support.rosbridge import process

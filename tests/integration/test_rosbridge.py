@@ -19,7 +19,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.processes import is_running
 from tests.support.rosbridge import (
     FLIGHT_SEED,

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.cli import command_line, require_program
 from tests.support.missing import skip
 

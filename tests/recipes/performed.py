@@ -168,8 +168,8 @@ def transport(tree: Tree) -> Digests:
         module = "mrsfi_runtime.transport"
         edit(
             tree / SUITE,
-            f"from {module}.local_bus import",
-            f"from {module}.json_text import json_text_ends\nfrom {module}.local_bus import",
+            f"from {module}.rosbridge import",
+            f"from {module}.json_text import json_text_ends\nfrom {module}.rosbridge import",
         )
         edit(tree / SUITE, "TRANSPORTS = {\n", 'TRANSPORTS = {\n    "json": json_text_ends,\n')
     tested = tree.python("-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "[json]", SUITE)

@@ -14,8 +14,7 @@ from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.transport.listened import ListenedTransport
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Reply, Service, Topic
+from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic
 from tests.support.two_sides import BusEngine
 
 PATIENCE = Patience(tick=1.0, handshake=2.0)

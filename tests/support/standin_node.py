@@ -11,9 +11,8 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.commands import feasible, release
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.names import plain_name
-from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import Payload, Service, Topic
+from mrsfi_runtime.transport.topics import Payload, PrefixedTransport, Service, Topic
 
 
 class StandIn:

@@ -15,8 +15,7 @@ from mrsfi_runtime.engine.node_settings import RESETS
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE
 from mrsfi_runtime.errors import expected
 from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
-from mrsfi_runtime.transport.dialect import ROS_VERSIONS
-from mrsfi_runtime.transport.server_address import CLIENTS
+from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS
 
 F = TypeVar("F", bound=Callable[..., Any])
 

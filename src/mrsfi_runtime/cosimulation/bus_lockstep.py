@@ -39,8 +39,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS
-from mrsfi_runtime.transport.dialect import seconds_of
-from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
+from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport, seconds_of
 
 _SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
 _RETRY = 0.1

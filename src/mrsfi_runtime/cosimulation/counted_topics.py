@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
-from mrsfi_runtime.transport.dialect import seconds_of
-from mrsfi_runtime.transport.topics import Payload, Publisher, PubSub, Topic
+from mrsfi_runtime.transport.topics import Payload, Publisher, PubSub, Topic, seconds_of
 
 GRACE = 1.0
 """Seconds for which announced messages may be late: some servers keep order per topic only."""

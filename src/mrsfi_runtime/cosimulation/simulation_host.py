@@ -25,8 +25,7 @@ from mrsfi_runtime.cosimulation.waiting import Completion, Patience
 from mrsfi_runtime.errors import MrsfiError, ProtocolError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS
-from mrsfi_runtime.transport.dialect import time_of
-from mrsfi_runtime.transport.topics import Payload, Transport
+from mrsfi_runtime.transport.topics import Payload, Transport, time_of
 
 
 class SimulationHost:

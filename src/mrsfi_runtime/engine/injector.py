@@ -33,9 +33,8 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport
 
 if TYPE_CHECKING:
     from mrsfi_runtime.transport.topics import Transport

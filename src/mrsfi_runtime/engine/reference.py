@@ -10,7 +10,7 @@ Source paper, section III-G and Figure 4.
 from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.topics import LocalBus
 
 
 class ReferenceEngine(PlainEngine):

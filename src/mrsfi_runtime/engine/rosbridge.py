@@ -30,8 +30,8 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import PrefixedTransport
 
 _GREATEST_SEED = 2**63 - 1
 _LAST_WORDS = 2.0

@@ -10,7 +10,7 @@ from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.node_settings import NodeSettings
 from mrsfi_runtime.errors import LIMITED, EvaluationError, UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
-from mrsfi_runtime.transport.server_address import CLIENTS, Client
+from mrsfi_runtime.transport.topics import CLIENTS, Client
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine

@@ -22,9 +22,8 @@ from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.prefixed import PrefixedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import Transport
+from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
 
 
 def serve_simulation(

@@ -28,8 +28,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.record.named_faults import NamedFault, Window
 from mrsfi_runtime.record.observers import Events
-from mrsfi_runtime.transport.dialect import time_of, type_name
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import Topic, time_of, type_name
 
 Message: TypeAlias = dict[str, Any]
 """Fields of a message to values; what is left out is zero or empty."""

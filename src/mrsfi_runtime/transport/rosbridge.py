@@ -21,16 +21,18 @@ from urllib.parse import urlsplit
 import roslibpy
 
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
-from mrsfi_runtime.transport.dialect import type_name
 from mrsfi_runtime.transport.listened import ListenedTransport
-from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 from mrsfi_runtime.transport.topics import (
+    CLIENTS,
+    Client,
     Payload,
     Provider,
     Publisher,
     Reply,
     Service,
     Topic,
+    type_name,
+    without_token,
 )
 
 _PORTS = {"ws": 80, "wss": 443}

@@ -1,12 +1,9 @@
-"""Topics, services and the interface that every transport offers.
-
-References
-----------
-Source paper, section III-F.
-"""
+"""Topics, services and what every transport offers; the bus in one process, and prefixes."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
+
+from mrsfi_runtime.errors import ProtocolError
 
 Payload: TypeAlias = dict[str, Any]
 """Content of a message: field names of its ROS type to values."""
@@ -83,3 +80,139 @@ class NodeTransport(Transport, Protocol):
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, in the thread of the callbacks."""
+
+
+ROS_VERSIONS = (1, 2)
+
+
+def type_name(name: str, kind: str, ros: int) -> str:
+    """Return the name of a type, ``PACKAGE/TYPE``, as a version of ROS spells it."""
+    return name if ros == 1 else name.replace("/", f"/{kind}/")
+
+
+def time_of(tick: int, ros: int) -> Payload:
+    """Return the time of a tick: one tick is one second."""
+    return {"secs": tick, "nsecs": 0} if ros == 1 else {"sec": tick, "nanosec": 0}
+
+
+def seconds_of(time: Payload) -> int:
+    """Return the seconds of a time, of either version."""
+    seconds: int = time["sec"] if "sec" in time else time["secs"]
+    return seconds
+
+
+Client: TypeAlias = Literal["wire", "asyncio", "twisted"]
+"""Kind of connection: ours, or one of roslibpy's; ``twisted`` goes with none other in a process."""
+
+CLIENTS: tuple[Client, ...] = ("wire", "asyncio", "twisted")
+
+
+def without_token(url: str) -> str:
+    """Return a URL as it may be shown: a query may hold a token."""
+    return url.partition("?")[0]
+
+
+class LocalBus:
+    """Delivers messages by plain calls, in the order in which subscribers came.
+
+    A payload is handed on as it is: neither side may change it afterwards. An error in a
+    callback stops the publisher, so nothing goes wrong unseen.
+    """
+
+    ros = 1
+
+    def __init__(self) -> None:
+        self._types: dict[str, str] = {}
+        self._subscribers: dict[str, list[Callable[[Payload], None]]] = {}
+        self._providers: dict[str, Provider] = {}
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic.
+
+        One that is in use with another type is a ``ProtocolError``, here and in ``subscribe``.
+        """
+        subscribers = self._join(topic)
+
+        def publish(payload: Payload) -> None:
+            for callback in subscribers:
+                callback(payload)
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic."""
+        self._join(topic).append(callback)
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service; the newest provider answers."""
+        self._providers[service.name] = provider
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service; the reply comes before this returns."""
+        provider = self._providers.get(service.name)
+        if provider is None:
+            on_reply(Reply({}, f"nobody provides service '{service.name}'"))
+        else:
+            on_reply(Reply(provider(request)))
+
+    def watch(self, listener: FailureListener) -> None:
+        """Do nothing: errors reach the publisher."""
+
+    def close(self) -> None:
+        """Forget all subscribers and providers."""
+        self._providers.clear()
+        for subscribers in self._subscribers.values():
+            subscribers.clear()
+
+    def _join(self, topic: Topic) -> list[Callable[[Payload], None]]:
+        known = self._types.setdefault(topic.name, topic.type)
+        if known != topic.type:
+            raise ProtocolError(f"topic '{topic.name}' carries '{known}', not '{topic.type}'")
+        return self._subscribers.setdefault(topic.name, [])
+
+
+_OF_SERVER = "/rosapi/"
+
+
+class PrefixedTransport:
+    """A transport whose topics and services begin with a prefix; those of the server do not."""
+
+    def __init__(self, transport: NodeTransport, prefix: str) -> None:
+        self._transport = transport
+        self._prefix = prefix.rstrip("/")
+        self.ros = transport.ros
+        self.watch, self.close = transport.watch, transport.close
+        self.call_later = transport.call_later
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic."""
+        return self._transport.advertise(topic._replace(name=self._named(topic.name)))
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic."""
+        self._transport.subscribe(topic._replace(name=self._named(topic.name)), callback)
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service."""
+        self._transport.provide(service._replace(name=self._named(service.name)), provider)
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service; what the server says of topics is told without the prefix."""
+
+        def reply(told: Reply) -> None:
+            if "topics" in told.values:
+                topics = told.values["topics"]
+                names = [self.unnamed(name) for name in topics if name.startswith(self._prefix)]
+                told = told._replace(values={**told.values, "topics": names})
+            on_reply(told)
+
+        if service.name.startswith(_OF_SERVER) and "topic" in request:
+            request = {**request, "topic": self._named(request["topic"])}
+        self._transport.call(service._replace(name=self._named(service.name)), request, reply)
+
+    def unnamed(self, name: str) -> str:
+        """Return what a topic of the server is called here."""
+        return name.removeprefix(self._prefix)
+
+    def _named(self, name: str) -> str:
+        return name if name.startswith(_OF_SERVER) else f"{self._prefix}{name}"

@@ -4,8 +4,7 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Payload, Publisher, Topic
+from mrsfi_runtime.transport.topics import LocalBus, Payload, Publisher, Topic
 
 
 class JsonTextBus(LocalBus):

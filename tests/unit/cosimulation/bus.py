@@ -11,9 +11,9 @@ from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import TransportClosed
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import (
     FailureListener,
+    LocalBus,
     Payload,
     Provider,
     Publisher,

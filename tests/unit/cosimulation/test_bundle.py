@@ -8,8 +8,7 @@ import pytest
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.lockstep_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import LocalBus, Topic
 
 SPEED = Topic("/r1/speed", "std_msgs/Float64")
 COMMAND = Topic("/r1/command/speed", "std_msgs/Float64")

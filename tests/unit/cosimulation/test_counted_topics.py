@@ -7,8 +7,7 @@ import pytest
 
 from mrsfi_runtime.cosimulation.counted_topics import GRACE, CountedTopics
 from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import LocalBus, Topic
 
 SPEED = Topic("/a", "std_msgs/Float64")
 ENERGY = Topic("/d", "std_msgs/Float64")

@@ -7,8 +7,7 @@ import pytest
 from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import LocalBus, Topic
 from tests.support.world import paper_code
 
 CODE, SEED = paper_code(), 4

@@ -6,8 +6,7 @@ from mrsfi_runtime.cosimulation.heard import Heard
 from mrsfi_runtime.cosimulation.truth import take_true_values, true_values
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import LocalBus, Topic
 from tests.support.world import paper_code
 
 CODE = paper_code(10)

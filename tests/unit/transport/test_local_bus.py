@@ -3,8 +3,7 @@
 import pytest
 
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Reply, Service, Topic
+from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic
 
 SPEED = Topic("/r1/speed", "std_msgs/Float64")
 RESET = Service("/mission/reset", "std_srvs/Trigger")

@@ -27,8 +27,15 @@ from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.model.targets import Target
-from mrsfi_runtime.transport.dialect import time_of
-from mrsfi_runtime.transport.topics import NodeTransport, Payload, Publisher, Reply, Service, Topic
+from mrsfi_runtime.transport.topics import (
+    NodeTransport,
+    Payload,
+    Publisher,
+    Reply,
+    Service,
+    Topic,
+    time_of,
+)
 
 _LOOK = 0.1
 _STEADY = 0.3
