@@ -21,8 +21,7 @@ from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
-from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport
 from mrsfi_runtime.transport.topics import CLIENTS, LocalBus, Service, Topic
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
 from tests.support.two_sides import TwoSides

@@ -9,7 +9,7 @@ from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.transport.embedded import EmbeddedTransport
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
 from tests.support.page_simulator import join_page_simulator
 from tests.support.two_sides import BusEngine

@@ -13,7 +13,7 @@ from mrsfi_runtime.cosimulation.node.pace import BARRIER, Pace
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.transport.listened import ListenedTransport
+from mrsfi_runtime.transport.rosbridge import ListenedTransport
 from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic
 from tests.support.two_sides import BusEngine
 

@@ -6,11 +6,12 @@ from mrsfi_bridge.settings import ServerSettings, bridge_command
 
 def _serve(settings: ServerSettings) -> None:
     from mrsfi_bridge.embedded import serve
-    from mrsfi_runtime.transport.bridge_errors import as_ours
 
     try:
         serve(settings)
     except BridgeError as error:
+        from mrsfi_runtime.transport.rosbridge import as_ours
+
         raise as_ours(error) from error
 
 

@@ -31,9 +31,7 @@ from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.transport.bridge_errors import as_ours
-from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport
 
 if TYPE_CHECKING:

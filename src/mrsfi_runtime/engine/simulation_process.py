@@ -20,9 +20,7 @@ from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.transport.bridge_errors import as_ours
-from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
 
 

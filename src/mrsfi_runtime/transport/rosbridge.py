@@ -1,30 +1,31 @@
-"""Transport over a rosbridge server, through roslibpy.
-
-roslibpy runs all callbacks in one background thread, logs and drops what goes wrong there,
-and reconnects on its own, so that messages are lost in silence. Here an error in a callback
-and a lost connection reach the listener, and nothing reconnects.
-
-References
-----------
-Source paper, section III-F.
-"""
+"""Transports over a rosbridge server: through roslibpy, or in the server's own process."""
 
 import logging
 import socket
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
 from http import HTTPStatus
-from threading import Event
-from typing import Any
+from threading import Event, get_ident
+from typing import Any, ParamSpec, TypeVar
 from urllib.parse import urlsplit
 
 import roslibpy
 
-from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
-from mrsfi_runtime.transport.listened import ListenedTransport
+from mrsfi_bridge import errors as bridge_errors
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    ProtocolError,
+    TransportClosed,
+    TransportError,
+    TransportTimeout,
+    UsageError,
+)
 from mrsfi_runtime.transport.topics import (
     CLIENTS,
     Client,
+    FailureListener,
     Payload,
     Provider,
     Publisher,
@@ -34,6 +35,146 @@ from mrsfi_runtime.transport.topics import (
     type_name,
     without_token,
 )
+
+P = ParamSpec("P")
+R = TypeVar("R")
+T = TypeVar("T")
+
+
+class ListenedTransport:
+    """A transport that tells a listener what goes wrong in its callbacks, or with its connection.
+
+    ``lost`` is why it moves nothing any more, once it does not.
+    """
+
+    def __init__(self) -> None:
+        self.lost: Exception | None = None
+        self._listener: FailureListener | None = None
+
+    def watch(self, listener: FailureListener) -> None:
+        """Have a function told of a lost connection, and of errors in callbacks."""
+        self._listener = listener
+        if self.lost is not None:
+            listener(self.lost)
+
+    def require_open(self) -> None:
+        """Raise ``TransportClosed`` if the connection is lost."""
+        if self.lost is not None:
+            raise self.lost
+
+    def tell(self, error: Exception) -> None:
+        """Tell the listener, if there is one."""
+        if self._listener is not None:
+            self._listener(error)
+
+    def told(self, callback: Callable[P, R]) -> Callable[P, R]:
+        """Return a callback whose errors reach the listener before they reach the caller."""
+
+        def call(*args: P.args, **kwargs: P.kwargs) -> R:
+            try:
+                return callback(*args, **kwargs)
+            except Exception as error:
+                self.tell(error)
+                raise
+
+        return call
+
+
+_OURS: tuple[tuple[type[bridge_errors.BridgeError], type[MrsfiError]], ...] = (
+    (bridge_errors.SettingsError, UsageError),
+    (bridge_errors.ListenError, TransportError),
+    (bridge_errors.NotRunningError, TransportClosed),
+    (bridge_errors.ProtocolError, ProtocolError),
+)
+
+
+def as_ours(error: bridge_errors.BridgeError) -> MrsfiError:
+    """Return the runtime's error with the same message and exit code."""
+    return next((ours for theirs, ours in _OURS if isinstance(error, theirs)), MrsfiError)(
+        str(error)
+    )
+
+
+class EmbeddedTransport(ListenedTransport):
+    """A client of an embedded bridge that has started; its callbacks run in the bridge's thread.
+
+    Closing the transport leaves the bridge open for others.
+    """
+
+    def __init__(self, bridge: EmbeddedBridge) -> None:
+        super().__init__()
+        self._bridge = bridge
+        self.ros = bridge.ros
+        self._thread = 0
+        self._thread = self._run(get_ident)
+        self._client = self._run(bridge.local_client)
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic."""
+        name, client = topic.name, self._client
+        self._run(lambda: client.advertise(name, topic.type))
+
+        def publish(payload: Payload) -> None:
+            self._run(lambda: client.publish(name, payload))
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic."""
+        receive = self.told(callback)
+        self._run(lambda: self._client.subscribe(topic.name, topic.type, receive))
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service."""
+        answer = self.told(provider)
+        self._run(lambda: self._client.advertise_service(service.name, service.type, answer))
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service."""
+
+        def reply(is_answer: bool, values: Any) -> None:
+            on_reply(Reply(values) if is_answer else Reply({}, str(values)))
+
+        self._run(lambda: self._client.call(service.name, request, self.told(reply)))
+
+    def call_later(self, seconds: float, function: Callable[[], None]) -> None:
+        """Call a function after a time, as callbacks are."""
+        self._run(lambda: self._bridge.call_later(seconds, self.told(function)))
+
+    def barrier(self, then: Callable[[], None]) -> None:
+        """Call a function when all clients of the server have answered what they were told."""
+        self._run(lambda: self._bridge.barrier(self.told(then)))
+
+    def on_refusal(self, listener: Callable[[str, str], None]) -> None:
+        """Have a function told the topic and the reason of what clients say and nobody hears."""
+        self._run(lambda: self._bridge.on_refusal(self.told(listener)))
+
+    def close(self) -> None:
+        """Give up all topics and services."""
+        if self.lost is None:
+            self._run(self._client.close)
+            self.lost = TransportClosed("the embedded transport was closed")
+
+    def _run(self, function: Callable[[], T]) -> T:
+        """Run a function in the bridge's thread and return what it returns."""
+        self.require_open()
+        try:
+            return function() if get_ident() == self._thread else self._run_there(function)
+        except bridge_errors.BridgeError as error:
+            raise as_ours(error) from error
+
+    def _run_there(self, function: Callable[[], T]) -> T:
+        done: Future[T] = Future()
+
+        def run() -> None:
+            try:
+                done.set_result(function())
+            except Exception as error:  # noqa: BLE001 - raised where it was asked for
+                done.set_exception(error)
+
+        self._bridge.call_soon(run)
+        return done.result()
+
 
 _PORTS = {"ws": 80, "wss": 443}
 _CLOSING = 6.0  # roslibpy gives the server 5 s to agree

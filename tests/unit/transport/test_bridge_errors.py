@@ -5,7 +5,7 @@ import pytest
 from mrsfi_bridge import errors as bridge
 from mrsfi_bridge.structures import FieldError
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.transport.bridge_errors import as_ours
+from mrsfi_runtime.transport.rosbridge import as_ours
 
 
 @pytest.mark.parametrize("theirs", [bridge.BridgeError, *bridge.BridgeError.__subclasses__()])
