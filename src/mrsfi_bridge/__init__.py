@@ -2,4 +2,9 @@
 
 ``python -m mrsfi_bridge`` runs it; ``embedded.EmbeddedBridge`` runs it in a thread. It knows
 nothing of missions and imports nothing of mrsfi.
+
+Modules import only from those before them: ``errors``, ``structures`` (types of messages),
+``settings`` (what a server is started with), ``frames`` (bytes), ``protocol`` (what a client
+says), ``broker`` (what clients share), ``session`` (one client), ``server`` (sockets) and
+``embedded`` (ways to run). Begin with ``session``.
 """

@@ -1,4 +1,20 @@
-"""Topics, services and actions: who offers them, who uses them. Knows no sockets."""
+"""Topics, services and actions: who offers them and who uses them.
+
+Three things that clients share. A ``Broker`` delivers messages from publishers to subscribers,
+in order and before ``publish`` returns; ``BrokerOfRos2`` delivers them in turns, as the
+middleware of ROS 2 does. ``Services`` passes calls to providers and answers to callers.
+``Actions`` are services that take as long as they like, report progress and can be cancelled.
+
+What holds throughout: clients are any hashable objects, and no class here knows a socket. Every
+call and every goal gets exactly one answer, whatever happens to its provider. A topic exists
+while a client publishes or subscribes. A request that is not allowed is a ``ProtocolError``.
+
+Begin with ``Broker``, then ``Services.call``.
+
+References
+----------
+https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md (actions)
+"""
 
 import logging
 from asyncio import AbstractEventLoop, TimerHandle

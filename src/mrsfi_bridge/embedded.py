@@ -1,4 +1,12 @@
-"""The server until it is told to end, or in a thread with clients that need no socket."""
+"""Two ways to run a server: in a thread of this process, or until the process is told to end.
+
+An ``EmbeddedBridge`` runs a ``BridgeServer`` in a thread of its own. A ``LocalClient`` joins it
+without a socket; it is used in the server's thread only, into which ``call_soon`` leads. What is
+raised there is kept in ``failed``, so that the thread that waits for it can raise it.
+
+``serve`` is what the command line runs: it prints the URL, writes the log, and ends on SIGTERM or
+Ctrl-C.
+"""
 
 import asyncio
 import logging

@@ -1,4 +1,24 @@
-"""What travels over a socket: JSON, encodings, fragments, frames of a websocket."""
+"""What travels over a socket: JSON, encodings of messages, frames of a websocket.
+
+``to_json`` and ``from_json`` use ``orjson`` where it is installed, which is faster. An
+``Outgoing`` is a published message in normal form (see ``structures``). It is encoded once for
+each ``Encoding`` that clients ask for: JSON, PNG, CBOR with typed arrays, or the bytes that ROS
+nodes exchange. A text may be cut into fragments.
+
+A ``Stream`` is one end of a websocket as bytes: it takes what arrived, yields messages, and
+returns what is to be written. The ``websockets`` package shakes hands, answers pings, closes and
+judges what is wrong; whole text frames, which are nearly all, are cut out here, since that is
+faster. The server and the client of ``--client wire`` both use it.
+
+Nothing here opens a socket or knows a topic. Begin with ``Outgoing``, then ``Stream``.
+
+References
+----------
+https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md, sections 3.1
+and 3.2. RFC 8949 (CBOR), RFC 8746 (typed arrays). What ROS nodes send each other:
+http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes, and CDR of the Object
+Management Group.
+"""
 
 import base64
 import json

@@ -1,4 +1,20 @@
-"""What a client says: operations, names, fragments, and how it wants a topic."""
+"""What a client says: operations, names, fragments, and how it wants a topic.
+
+``operations`` splits a text into JSON values, and ``check_operation`` checks the fields of one
+against the table ``_FIELDS``. ``Fragments`` joins a message that arrives in parts. What does not
+fit is a ``ProtocolError`` whose text is meant for the client.
+
+``Uses`` counts the topics that a client advertises or subscribes to. A ``Wish`` is what one
+``subscribe`` asks for: how often, how many may wait, in which encoding; ``settled`` combines the
+wishes of one client for one topic. A ``Subscription`` delivers a topic to a client as the
+combined wish says.
+
+Time comes from a scheduler that is an argument. Begin with ``check_operation``.
+
+References
+----------
+https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md
+"""
 
 import json
 from asyncio import AbstractEventLoop, TimerHandle

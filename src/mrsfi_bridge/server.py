@@ -1,4 +1,19 @@
-"""The server: its sockets, from the opening handshake on, its limits and its barriers."""
+"""The server: its sockets from the opening handshake on, its limits, and its barriers.
+
+A ``BridgeServer`` listens. It has one ``Connection`` for each socket, and each connection has a
+``Stream`` for the bytes and, after the handshake, a ``Session`` for what they mean. All of it runs
+in one asyncio loop: a message is carried out whole before the next client is served, and the
+limit on its length bounds how long that takes. What connections have to write leaves in one write
+per client before the loop goes on. The server counts the bytes that wait for and from clients. It
+disconnects a client that exceeds a limit, if possible with a ``status``, and serves the others.
+
+A barrier waits until all clients have answered what they were sent. A client that works off what
+it hears in one thread answers a ping after all that was sent before; by the second pong it has
+also sent what it had to say. Measured for roslibpy, asyncio and Twisted, and for roslib on Node
+(docs/node.md).
+
+Begin with ``Connection.buffer_updated``.
+"""
 
 import asyncio
 import hmac

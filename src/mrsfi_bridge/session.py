@@ -1,4 +1,16 @@
-"""One client of the server, what all clients share, and the services of rosapi."""
+"""One client of the server, what all clients share, and the services of rosapi.
+
+A ``Session`` is one client: ``receive`` takes a text, and each operation in it is carried out by
+the method of its name, ``_publish`` for ``publish``. What is wrong is dropped, counted, logged,
+and reported in a ``status`` to a client that set a level. A ``Hub`` has what all sessions share:
+types, topics, services, actions. A session knows no socket; it is given a function that sends.
+
+``provide_rosapi`` makes the server itself provide the services under ``/rosapi``, by which
+clients ask what there is and keep parameters. Clients of the server are no ROS nodes: as with
+the genuine server, what they do counts as done by the node ``/rosbridge_websocket``.
+
+Begin with ``Session.receive``.
+"""
 
 import json
 import logging

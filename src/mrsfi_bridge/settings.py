@@ -1,4 +1,18 @@
-"""What a server is started with: types, address, limits, and their options."""
+"""What a server is started with: types, address, limits, and the options that set them.
+
+A ``TypeTable`` has the types of messages, services and actions by name. It reads those of the
+user's folders first, then those that come with the server, then those of ROS in ``rosbags``. A
+folder of definitions holds ``PACKAGE/msg/TYPE.msg``, ``PACKAGE/srv/TYPE.srv`` and
+``PACKAGE/action/TYPE.action``, as ROS packages do. Clients may name a type ``PACKAGE/TYPE`` or
+``PACKAGE/msg/TYPE``; this package uses the first way.
+
+``ServerSettings`` has the address and who may connect, ``Limits`` what a client may use.
+``bridge_command`` makes the command line: ``mrsfi bridge`` and ``python -m mrsfi_bridge`` are
+this command under two names.
+
+Settings are values: nothing here opens a file or a socket until a type is asked for by name.
+This module imports no websocket, so that ``mrsfi bridge --help`` starts quickly.
+"""
 
 import ipaddress
 import re

@@ -1,4 +1,22 @@
-"""Checks of messages against their types: definitions, and what fits them."""
+"""Types of messages: definitions, and checks of messages against them.
+
+``parse_message`` and ``parse_parts`` read the text of ``.msg``, ``.srv`` and ``.action`` files
+into a ``Definition``. A ``Structure`` is made of a definition and checks messages:
+``Structure.convert`` takes what JSON carried and returns the normal form of the message.
+
+A message in normal form is a dictionary with all fields in the order of the definition, each
+of the right kind, and no other field. Times are ``secs`` and ``nsecs`` (in ROS 2 ``sec`` and
+``nanosec``), arrays of bytes are base64 text, and NaN is a float although JSON writes ``null``.
+Every other module may rely on that. A value that does not fit is a ``FieldError``, which names
+the path to the field.
+
+Begin with ``Structure``. ``settings.TypeTable`` finds definitions by their names.
+
+References
+----------
+http://wiki.ros.org/msg and http://wiki.ros.org/srv; what ROS 2 adds:
+https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html.
+"""
 
 import ast
 import base64

@@ -1,4 +1,21 @@
-"""Transports over a rosbridge server: through roslibpy, or in the server's own process."""
+"""The two transports over a rosbridge server: through roslibpy, or in the server's own process.
+
+roslibpy runs all callbacks in one background thread, logs and drops what goes wrong there, and
+reconnects on its own, so that messages are lost in silence. A ``ListenedTransport`` prevents
+that: an error in a callback and a lost connection reach its listener, and it never reconnects.
+
+A ``RosbridgeTransport`` is one connection to a server. An ``EmbeddedTransport`` joins a server
+that runs in this process, in the server's thread and without a socket: what it publishes within
+one callback leaves in one write. Errors of the server become errors of the runtime (``as_ours``)
+with the same message and exit code.
+
+Begin with ``RosbridgeTransport``. ``wire`` is a module of its own, since it binds the process to
+asyncio as soon as it is imported, and roslibpy's Twisted client could not be used any more.
+
+References
+----------
+Source paper, section III-F.
+"""
 
 import logging
 import socket

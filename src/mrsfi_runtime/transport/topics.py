@@ -1,4 +1,22 @@
-"""Topics, services and what every transport offers; the bus in one process, and prefixes."""
+"""Topics, services, what every transport offers, and the two transports that need no server.
+
+A transport moves messages between the two sides of a mission. ``PubSub`` is what generated code
+needs of it, ``Transport`` adds services and errors, ``NodeTransport`` a clock. Messages of a
+publisher arrive in their order, and callbacks of one transport run one after the other. An error
+in a callback reaches a listener or the publisher; no transport logs and drops it.
+
+A ``LocalBus`` delivers by plain calls, in the process that flies both sides. A
+``PrefixedTransport`` gives another one's topics a prefix, so that two sides of a mission share a
+server. ROS 1 and ROS 2 write type names and times in two ways; ``type_name``, ``time_of`` and
+``seconds_of`` know both. Engines, records and the command line import this module, so it imports
+no client of rosbridge.
+
+Begin with ``Transport``; ``rosbridge`` has the transports over a server.
+
+References
+----------
+Source paper, section III-F.
+"""
 
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
