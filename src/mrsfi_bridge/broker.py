@@ -390,8 +390,8 @@ class Services:
         if service is None:
             reply(False, f"{self.noun.capitalize()} {name} does not exist")
             return ""
-        if self._n_calls[caller] >= self._limits.uses:
-            reply(False, f"{self._limits.uses} of your calls are under way, the limit")
+        if self._n_calls[caller] >= self._limits.calls:
+            reply(False, f"{self._limits.calls} of your calls are under way, the limit")
             return ""
         try:
             request = service.type.request.convert(_named(arguments, service.type))

@@ -4,7 +4,7 @@
 against the table ``_FIELDS``. ``Fragments`` joins a message that arrives in parts. What does not
 fit is a ``ProtocolError`` whose text is meant for the client.
 
-``Uses`` counts the topics that a client advertises or subscribes to. A ``Wish`` is what one
+``Uses`` are the topics that a client advertises or subscribes to. A ``Wish`` is what one
 ``subscribe`` asks for: how often, how many may wait, in which encoding; ``settled`` combines the
 wishes of one client for one topic. A ``Subscription`` delivers a topic to a client as the
 combined wish says.
@@ -31,7 +31,6 @@ Operation: TypeAlias = dict[str, Any]
 _MAX_SHOWN = 100
 _LONGEST_ID = 256
 _LONGEST_NAME = 256  # of a topic, a service or a parameter
-_MAX_FRAGMENTS = 100_000
 _FRAGMENT_BYTES = 64
 """What a fragment takes beside its letters."""
 
@@ -208,9 +207,7 @@ class Fragments:
         """
         fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
         message = self._forget(fragment_id) or _Unfinished(total, [], 0)
-        if not 0 <= number < total <= _MAX_FRAGMENTS:
-            raise ProtocolError(f"fragment {number} of {total}, of at most {_MAX_FRAGMENTS}")
-        if (number, total) != (len(message.parts), message.total):
+        if number >= total or (number, total) != (len(message.parts), message.total):
             expected = f"{len(message.parts)} of {message.total}"
             raise ProtocolError(f"fragment {number} of {total}, expected {expected}")
         if len(self._unfinished) >= _MAX_UNFINISHED:
@@ -244,30 +241,17 @@ _LONGEST_THROTTLE_MS = 1e9
 
 
 class Uses(dict[str, dict[UseId, V]]):
-    """Topics that a client uses, each under the identifiers that it gave, ``limit`` at a time."""
-
-    def __init__(self, limit: int) -> None:
-        super().__init__()
-        self._limit = limit
-        self._n_uses = 0
-
-    def check(self, name: str, use_id: UseId) -> None:
-        """Refuse one use too many as a ``ProtocolError``."""
-        if self._n_uses >= self._limit and use_id not in self.get(name, {}):
-            raise ProtocolError(f"you have {self._n_uses} uses of topics, the limit")
+    """Topics that a client uses, each under the identifiers that it gave."""
 
     def add(self, name: str, use_id: UseId, value: V) -> None:
         """Note a use, in the place of one with the same identifier."""
-        uses = self.setdefault(name, {})
-        self._n_uses += use_id not in uses
-        uses[use_id] = value
+        self.setdefault(name, {})[use_id] = value
 
     def remove(self, name: str, use_id: UseId) -> bool:
         """Forget a use, or all of a topic without an identifier; return whether it was the last."""
         uses = self[name]
         for gone in tuple(uses) if use_id is None else {use_id} & uses.keys():
             del uses[gone]
-            self._n_uses -= 1
         if not uses:
             del self[name]
         return not uses

@@ -91,8 +91,8 @@ class Session:
         self._hub = hub
         self._send = send
         self._level = "none"
-        self._adverts: Uses[None] = Uses(hub.limits.uses)
-        self._wishes: Uses[Wish] = Uses(hub.limits.uses)
+        self._adverts: Uses[None] = Uses()
+        self._wishes: Uses[Wish] = Uses()
         self._subscriptions: dict[str, Subscription] = {}
         self._goals: dict[str | int, str] = {}
         self.fragments = Fragments(2 * hub.limits.frame_bytes)
@@ -141,7 +141,6 @@ class Session:
 
     def _advertise(self, operation: Operation) -> None:
         topic, use_id = absolute(operation["topic"]), operation.get("id")
-        self._adverts.check(topic, use_id)
         is_latched = operation.get("latch", False)
         self._hub.broker.advertise(self, topic, operation["type"], is_latched=is_latched)
         self._adverts.add(topic, use_id, None)
@@ -169,7 +168,6 @@ class Session:
     def _subscribe(self, operation: Operation) -> None:
         topic, use_id = operation["topic"], operation.get("id")
         wanted = wish(operation)
-        self._wishes.check(topic, use_id)
         subscription = self._subscriptions.get(topic)
         if subscription is None:
             hub = self._hub
@@ -307,7 +305,6 @@ _BRIDGE = "/rosbridge_websocket"
 _ROSAPI = "/rosapi"
 _CLIENT_COUNT, _CLIENTS = "/client_count", "/connected_clients"
 _DEEPEST = 32
-_TOTAL_BYTES = 1 << 24  # of all parameters
 _ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
 
 
@@ -360,8 +357,6 @@ class _Parameters:
             raise ProtocolError(f"{path}: {n_bytes} bytes, the limit is {self._max_bytes}")
         if len(self._leaves) + len(leaves) > self._max_parameters:
             raise ProtocolError(f"{path}: there are {self._max_parameters} parameters, the limit")
-        if sum(map(len, self._leaves.values())) + n_bytes > _TOTAL_BYTES:
-            raise ProtocolError(f"{path}: all parameters take over {_TOTAL_BYTES} bytes, the limit")
         self.delete(path)
         above = path
         while above := above.rpartition("/")[0]:  # a name with others below it is no leaf

@@ -251,8 +251,8 @@ class Limits:
         What the last messages of latched topics take together.
     topics, services
         Topics and services at a time.
-    uses
-        Topics that a client advertises or subscribes to, each, and its calls under way.
+    calls
+        Calls and goals of a client that are under way at a time, each.
     parameters
         Parameters at a time.
     parameter_bytes
@@ -271,7 +271,7 @@ class Limits:
     latched_bytes: int = 64 * _MEBI
     topics: int = 20_000
     services: int = 5_000
-    uses: int = 20_000
+    calls: int = 20_000
     parameters: int = 10_000
     parameter_bytes: int = 1 << 16
     handshake_s: float = 10.0

@@ -214,7 +214,7 @@ def test_the_answer_to_a_client_that_left_is_dropped(hub):
 
 
 def test_services_and_calls_under_way_are_limited():
-    hub, _ = new_hub(Limits(services=len(new_hub()[0].services.services) + 1, uses=2))
+    hub, _ = new_hub(Limits(services=len(new_hub()[0].services.services) + 1, calls=2))
     provider = provider_of(hub)
     provider.tell(op="advertise_service", service="/more", type=ADD)
     caller = Peer(hub)

@@ -224,19 +224,6 @@ def test_topics_are_limited():
     assert "there are 5 topics, the limit" in peer.take()[0]["msg"]
 
 
-@pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_uses_of_topics_are_limited(op):
-    hub, _ = new_hub(Limits(uses=3))
-    peer = Peer(hub, "error")
-    for number in range(4):
-        peer.tell(op=op, topic="/t", type=FLOAT, id=number)
-
-    assert "3 uses of topics, the limit" in peer.take()[0]["msg"]
-    peer.tell(op=f"un{op}", topic="/t", id=0)
-    peer.tell(op=op, topic="/t", type=FLOAT, id=4)
-    assert peer.take() == []
-
-
 def test_messages_that_come_too_early_are_lost_without_a_queue(hub, clock):
     peer, publisher = subscribed(hub, throttle_rate=100), advertised(hub)
 
