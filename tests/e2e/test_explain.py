@@ -1,5 +1,6 @@
 """What ``mrsfi explain`` prints and writes, held to what other commands fly."""
 
+import re
 from pathlib import Path
 from statistics import median
 
@@ -89,7 +90,7 @@ def test_a_fault_that_does_it_alone_is_named(place):
         "stop.xmi: cause set 1 of 3 faults, which keeps 95 % of every goal's believed and true viol"
         in text
     )
-    assert "\nh2      sole\n" in text
+    assert re.search(r"\nh2 +g\d +believed +sole ", text)
     assert "bystanders to every goal: h1 h3\n" in text
     assert "h2 (StopRobot) forged r1 motion from tick 100 to 900: at tick" in text
     assert "\ncause set        " in text
@@ -172,7 +173,7 @@ def test_the_measure_and_the_share_can_be_chosen(campaign, place):
 def test_several_specifications_are_explained_one_after_the_other(campaign, place):
     text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
 
-    assert text.count("evaluation ") >= text.count("\nViolations\n") == 2
+    assert text.count("evaluation ") >= text.count("\nViolations; ") == 2
     assert len([*(place / "causes").glob("evaluation_*-cause.xmi")]) == 2
 
 

@@ -82,16 +82,14 @@ def _samples(goal: Goal, n_samples: int) -> str:
 
 def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> Table:
     """Return what each timed fault of a specification is, and at how many ticks it did what."""
-    names, texts = ("fault", "type", "start", "finish", "applied", "changed"), ("target", "values")
-    rows, stacked = [], []
-    for each, n_applied, n_changed in zip(faults, outcome.applied, outcome.changed, strict=True):
-        window = (each.timed.start, each.timed.finish)
-        head = (each.name, each.fault.type, *window, n_applied, n_changed)
-        rows.append((*head, each.target, each.told or NONE))
-        stacked.append((*head, "\n".join(filter(None, (each.target, each.told)))))
-    words, told = (*names[:2], *texts), "\n".join(texts)
-    narrow = Table(title, (*names, told), stacked, words, (told,), is_compact=True)
-    return Table(title, (*names, *texts), rows, words, is_compact=True, narrow=narrow)
+    words, texts = ("fault", "type"), ("target", "values")
+    rows: list[tuple[Cell, ...]] = []
+    for each, *counts in zip(faults, outcome.applied, outcome.changed, strict=True):
+        head = (each.name, each.fault.type, each.timed.start, each.timed.finish)
+        rows.append((*head, *counts, each.target, each.told or NONE))
+    columns = (*words, "start", "finish", "applied", "changed", *texts)
+    folded = ("\n".join(texts), texts)
+    return Table(title, columns, rows, words, texts, is_compact=True, folded=folded)
 
 
 def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[str, Any]]:
@@ -109,47 +107,29 @@ def critical_table(
 
     Each takes a line for violations as the collective intelligence believed them, one for those
     that were true, and one for the tick from which on a goal was certain to be missed; before these
-    one for the campaign's measure if it is another. Where a column for each goal does not fit,
-    those that were violated, or missed, are named: ``g3:509 g5:915``.
+    one for the campaign's measure if it is another.
     """
-    wide: list[tuple[Cell, ...]] = []
-    narrow: list[tuple[Cell, ...]] = []
+    rows: list[tuple[Cell, ...]] = []
     for rank, each in enumerate(top, 1):
-        lines = dict(_violation_lines(measure, each))
-        head = rank, each.index, each.fitness[0]
+        lines = map("\n".join, zip(*_violation_lines(measure, each), strict=True))
         faults = _fault_counts(pool, each.specification)
-        columns = map("\n".join, zip(*lines.values(), strict=True))
-        wide.append((*head, "\n".join(lines), *columns, faults))
-        named = (f"{name} {_violated(measure.goals, name, line)}" for name, line in lines.items())
-        narrow.append((*head, "\n".join(named), faults))
+        rows.append((rank, each.index, each.fitness[0], *lines, faults))
     title = f"The {len(top)} most critical of {n_distinct} fault specifications"
-    names, texts = ("#", "evaluation", "fitness", "violations"), ("violations", "faults")
-    short = Table(title, (*names, "faults"), narrow, texts=texts)
-    return Table(
-        title, (*names, *measure.goals, "faults"), wide, texts[:1], texts[1:], narrow=short
-    )
+    folded = ("violations", *measure.goals)
+    columns = ("#", "evaluation", "fitness", *folded, "faults")
+    return Table(title, columns, rows, folded[:1], columns[-1:], folded=("violations", folded))
 
 
-def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
-    """Return the goals that a line says something of: ``g3:509 g5:915``."""
-    nothing = {NONE} if name == _MISSED_FROM else {NONE, "0", "0.00"}
-    pairs = zip(goals, cells, strict=True)
-    return " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing) or "none"
-
-
-def _violation_lines(
-    measure: Measure, evaluation: Evaluation
-) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple[str, ...]]:
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
-        yield (
-            name,
-            tuple(ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals),
-        )
-    yield "believed", tuple(map(str, evaluation.outcome.believed))
-    yield "true", tuple(map(str, evaluation.outcome.true))
-    yield _MISSED_FROM, tuple(map(in_words, evaluation.outcome.missed_since(measure.duration)))
+        told = (ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals)
+        yield (name, *told)
+    yield ("believed", *map(str, evaluation.outcome.believed))
+    yield ("true", *map(str, evaluation.outcome.true))
+    since = evaluation.outcome.missed_since(measure.duration)
+    yield (_MISSED_FROM, *map(in_words, since))
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:

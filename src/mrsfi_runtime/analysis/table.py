@@ -3,8 +3,9 @@
 import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
+from itertools import zip_longest
 from typing import Any, TextIO, TypeAlias
 
 from mrsfi_runtime.record.measure import NONE
@@ -19,8 +20,8 @@ class Table:
     """Rows under named columns: of words, of texts, which may wrap, and all others of numbers.
 
     A cell may have several lines, and is ``None`` where there is nothing. A compact table has
-    little room between its columns; ``narrow`` is the same for where it does not fit,
-    and may have a narrower one itself.
+    little room between its columns. On a terminal that is too narrow, ``spare`` columns are left
+    out first; then those that are ``folded``, which stand side by side, become one of that name.
     """
 
     title: str
@@ -29,13 +30,47 @@ class Table:
     words: Sequence[str] = ()
     texts: Sequence[str] = ()
     is_compact: bool = False
-    narrow: "Table | None" = None
+    spare: Sequence[str] = ()
+    folded: tuple[str, Sequence[str]] = ("", ())
 
     @property
     def lines(self) -> Iterator[Sequence[Cell]]:
         """The names of the columns, then the rows."""
         yield self.columns
         yield from self.rows
+
+    def narrower(self) -> "Iterator[Table]":
+        """Yield the table as it is, then with less: without spare columns, with folded ones."""
+        yield self
+        table = self
+        if self.spare:
+            kept = [k for k, name in enumerate(self.columns) if name not in self.spare]
+            shorter = [[row[k] for k in kept] for row in self.rows]
+            table = replace(self, columns=[self.columns[k] for k in kept], rows=shorter)
+            yield table
+        name, folded = self.folded
+        if folded:
+            first = table.columns.index(folded[0])
+            last = first + len(folded)
+            columns = (*table.columns[:first], name, *table.columns[last:])
+            rows = [
+                (*row[:first], self._in_one(row[first:last]), *row[last:]) for row in table.rows
+            ]
+            texts = (*self.texts, name)
+            yield replace(table, columns=columns, rows=rows, texts=texts, folded=("", ()))
+
+    def _in_one(self, cells: Sequence[Cell]) -> str:
+        """Return folded cells as one: numbers behind their names, each text on its own line."""
+
+        def part(name: str, cell: str) -> str:
+            if cell in {"", NONE}:
+                return ""
+            if name in self.texts:
+                return f"\n{cell}"
+            return f" {cell}" if name in self.words else f" {name}:{cell}"
+
+        by_line = zip_longest(*(in_words(cell).split("\n") for cell in cells), fillvalue="")
+        return "\n".join("".join(map(part, self.folded[1], line))[1:] for line in by_line)
 
 
 def every(n: int, most: int) -> int:

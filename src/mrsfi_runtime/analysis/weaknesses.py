@@ -46,17 +46,9 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
         if fault.id in cells
     ]
     title = "Share of forms that do; (%): only believed, *: undetected in some, joint: with others"
-    words, columns = ("fault", "type", "target"), ("fault", "type", *goals)
-    lists = [(*row[:2], _listed(goals, row[2:-1])) for row in rows]
-    listed = Table(title, ("fault", "type", "goals"), lists, words, ("goals",), is_compact=True)
-    narrow = Table(
-        title, columns, [row[:-1] for row in rows], words, is_compact=True, narrow=listed
-    )
-    return Table(title, (*columns, "target"), rows, words, is_compact=True, narrow=narrow)
-
-
-def _listed(goals: Sequence[str], cells: Sequence[str | None]) -> str:
-    return " ".join(f"{goal}:{cell}" for goal, cell in zip(goals, cells, strict=True) if cell)
+    columns = ("fault", "type", *goals, "target")
+    words, folded = (*columns[:2], columns[-1]), ("goals", goals)
+    return Table(title, columns, rows, words, is_compact=True, spare=words[-1:], folded=folded)
 
 
 def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
@@ -75,7 +67,7 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
 
 def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
     """Return a row for each fault of each way, in the form that breaks the goal."""
-    rows, stacked = [], []
+    rows = []
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
         shares[way.shown.column.kind] += "*" * way.is_undetected
@@ -84,15 +76,13 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
         head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
-            told = named.target, named.told
-            rows.append((*head, named.name, named.fault.type, window, *told))
-            how = f"{named.fault.type}\n{window}: {'; '.join(filter(None, told))}"
-            stacked.append((*head, named.name, how))
+            how = named.fault.type, window, named.target, named.told
+            rows.append((*head, named.name, *how))
             head = ("", "and", *[""] * (len(head) - 2))
-    columns = ("#", "goal", *MEASURES, "since", "seeds", "fault")
-    words = ("#", "goal", "fault", "type", "window", "target", "values")
-    narrow = Table(title, (*columns, "how"), stacked, words, ("how",), is_compact=True)
-    return Table(title, (*columns, *words[3:]), rows, words, is_compact=True, narrow=narrow)
+    folded = ("type", "window", "target", "values")
+    columns = ("#", "goal", *MEASURES, "since", "seeds", "fault", *folded)
+    words, texts = ("#", "goal", "fault", *folded[::2]), folded[1::2]
+    return Table(title, columns, rows, words, texts, is_compact=True, folded=("how", folded))
 
 
 def not_found(known: Known, goal: str) -> str:

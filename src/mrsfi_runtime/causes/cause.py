@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
+from typing import NamedTuple
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
 from mrsfi_runtime.causes.chain import Chain, chains, sentence
@@ -18,8 +19,7 @@ N_SEEDS = 20
 """Mission seeds in which a cause set is flown, from its own on."""
 
 
-@dataclass(frozen=True, slots=True)
-class Robustness:
+class Robustness(NamedTuple):
     """What a count is in several mission seeds, and in how many of them above 0."""
 
     median: float

@@ -1,7 +1,7 @@
 """What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,14 @@ from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.causes.cause import N_SEEDS
 from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
-from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+
+_WORDS = ("goal", "violations")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,17 @@ class Shown:
         """Return a sum over the mission seeds as text: a count, or a mean of counts."""
         n_seeds = self.measure.n_seeds
         return ticks(count if n_seeds == 1 else count / n_seeds)
+
+    def due(self, found: Explanation, place: int) -> Sequence[str | None]:
+        """Return what is due to a fault, by column, with half of its interval if it has one."""
+        if place not in found.cause.places:
+            return [None] * len(found.cause.columns)
+        row, n_seeds = found.cause.places.index(place), self.measure.n_seeds
+        due = [f"{float(each) / n_seeds:.1f}" for each in found.attribution.shares[row]]
+        if found.attribution.margins is None:
+            return due
+        margins = zip(due, found.attribution.margins[row], strict=True)
+        return [f"{each} ±{margin / n_seeds:.1f}" for each, margin in margins]
 
     def simplest(self, found: Explanation) -> tuple[NamedFault, ...]:
         """Return the faults of the simplest form of its cause set."""
@@ -63,19 +75,28 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
         simple = shown.simplest(found)
         print_table(fault_table("Its simplest form", simple, found.simplest_outcome))
     print_table(_counts_table(shown, found))
-    if found.cause.places:
-        print_table(_share_table(shown, found))
-        for said in found.cause.sentences(shown.faults):
-            click.echo(f"{said}\n")
-        print_table(_chain_table(shown, found))
-        print_table(_robustness_table(found))
-    _print_goals(shown, found)
+    _print_faults(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} flights  {part}")
     width = max(map(len, shown.paths), default=0)
     for what, path in shown.paths.items():
         click.echo(f"{what:<{width}}  {path}")
     click.echo()
+
+
+def _print_faults(shown: Shown, found: Explanation) -> None:
+    for said in found.cause.sentences(shown.faults):
+        click.echo(f"{said}\n")
+    for table in (_chain_table(shown, found), _fault_table(shown, found)):
+        if table.rows:
+            print_table(table)
+    rest = [
+        fault.name
+        for place, fault in enumerate(shown.faults)
+        if all(goal.labels[place] == BYSTANDER for goal in found.goals)
+    ]
+    if rest:
+        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
 
 
 def _answer(shown: Shown, found: Explanation, n: str) -> str:
@@ -91,43 +112,31 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
 
 
 def _counts_table(shown: Shown, found: Explanation) -> Table:
+    cause = found.cause
+    counts = (cause.counts, cause.kept, found.simplest_counts, cause.fault_free)
     rows = [
-        (column.goal, column.kind, *map(shown.ticks, counts))
-        for column, *counts in zip(
-            found.cause.columns,
-            found.cause.counts,
-            found.cause.kept,
-            found.simplest_counts,
-            found.cause.fault_free,
-            strict=True,
-        )
-        if any(counts)
+        (*column, *map(shown.ticks, some), f"{firm.median:g}", *firm[1:])
+        for column, firm, *some in zip(cause.columns, cause.robustness, *counts, strict=True)
+        if any(some) or firm.most
     ]
-    words = ("goal", "violations")
-    columns = (*words, "all faults", "cause set", "simplest", "no fault")
-    return Table("Violations", columns, rows, words)
+    counted = ("all faults", "cause set", "simplest", "no fault")
+    columns = (*_WORDS, *counted, "median", "least", "most", "seeds violated")
+    title = f"Violations; from median on: under the cause set in {N_SEEDS} mission seeds"
+    return Table(title, columns, rows, _WORDS, is_compact=True)
 
 
-def _share_table(shown: Shown, found: Explanation) -> Table:
-    places = [
-        k
-        for k, _ in enumerate(found.cause.columns)
-        if found.cause.kept[k] or found.cause.fault_free[k]
-    ]
-    shares, margins = found.attribution.shares, found.attribution.margins
-    rows = [
-        (
-            shown.faults[place].name,
-            *(
-                f"{float(shares[row][k]) / shown.measure.n_seeds:.1f}"
-                + (f" ±{margins[row][k] / shown.measure.n_seeds:.1f}" if margins else "")
-                for k in places
-            ),
-        )
-        for row, place in enumerate(found.cause.places)
-    ]
-    header = [f"{found.cause.columns[k].goal}\n{found.cause.columns[k].kind}" for k in places]
-    return Table("Due to each fault of the cause set", ("fault", *header), rows, ("fault",))
+def _fault_table(shown: Shown, found: Explanation) -> Table:
+    """Return what each fault is to each goal, with its counts, unless it is a bystander to it."""
+    labels, rows = {goal.goal: goal.labels for goal in found.goals}, []
+    for place, fault in enumerate(shown.faults):
+        of_fault = (shown.due(found, place), found.alone[place], found.left_out[place])
+        for column, due, *counts in zip(found.cause.columns, *of_fault, strict=True):
+            label = labels[column.goal][place]
+            if label != BYSTANDER or (due and float(due.partition(" ")[0])):
+                rows.append((fault.name, *column, label, due, *map(shown.ticks, counts)))
+    columns = ("fault", *_WORDS, "label", "due to it", "alone", "left out")
+    title = "What each fault is to each goal; violations due to it, alone, left out"
+    return Table(title, columns, rows, columns[:4], is_compact=True)
 
 
 def _chain_table(shown: Shown, found: Explanation) -> Table:
@@ -153,45 +162,6 @@ def _first(first: First | None) -> str:
 def _verdicts(first: FirstVerdicts) -> str:
     cells = (NONE if verdict is None else str(verdict.tick) for verdict in first[1:])
     return f"{first.goal}:{'/'.join(cells)}"
-
-
-def _robustness_table(found: Explanation) -> Table:
-    rows = [
-        (*column, f"{firm.median:g}", firm.least, firm.most, firm.n_violated)
-        for column, firm in zip(found.cause.columns, found.cause.robustness, strict=True)
-        if firm.most
-    ]
-    words = ("goal", "violations")
-    columns = (*words, "median", "least", "most", "seeds violated")
-    return Table(f"Violations under the cause set in {N_SEEDS} mission seeds", columns, rows, words)
-
-
-def _print_goals(shown: Shown, found: Explanation) -> None:
-    goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
-    columns = ("fault", *(each.goal for each in goals))
-    named = {
-        k: fault.name
-        for k, fault in enumerate(shown.faults)
-        if any(goal.labels[k] != BYSTANDER for goal in goals)
-    }
-    if named:
-        rows = [(name, *(goal.labels[k] for goal in goals)) for k, name in named.items()]
-        print_table(Table("What each fault is to each goal", columns, rows, words=columns))
-        kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
-        for title, counts in (("alone", found.alone), ("left out", found.left_out)):
-            cells = [
-                (name, *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
-                for k, name in named.items()
-            ]
-            print_table(Table(f"Violations with each {title}, {kinds}", columns, cells, ("fault",)))
-    rest = [fault.name for k, fault in enumerate(shown.faults) if k not in named]
-    if rest:
-        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
-
-
-def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
-    pairs = zip(found.cause.columns, counts, strict=True)
-    return "/".join(shown.ticks(count) for column, count in pairs if column.goal == goal)
 
 
 def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
@@ -248,7 +218,7 @@ def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
             }
             for place, fault in enumerate(shown.faults)
         ],
-        "firmness": [asdict(firm) for firm in cause.robustness],
+        "firmness": [firm._asdict() for firm in cause.robustness],
         "sentences": list(cause.sentences(shown.faults)),
         "n_flown": dict(found.n_flown),
     }

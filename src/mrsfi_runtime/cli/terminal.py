@@ -26,21 +26,23 @@ def progress_console() -> Console:
 
 
 def print_table(table: Table) -> None:
-    """Print a table to standard output, in the first of its narrower forms where it does not fit.
+    """Print a table to standard output, with less where it does not fit; name what is left out.
 
     No figure, ID or word is ever cut: where even that is too wide, it is printed in as many
     columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
     that a table is the same in every pipe and log file.
     """
     console = _console()
+    shown = table
     grid, needed = _laid_out(console, table)
-    narrow: Table | None = table.narrow or table
-    while narrow and needed > console.width:
-        grid, needed = _laid_out(console, narrow, is_tight=True)
-        narrow = narrow.narrow
+    for narrower in table.narrower():
+        if needed > console.width:
+            shown, (grid, needed) = narrower, _laid_out(console, narrower, is_tight=True)
     console.width = max(console.width, needed)
     console.print(Text(table.title, style="bold"))
     console.print(grid)
+    if left_out := [name for name in table.spare if name not in shown.columns]:
+        print_words(f"Left out for lack of width: {', '.join(left_out)}")
     console.print()
 
 
@@ -73,7 +75,7 @@ def _laid_out(console: Console, table: Table, *, is_tight: bool = False) -> tupl
     padding = (0, 1, 0, 0) if table.is_compact else (0, 1)
     grid = Grid(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)
     for name in table.columns:
-        is_word = name in table.words
+        is_word = name in table.words and name not in table.texts
         grid.add_column(
             Text(name.replace(" ", "\n") if table.is_compact else name),
             justify="left" if is_word or name in table.texts else "right",
@@ -87,9 +89,9 @@ def _laid_out(console: Console, table: Table, *, is_tight: bool = False) -> tupl
         cells = (column.header, *column.cells)
         sizes = [console.measure(cell, options=whole) for cell in cells]
         longest = max(each.maximum for each in sizes)
-        if name in table.texts:
+        if name in table.texts and name not in table.folded[1]:
             column.min_width = min(_LEAST, longest)
-        elif name in table.words or not is_tight:
+        elif not is_tight or name in (*table.words, *table.texts):
             column.min_width = longest
         else:  # or else rich makes it narrower than its longest number
             column.width = max(each.minimum for each in sizes)
