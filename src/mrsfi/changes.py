@@ -11,7 +11,7 @@ from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.verdicts import cause_in_words
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.causes.weakness import MEASURES, yardstick_of
+from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.gate import Gate
@@ -137,10 +137,9 @@ def _broken(
             flyable[way.number, way.shown.column] = form
         else:
             told[way.number] = None, f"the mission has no goal {way.goal}"
-    fault_free, *flown = evaluator.evaluate_many([(), *flyable.values()], seed)
-    yardstick = yardstick_of(campaign.mission, fault_free, seed)
-    for (number, column), outcome in zip(flyable, flown, strict=True):
-        told[number] = column in yardstick.broken(outcome), ""
+    breaking = Breaking(campaign.mission, evaluator.evaluate_many, [seed])
+    for (number, column), broken in zip(flyable, breaking([*flyable.values()], seed), strict=True):
+        told[number] = column in broken, ""
     return told
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import combinations, islice, repeat
+from itertools import combinations, islice
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
@@ -21,6 +21,7 @@ from mrsfi_runtime.analysis.weaknesses import (
     modes_as_markdown,
 )
 from mrsfi_runtime.causes import mildest as shrinking
+from mrsfi_runtime.causes.counts import Prober
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
@@ -29,7 +30,6 @@ from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Evaluated
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import RecordedFlight
@@ -139,23 +139,19 @@ def refined(
     To seek the mildest form, by the gravest measure, takes some 30 flights for each, which count
     for its detection, too.
     """
-    seed, flown = campaign.store.settings.mission_seed, list[RecordedFlight]()
-
-    def evaluate_many(some: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
-        outcomes = [*evaluator.evaluate_many(some, seed)]
-        flown.extend(map(RecordedFlight, repeat(seed), some, outcomes))
-        return outcomes
-
+    seed = campaign.store.settings.mission_seed
+    prober = Prober[Evaluated](evaluator.evaluate_many, lambda _, __, flown: flown)
     told = [one for way in found for one in way.by]
     if is_mildest:
         space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
         shown, seeds = [way.shown for way in found], following(seed, shrinking.N_SEEDS)
-        least = shrinking.mildest(space, known, shown, evaluate_many, record, seeds)
+        least = shrinking.mildest(space, known, shown, prober, record, seeds)
         told = [one.weakness for one in least]
     if n_seeds is not None:
         seeds = following(seed, n_seeds)
-        told = [*in_seeds(campaign.mission, told, evaluate_many, seeds)]
+        told = [*in_seeds(campaign.mission, told, prober, seeds)]
     if is_mildest:
+        flown = (RecordedFlight(seed, each, found) for (each, seed), found in prober.known.items())
         again = iter(detected(campaign.mission, campaign.store, told, flown))
         forms = (replace(each, weakness=next(again)) for each in least)
         return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]

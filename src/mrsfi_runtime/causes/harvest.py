@@ -16,7 +16,7 @@ from itertools import islice
 from random import Random
 from typing import NamedTuple, Self
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.counts import Column, EvaluateIn, Prober
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import Mildest, mildest
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
@@ -141,38 +141,41 @@ def harvest(
     if before is not None and before.n_flights:
         return before
     mission, settings = space.gate.mission, store.settings
-    flights = _Flights(store, evaluate_many)
+    prober, n_taken = _recorded(store, evaluate_many), 0
     most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
     seeds = following(settings.mission_seed, N_SEEDS)
 
     def fly(
         specifications: Sequence[Specification], seed: int, limit: int | None = most
     ) -> Sequence[Evaluated]:
-        found = flights(specifications, seed)
-        on_flown(known, flights.n_taken, limit)
+        nonlocal n_taken
+        found = prober(specifications, seed)
+        n_taken += len(specifications)
+        on_flown(known, n_taken, limit)
         return found
 
     if before is not None:
         known, yardstick = before.known, before.yardstick
     else:
         known = Known(mission)
-        (fault_free,) = flights([()], seeds[0])
+        (fault_free,) = prober([()], seeds[0])
+        n_taken += 1
         yardstick = yardstick_of(mission, fault_free, seeds[0])
         known.learn((), yardstick.broken(fault_free))
         probing = _probing(space, store, known, yardstick, most)
-        while turn := probing.turn()[: _affordable(known, most - flights.n_taken)]:
+        while turn := probing.turn()[: _affordable(known, most - n_taken)]:
             for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
                 known.learn(each, yardstick.broken(flown))
     weaknesses = known.weaknesses()
-    left = max(0, most - flights.n_taken)
+    left = max(0, most - n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
         found = dated(yardstick, found, record)
-    n_taken, some = flights.n_taken, [way.shown for way in least(ways(found))]
+    n_flights, some = n_taken, [way.shown for way in least(ways(found))]
     go_on = partial(fly, limit=None)
     mild = mildest(space, known, some, go_on, record, seeds[:N_MILD]) if some else ()
-    store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
+    store.keep(KEPT, _Kept(store.n_evaluations, n_flights, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
@@ -280,27 +283,19 @@ def _probing(
     return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 
-class _Flights:
-    """Flies what is not recorded, and records it; ``n_taken`` were asked for, recorded or not."""
+def _recorded(store: CampaignStore, evaluate_many: EvaluateIn) -> Prober[Evaluated]:
+    """Return what flies what is not recorded, and records it."""
 
-    def __init__(self, store: CampaignStore, evaluate_many: EvaluateIn) -> None:
-        self._store = store
-        self._evaluate_many = evaluate_many
-        self._found: dict[tuple[Specification, int], Evaluated] = {
-            (each.specification, each.mission_seed): each.found for each in store.flights()
-        }
-        self.n_taken = 0
-
-    def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Evaluated]:
-        missing = [each for each in specifications if (each, seed) not in self._found]
-        found = self._evaluate_many(missing, seed) if missing else ()
-        flown = []
+    def fly(missing: Sequence[Specification], seed: int) -> list[Evaluated]:
+        flown: list[RecordedFlight] = []
         try:
-            for specification, each in zip(missing, found, strict=True):
-                self._found[specification, seed] = each
-                flown.append(RecordedFlight(seed, specification, each))
+            for specification, found in zip(missing, evaluate_many(missing, seed), strict=True):
+                flown.append(RecordedFlight(seed, specification, found))
         finally:  # also what came before an interrupt
-            if missing:
-                self._store.append_flights(flown)
-        self.n_taken += len(specifications)
-        return [self._found[each, seed] for each in specifications]
+            store.append_flights(flown)
+        return [each.found for each in flown]
+
+    prober = Prober[Evaluated](fly, lambda _, __, flown: flown)
+    for each in store.flights():
+        prober.known[each.specification, each.mission_seed] = each.found
+    return prober

@@ -10,13 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import chain, combinations, starmap
+from itertools import combinations, starmap, takewhile
 from operator import add
 from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
-    Broken,
+    Breaking,
     FaultSet,
     Known,
     Weakness,
@@ -24,7 +24,6 @@ from mrsfi_runtime.causes.weakness import (
     faults_of,
     form,
     parts,
-    yardstick_of,
 )
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.packing import PROPERTIES
@@ -145,9 +144,11 @@ def mildest(
     tried first does, in as many of the first seeds as one does. ``known`` and ``record`` are of the
     first.
     """
-    deviation, flown = Deviation(space, record(())), _Flown(space, known, evaluate, seeds)
+    deviation = Deviation(space, record(()))
+    flown = Breaking(space.gate.mission, evaluate, seeds)
+    flown.known |= {(each, seeds[0]): broken for each, broken in known.flown.items()}
     least = [_mildest(deviation, known, each, flown) for each in found]
-    forms = dated(flown.yardsticks[0], [each.weakness for each in least], record)
+    forms = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record)
     return tuple(replace(each, weakness=one) for each, one in zip(least, forms, strict=True))
 
 
@@ -172,66 +173,40 @@ def tried_map(
         for off in steps
         for after in steps
     ]
-    fault_free, *flown = evaluate([(), *forms], seed)
-    yardstick = yardstick_of(deviation.space.gate.mission, fault_free, seed)
+    flown = Breaking(deviation.space.gate.mission, evaluate, [seed])(forms, seed)
     return tuple(
         Tried(
             max(map(deviation.share, tried)),
             fault_ticks(tried, deviation.space.duration),
-            weakness.column in yardstick.broken(each),
+            weakness.column in broken,
         )
-        for tried, each in zip(forms, flown, strict=True)
+        for tried, broken in zip(forms, flown, strict=True)
     )
 
 
-class _Flown:
-    """What forms break in each of some mission seeds, each flown once; what fails breaks nothing.
-
-    ``n_flown`` is the number of flights, beside one in each seed without faults, by which
-    ``yardsticks`` judge there.
-    """
-
-    def __init__(
-        self, space: SearchSpace, known: Known, evaluate: EvaluateIn, seeds: Sequence[int]
-    ) -> None:
-        self.n_flown = 0
-        self.broken: list[dict[Specification, Broken]] = [{(): frozenset()} for _ in seeds]
-        self.broken[0] |= known.flown
-        self._seeds = seeds
-        self._evaluate = evaluate
-        self.yardsticks = [
-            yardstick_of(space.gate.mission, fault_free, seed)
-            for seed in seeds
-            for fault_free in evaluate([()], seed)
-        ]
-
-    def n_held(self, column: Column, tried: Specification) -> int:
-        """Return in how many seeds, one after the other, a form breaks it, and no part does."""
-        wanted = [form(tried), *map(form, parts(tried))]
-        for k, (seed, broken) in enumerate(zip(self._seeds, self.broken, strict=True)):
-            new = [each for each in wanted if each not in broken]
-            self.n_flown += len(new)
-            for each, outcome in zip(new, self._evaluate(new, seed) if new else (), strict=True):
-                broken[each] = self.yardsticks[k].broken(outcome)
-            whole, *alone = (broken[each] for each in wanted)
-            if column not in whole.difference(*alone):
-                return k
-        return len(self._seeds)
-
-    def tried(self, column: Column, faults: FaultSet) -> dict[Specification, bool]:
-        return {
-            each: any(column in broken.get(each, ()) for broken in self.broken)
-            for each in dict.fromkeys(chain.from_iterable(self.broken))
-            if faults_of(each) == faults
-        }
+def _n_held(flown: Breaking, column: Column, tried: Specification) -> int:
+    """Return in how many seeds, one after the other, a form breaks it, and no part does."""
+    whole = [form(tried), *map(form, parts(tried))]
+    return len([*takewhile(lambda seed: flown.isolates(column, whole, seed), flown.seeds)])
 
 
-def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Specification:
+def _tried(flown: Breaking, column: Column, faults: FaultSet) -> dict[Specification, bool]:
+    """Return the forms of some faults that are known, and whether one breaks it in any seed."""
+    tried: dict[Specification, bool] = {}
+    for (each, _), broken in flown.known.items():
+        if faults_of(each) == faults:
+            tried[each] = tried.get(each, False) or column in broken
+    return tried
+
+
+def _shrunk(
+    deviation: Deviation, known: Known, weakness: Weakness, flown: Breaking
+) -> Specification:
     column = weakness.column
     known_ones = known.breaking(column, frozenset(weakness.faults))
     starts = [*sorted(known_ones, key=deviation.size)[:_N_STARTS], weakness.witness]
-    found = max(starts, key=lambda each: flown.n_held(column, each))
-    n_held = flown.n_held(column, found)
+    found = max(starts, key=lambda each: _n_held(flown, column, each))
+    n_held = _n_held(flown, column, found)
     for place in range(len(found)) if n_held else ():
         for axis in ("off", "before", "after"):
             whole, broke, kept, share = found, 1.0, 0.0, 0.0
@@ -239,7 +214,7 @@ def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flow
                 milder = deviation.milder(whole[place], **{axis: share})
                 tried = (*whole[:place], milder, *whole[place + 1 :])
                 clashes = any(starmap(deviation.space.clash, combinations(tried, 2)))
-                if not clashes and flown.n_held(column, tried) >= n_held:
+                if not clashes and _n_held(flown, column, tried) >= n_held:
                     broke, found = share, tried
                 else:
                     kept = share
@@ -247,21 +222,21 @@ def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flow
     return found
 
 
-def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Mildest:
-    before, column = flown.n_flown, weakness.column
+def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: Breaking) -> Mildest:
+    before, column = flown.n_flown.total(), weakness.column
     faults = frozenset(weakness.faults)
     shrunk = form(_shrunk(deviation, known, weakness, flown))
     as_flown = {form(each): each for each in known.breaking(column, faults)}
     least = replace(
         weakness,
         witness=as_flown.get(shrunk, shrunk),
-        n_held=flown.n_held(column, shrunk),
-        n_seeds=len(flown.broken),
+        n_held=_n_held(flown, column, shrunk),
+        n_seeds=len(flown.seeds),
     )
-    tried = flown.tried(column, faults)
+    tried = _tried(flown, column, faults)
     off = (deviation.in_words(each) if deviation.share(each) else "" for each in least.witness)
     sentence = _sentence(deviation, least, tried)
-    return Mildest(least, sentence, flown.n_flown - before, tuple(off))
+    return Mildest(least, sentence, flown.n_flown.total() - before, tuple(off))
 
 
 def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specification, bool]) -> str:

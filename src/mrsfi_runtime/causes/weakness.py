@@ -14,7 +14,7 @@ from itertools import chain
 from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.counts import Column, EvaluateIn, Prober
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.model.fault_types import Units
@@ -337,15 +337,13 @@ def in_seeds(
     They were found in the first one, which is not flown again. What fails breaks nothing; without
     faults it may not fail.
     """
-    flown = flown_with(found)
-    n_held = Counter(found)
+    flown, n_held = flown_with(found), Counter(found)
     for seed in seeds[1:]:
-        outcomes = dict(zip(flown, evaluate(flown, seed), strict=True))
-        yardstick = yardstick_of(mission, outcomes[()], seed)
-        broken = {each: yardstick.broken(outcome) for each, outcome in outcomes.items()}
+        breaking = Breaking(mission, evaluate, [seed])
+        breaking(flown, seed)
         for each in found:
-            alone = (broken[part] for part in parts(each.witness))
-            n_held[each] += each.column in broken[each.witness].difference(*alone)
+            whole = (each.witness, *parts(each.witness))
+            n_held[each] += breaking.isolates(each.column, whole, seed)
     return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in found)
 
 
@@ -383,3 +381,25 @@ def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstic
     if isinstance(fault_free, FailedFlight):
         raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
     return Yardstick.of(mission, fault_free)
+
+
+class Breaking(Prober[Broken]):
+    """Finds what specifications break in each of some ``seeds``; what fails breaks nothing.
+
+    A yardstick judges in each by a flight without faults, which is not counted.
+    """
+
+    def __init__(self, mission: Mission, evaluate: EvaluateIn, seeds: Sequence[int]) -> None:
+        self.seeds = tuple(seeds)
+        self.yardsticks = {
+            seed: yardstick_of(mission, fault_free, seed)
+            for seed in seeds
+            for fault_free in evaluate([()], seed)
+        }
+        super().__init__(evaluate, lambda _, seed, flown: self.yardsticks[seed].broken(flown))
+        self.known |= {((), seed): frozenset() for seed in seeds}
+
+    def isolates(self, column: Column, whole: Sequence[Specification], seed: int) -> bool:
+        """Return whether a specification, the first of some, breaks it and no part of it does."""
+        broken, *alone = self(whole, seed)
+        return column in broken.difference(*alone)
