@@ -49,9 +49,10 @@ class Prober(Generic[Finding]):
     def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Finding]:
         """Return what is found in flights with a mission seed; those not known fly all at once."""
         new = [each for each in dict.fromkeys(specifications) if (each, seed) not in self.known]
-        self.spend(len(new))
-        for each, flown in zip(new, self._evaluate_many(new, seed) if new else (), strict=True):
-            self.known[each, seed] = self._judge(each, seed, flown)
+        if new:
+            self.spend(len(new))
+            for each, flown in zip(new, self._evaluate_many(new, seed), strict=True):
+                self.known[each, seed] = self._judge(each, seed, flown)
         return [self.known[each, seed] for each in specifications]
 
     @contextmanager

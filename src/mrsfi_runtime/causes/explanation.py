@@ -8,11 +8,11 @@ and Operations Research 36, 2009.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, groupby
-from operator import sub
+from operator import mul, sub
 from random import Random
 from statistics import stdev
 
@@ -230,58 +230,42 @@ def attribute(flights: Flights, specification: Specification) -> Attribution:
     which the faults can join; beyond ``N_EXACT`` faults over ``N_PERMUTATIONS`` drawn ones, the
     same in every call.
     """
-    if len(specification) <= N_EXACT:
-        return Attribution(_exact(flights, specification), None)
-    return _sampled(flights, specification)
-
-
-def _exact(flights: Flights, specification: Specification) -> tuple[tuple[Fraction, ...], ...]:
-    n = len(specification)
-    everyone = range(n)
+    joined = _joined(len(specification))
     flights.fly(
         chosen(specification, places)
-        for size in range(n + 1)
-        for places in combinations(everyone, size)
+        for joining, some in enumerate(joined)
+        for _, before in some
+        for places in (before, (*before, joining))
     )
-    orders = math.factorial(n)
-    shares = []
-    for joining in everyone:
-        others = [place for place in everyone if place != joining]
-        added = []
-        for size in range(n):
-            weight = math.factorial(size) * math.factorial(n - size - 1)
-            for before in combinations(others, size):
-                more = _added(flights, specification, before, joining)
-                added.append([weight * each for each in more])
-        shares.append(tuple(Fraction(sum(each), orders) for each in zip(*added, strict=True)))
-    return tuple(shares)
+    shares, margins = [], []
+    for joining, some in enumerate(joined):
+        weights = [weight for weight, _ in some]
+        added = (_added(flights, specification, before, joining) for _, before in some)
+        columns = [*zip(*added, strict=True)]
+        sums = (sum(map(mul, weights, column)) for column in columns)
+        shares.append(tuple(Fraction(each, sum(weights)) for each in sums))
+        if len(joined) > N_EXACT:
+            scale = _NORMAL / math.sqrt(N_PERMUTATIONS)
+            margins.append(tuple(scale * stdev(column) for column in columns))
+    return Attribution(tuple(shares), tuple(margins) or None)
 
 
-def _added(
-    flights: Flights, specification: Specification, before: Sequence[int], joining: int
-) -> Counts:
+def _joined(n: int) -> list[list[tuple[int, Places]]]:
+    """Return for each of ``n`` faults those before it when it joins, in how many orders each."""
+    everyone = range(n)
+    if n > N_EXACT:
+        random = Random(_SEED)
+        orders = [tuple(random.sample(everyone, n)) for _ in range(N_PERMUTATIONS)]
+        return [[(1, order[: order.index(place)]) for order in orders] for place in everyone]
+    weights = [math.factorial(size) * math.factorial(n - size - 1) for size in everyone]
+    others = ([other for other in everyone if other != place] for place in everyone)
+    return [
+        [(weights[size], before) for size in everyone for before in combinations(some, size)]
+        for some in others
+    ]
+
+
+def _added(flights: Flights, specification: Specification, before: Places, joining: int) -> Counts:
     """Return what a fault adds to each count when it joins some others, all by their places."""
     less, more = (chosen(specification, places) for places in (before, (*before, joining)))
     return tuple(map(sub, flights.counts(more), flights.counts(less)))
-
-
-def _sampled(flights: Flights, specification: Specification) -> Attribution:
-    random = Random(_SEED)
-    everyone = range(len(specification))
-    orders = [random.sample(everyone, len(everyone)) for _ in range(N_PERMUTATIONS)]
-    flights.fly(
-        chosen(specification, order[:size]) for order in orders for size in range(len(order) + 1)
-    )
-    added: list[list[Counts]] = [[] for _ in everyone]
-    for order in orders:
-        for n_before, joining in enumerate(order):
-            added[joining].append(_added(flights, specification, order[:n_before], joining))
-    columns = [tuple(zip(*of_fault, strict=True)) for of_fault in added]
-    scale = _NORMAL / math.sqrt(N_PERMUTATIONS)
-    return Attribution(
-        tuple(
-            tuple(Fraction(sum(column), N_PERMUTATIONS) for column in of_fault)
-            for of_fault in columns
-        ),
-        tuple(tuple(scale * stdev(column) for column in of_fault) for of_fault in columns),
-    )
