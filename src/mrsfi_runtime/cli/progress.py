@@ -6,15 +6,13 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
 from mrsfi_runtime.cli.console import left, tell
 from mrsfi_runtime.cli.terminal import progress_console
-from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
     from mrsfi_runtime.cosimulation.lockstep import Observer
     from mrsfi_runtime.kernel.state import State
+    from mrsfi_runtime.record.settings import CampaignSettings
     from mrsfi_runtime.record.store import CampaignStore
     from mrsfi_runtime.search.run import CampaignProgress
 
@@ -37,6 +35,8 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
     if not console.is_terminal:
         yield plain_lines(settings, monotonic, begun)
         return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (
         TextColumn("generation {task.fields[generation]}"),
         BarColumn(),
@@ -60,7 +60,7 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
 
 
 def plain_lines(
-    settings: CampaignSettings, clock: Callable[[], float], begun: float = 0.0
+    settings: "CampaignSettings", clock: Callable[[], float], begun: float = 0.0
 ) -> "Callable[[CampaignProgress], None]":
     """Return what writes a line after a generation, at most some hundred in a search."""
     recent = deque([(clock(), begun)], maxlen=_PACE)
@@ -101,18 +101,18 @@ def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "O
     return tell_after
 
 
-def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:
+def share_done(settings: "CampaignSettings", state: "CampaignProgress") -> float:
     """Return the share of a search that is done, above 0, at most 1."""
     return _share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
 
 
-def _share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float:
+def _share(settings: "CampaignSettings", n_generations: int, n_asked: int) -> float:
     if settings.evaluations is not None:
         return min(1.0, n_asked / settings.evaluations)
     return min(1.0, n_generations / (settings.generations + 1))
 
 
-def _generation(settings: CampaignSettings, state: "CampaignProgress") -> str:
+def _generation(settings: "CampaignSettings", state: "CampaignProgress") -> str:
     if settings.evaluations is not None:
         return str(state.generation)
     width = len(str(settings.generations))

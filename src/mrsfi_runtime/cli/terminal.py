@@ -1,14 +1,17 @@
-"""What rich lays out for terminals: tables on standard output, progress on standard error."""
+"""What rich lays out for terminals: tables on standard output, progress on standard error.
+
+Rich is imported where something is laid out, so that every command may import this module.
+"""
 
 import os
 import sys
+from typing import TYPE_CHECKING
 
-from rich import box
-from rich.console import Console
-from rich.table import Table as Grid
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table as Grid
 
-from mrsfi_runtime.analysis.table import Table, in_words
+    from mrsfi_runtime.analysis.table import Table
 
 _WIDTH = 100
 """Columns of a table in a pipe or a file, unless the variable COLUMNS says otherwise."""
@@ -20,18 +23,22 @@ _LEAST = 16
 """Columns that a text which may wrap has at least, if it is as long."""
 
 
-def progress_console() -> Console:
+def progress_console() -> "Console":
     """Return the console of standard error; only on a terminal does it move and have colours."""
+    from rich.console import Console
+
     return Console(file=sys.stderr, highlight=False)
 
 
-def print_table(table: Table) -> None:
+def print_table(table: "Table") -> None:
     """Print a table to standard output, with less where it does not fit; name what is left out.
 
     No figure, ID or word is ever cut: where even that is too wide, it is printed in as many
     columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
     that a table is the same in every pipe and log file.
     """
+    from rich.text import Text
+
     console = _console()
     shown = table
     grid, needed = _laid_out(console, table)
@@ -48,6 +55,8 @@ def print_table(table: Table) -> None:
 
 def print_words(*parts: str | tuple[str, str], indent: int = 0) -> None:
     """Print a text to standard output, wrapped; parts may have a style, such as ``bold red``."""
+    from rich.text import Text
+
     words = Text()
     for part in parts:
         text, style = (part, "") if isinstance(part, str) else part
@@ -58,7 +67,9 @@ def print_words(*parts: str | tuple[str, str], indent: int = 0) -> None:
         console.print(Text(" " * indent) + line)
 
 
-def _console() -> Console:
+def _console() -> "Console":
+    from rich.console import Console
+
     given = os.environ.get("COLUMNS", "")
     width = int(given) if given.isdecimal() and int(given) > 0 else None
     console = Console(file=sys.stdout, highlight=False, width=width)
@@ -67,11 +78,17 @@ def _console() -> Console:
     return console
 
 
-def _laid_out(console: Console, table: Table, *, is_tight: bool = False) -> tuple[Grid, int]:
+def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> "tuple[Grid, int]":
     """Return a table in which nothing of a cell becomes markup, and in how many columns it fits.
 
     If it is tight, numbers and their names go on below where they have spaces.
     """
+    from rich import box
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    from mrsfi_runtime.analysis.table import in_words
+
     padding = (0, 1, 0, 0) if table.is_compact else (0, 1)
     grid = Grid(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)
     for name in table.columns:
