@@ -117,7 +117,12 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
         return
     try:
         code = load_fresh(folders, loaded)
-        outcome = ReferenceEngine(code, 1).repeated(())
+        engine = ReferenceEngine(code, 1)
+        outcome = engine.evaluate(())
+        if engine.evaluate(()) != outcome:
+            from mrsfi_runtime.engine.compiled.self_check import unrepeated  # noqa: PLC0415 - numpy
+
+            raise unrepeated(engine, ())
     except (EvaluationError, ReplayMismatch) as error:
         path, line = getattr(error, "line", None) or (folders.generated, 1)
         message = str(error).removeprefix(f"{path}:{line}: ")

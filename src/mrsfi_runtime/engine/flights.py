@@ -10,7 +10,7 @@ from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.own_effects import guarded
 from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.engine.compiled.regions import measured_goals
-from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, SpecificationError, WorkerLost
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.generated_code import MissionCode, failed
 from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
@@ -78,16 +78,6 @@ class Engine(Evaluator):
         seed = self.seed if seed is None else seed
         received: list[FaultTally] = [] if tallies is None else tallies
         return self._evaluate(specification, seed, pool, observer, received)
-
-    def repeated(self, specification: Specification) -> Outcome:
-        """Fly twice, and return what came of it; a ``ReplayMismatch`` says what differs."""
-        first, second = (self.evaluate(specification) for _ in range(2))
-        if first != second:
-            from mrsfi_runtime.engine.compiled.self_check import differing  # noqa: PLC0415 - numpy
-
-            what = differing(self.code, specification, self.seed)
-            raise ReplayMismatch(f"the mission does not repeat itself: {what}")
-        return first
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
         """Fly the mission under a specification of its own pool, and return every tick."""

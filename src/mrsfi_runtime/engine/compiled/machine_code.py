@@ -5,9 +5,7 @@ A wheel brings the kernel as a library that was compiled before, and needs no co
 
 import ctypes
 import json
-import os
 import platform
-import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,7 +14,6 @@ from hashlib import sha256
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import mrsfi_runtime
@@ -32,7 +29,7 @@ PROCESSOR = "x86-64-v3"
 _FEATURES = {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
 """What the library runs on, and what Linux calls the features that such a processor has."""
 
-_LIBRARY, _MANIFEST = "kernel.so", "kernel.json"
+LIBRARY, MANIFEST = "kernel.so", "kernel.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,41 +146,20 @@ def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCod
 def prebuilt_kernel() -> Library | None:
     """Return the library, if there is one of these very sources that this machine can run."""
     try:
-        told = json.loads((FOLDER / _MANIFEST).read_text(encoding="utf-8"))
-        is_ours = told["seal"] == _seal(told["names"], (FOLDER / _LIBRARY).read_bytes())
+        told = json.loads((FOLDER / MANIFEST).read_text(encoding="utf-8"))
+        is_ours = told["seal"] == library_seal(told["names"], (FOLDER / LIBRARY).read_bytes())
         is_known = (sys.platform, platform.machine()) == ("linux", "x86_64")
         features = Path("/proc/cpuinfo").read_text(encoding="utf-8").split() if is_known else ()
         if is_ours and _FEATURES.issubset(features):
-            return Library(FOLDER / _LIBRARY, tuple(told["names"]))
+            return Library(FOLDER / LIBRARY, tuple(told["names"]))
     except (OSError, ValueError, KeyError):
         pass
     return None
 
 
-def _seal(names: Sequence[str], library: bytes) -> str:
+def library_seal(names: Sequence[str], library: bytes) -> str:
     """Return the seal of a library: of these very sources, and of its functions in this order."""
     return sealed(key_of(sources_key(), *names), library).decode()
-
-
-def build(folder: Path) -> None:
-    """Compile the kernel into a library in a folder, and write what it is of beside it."""
-    os.environ.update(NUMBA_CPU_NAME=PROCESSOR, NUMBA_CPU_FEATURES="")  # read as numba is imported
-    import llvmlite.binding as llvm  # noqa: PLC0415 - in this order
-
-    from mrsfi_runtime.engine.compiled.compiler import compiled_kernel  # noqa: PLC0415 - likewise
-
-    target: Any = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
-    kernel = compiled_kernel(target.create_target_machine(cpu=PROCESSOR, reloc="pic"))
-    folder.mkdir(parents=True, exist_ok=True)
-    library = folder / _LIBRARY
-    with TemporaryDirectory() as name:
-        code = Path(name, "kernel.o")
-        code.write_bytes(kernel.binary)
-        flags = ("-shared", "--strip-all", "--no-undefined", "-z", "noexecstack")
-        subprocess.run(["ld", *flags, "-o", library, code], check=True)
-    seal = _seal(kernel.names, library.read_bytes())
-    told = {"seal": seal, "names": kernel.names, "processor": PROCESSOR}
-    (folder / _MANIFEST).write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
 
 
 FLIGHT = ctypes.CFUNCTYPE(

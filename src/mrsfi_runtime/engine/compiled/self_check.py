@@ -14,7 +14,7 @@ from mrsfi_runtime.engine.compiled.layout import packed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, WorkerLost
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
@@ -72,7 +72,8 @@ def require_same(
             continue
         found = _difference(reference.code.mission, recording, seen)
         if found is not None:
-            reference.repeated(specification)  # else nothing could be held to it
+            if reference.evaluate(specification) != reference.evaluate(specification):
+                raise unrepeated(reference, specification)  # nothing could be held to it
             tick, what, a, b = found
             acting = [one.fault for one in specification if one.start <= tick <= one.finish]
             where, under = reference.code.directory, ", ".join(acting) or "no fault"
@@ -82,6 +83,12 @@ def require_same(
             )
         if failure is not None:
             raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
+
+
+def unrepeated(engine: Engine, specification: Specification) -> ReplayMismatch:
+    """Return the error of a mission whose flights differ; it says what does first, and why."""
+    what = differing(engine.code, specification, engine.seed)
+    return ReplayMismatch(f"the mission does not repeat itself: {what}")
 
 
 def differing(code: MissionCode, specification: Specification, seed: int) -> str:
