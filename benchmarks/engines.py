@@ -15,8 +15,8 @@ from benchmarks.measuring import drawn, seconds
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pool import ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import COMPILED, LOCAL, REFERENCE, EngineSettings
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.record.engine_settings import COMPILED, LOCAL, REFERENCE, EngineSettings
 
 MISSION = Path("generated/uuv_sampling")
 ENGINES = (

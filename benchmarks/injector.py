@@ -12,12 +12,13 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.record.engine_settings import INJECTOR, SERVICE, EngineSettings
 
 MISSION = Path("generated") / "uuv_sampling"
 NODE = f"{sys.executable} -m tests.support.standin_node {MISSION} {{url}} 1 {{seed}}"
@@ -27,10 +28,10 @@ WAYS = ("two sides", "answer", "barrier")
 def fly(way: str) -> None:
     """Fly once for each line that is said, and answer with ticks a second."""
     code = load_code(MISSION)
-    node = None
+    settings = EngineSettings("rosbridge")
     if way != WAYS[0]:
-        node = NodeSettings.of(NODE, None, url=None, pace=way, reset=SERVICE)
-    with EngineSettings("rosbridge", node=node).open(code, 1) as engine:
+        settings = replace(settings, side=INJECTOR, node=NODE, node_pace=way, node_reset=SERVICE)
+    with open_engine(settings, code, 1) as engine:
         for _ in sys.stdin:
             begin = time.perf_counter()
             engine.evaluate(())

@@ -19,8 +19,8 @@ from statistics import median
 
 from benchmarks.bridge_soak import child
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.transport.topics import CLIENTS
 
 MISSION = Path("generated") / "uuv_sampling"

@@ -41,14 +41,18 @@ ROOMS = {
         unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
     """,
     "engine": """
-        unit/engine disk/engine disk/test_imported_copies.py conformance/test_compiled.py
-        conformance/test_region_lint.py conformance/test_engines.py integration/test_workers.py
+        unit/mrsfi/test_engines.py disk/engine disk/test_imported_copies.py
+        conformance/test_compiled.py conformance/test_region_lint.py conformance/test_engines.py
+        integration/test_workers.py
     """,
     "cosimulation": """
         unit/cosimulation unit/transport integration/test_lost_sides.py
         integration/test_reordering_server.py integration/test_rosbridge.py
     """,
-    "record": "unit/record disk/record integration/record e2e/test_replay_and_report.py",
+    "record": """
+        unit/record unit/mrsfi/test_engines.py disk/record integration/record
+        e2e/test_replay_and_report.py
+    """,
     "search": """
         unit/search disk/search conformance/test_algorithms.py conformance/test_own_search.py
     """,

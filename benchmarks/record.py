@@ -16,9 +16,9 @@ from typing import Any
 from benchmarks.measuring import Aims, seconds
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure

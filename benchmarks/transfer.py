@@ -31,9 +31,10 @@ from mrsfi_runtime.causes.probing import Probing
 from mrsfi_runtime.causes.ways import ways
 from mrsfi_runtime.causes.weakness import Known, Weakness, form, parts, yardstick_of
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.search.space import SearchSpace
 
 MISSION = load_code(Path("generated") / "uuv_sampling")
@@ -101,7 +102,7 @@ class Own(NamedTuple):
 
 def own() -> Own:
     """Return what ``cover`` finds in the own world."""
-    engine = EngineSettings("compiled").open(MISSION, SEED)
+    engine = open_engine(EngineSettings("compiled"), MISSION, SEED)
     known = search(engine, N_OWN, SEED).known
     shown = tuple(way.shown for way in ways(known.weaknesses()))
     least = mildest(SPACE, known, shown, engine.evaluate_many, engine.record, (SEED,))
@@ -121,10 +122,8 @@ def opened(world: str) -> Iterator[Engine]:
             ) as served:
                 try:
                     served.stdout.readline()
-                    settings = EngineSettings(
-                        "rosbridge", url, has_simulation=False, is_bundled=True
-                    )
-                    with settings.open(MISSION, SEED) as engine:
+                    settings = EngineSettings("rosbridge", url, side="ci", is_bundled=True)
+                    with open_engine(settings, MISSION, SEED) as engine:
                         yield engine
                 finally:
                     served.kill()

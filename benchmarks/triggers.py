@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Event, FaultPool, Trigger
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import begin_search
 from mrsfi_runtime.search.fitness import Judge
@@ -55,7 +56,7 @@ def rows() -> Iterator[tuple[object, ...]]:
     code = load_code(Path("generated/uuv_sampling"))
     declared = triggers(code.mission)
     for pool in (code.pool, replace(code.pool, triggers=declared)):
-        with EngineSettings("compiled").open(replace(code, pool=pool), 1) as engine:
+        with open_engine(EngineSettings("compiled"), replace(code, pool=pool), 1) as engine:
             for algorithm in SEARCHES:
                 for seed in SEEDS:
                     settings = CampaignSettings(

@@ -23,13 +23,14 @@ from random import Random
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi import load
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.engine_settings import EngineSettings
 
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 MRSFI = (sys.executable, "-m", "mrsfi_runtime.cli.main")
@@ -80,7 +81,7 @@ class Brute:
         self._random = random
         self._bounds = {fault.id: value_bounds(code.mission, fault) for fault in code.pool}
         self._places = [*_places(code.mission)]
-        self._engine = EngineSettings("compiled").open(code, SEEDS[0], 2)
+        self._engine = open_engine(EngineSettings("compiled"), code, SEEDS[0], 2)
         self._most = {}
         for seed in SEEDS:
             (outcome,) = self._engine.evaluate_many([()], seed)

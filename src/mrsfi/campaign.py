@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrsfi import reporting
 from mrsfi.campaign_folders import open_campaign, open_to_fly, require_same
-from mrsfi.engines import EngineOptions, Workers, as_recorded
+from mrsfi.engines import AS_RECORDED, again
 from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
@@ -24,8 +24,9 @@ from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.engine.settings import REFERENCE
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
@@ -141,8 +142,8 @@ class Campaign:
         with open_to_fly(self.folder) as campaign:
             recorded = campaign.store.evaluation(index)
             seed = self.settings.mission_seed
-            settings = EngineOptions().again(campaign.store.manifest.engine, REFERENCE)
-            with settings.open(campaign.code, seed) as engine:
+            settings = again(AS_RECORDED, campaign.store.manifest.engine, REFERENCE)
+            with open_engine(settings, campaign.code, seed) as engine:
                 flight = fly(engine, campaign.pool, recorded.specification, seed)
             require_same(self.folder, recorded, flight.outcome)
             return flight
@@ -172,7 +173,7 @@ class Campaign:
         with open_to_fly(self.folder) as campaign:
             some = [*evaluations_of(campaign, index)]
             about = explainer_of_campaign(campaign)
-            settings = as_recorded(campaign.store.manifest.engine)
+            settings = again(AS_RECORDED, campaign.store.manifest.engine)
             ((_, found),) = explained(about, some, settings, Workers(), keep)
             return found
 

@@ -13,7 +13,7 @@ from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.project import from_here, project
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
@@ -21,6 +21,7 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.project_file import root
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
@@ -80,7 +81,7 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
         models = load_mission_folder(folder.model)
         mission = mission_from_text(rendered_file("mission_loader.py", models))
         pool = pool_from_text(rendered_file("fault_loader.py", models))
-        pool = pool.without(store.manifest.engine.left_out)
+        pool = pool.without(store.manifest.engine.node_left_out)
         yield OpenCampaign(folder, store, mission, pool)
 
 
@@ -107,7 +108,7 @@ def load_own(folder: CampaignFolder, store: CampaignStore) -> MissionCode:
             f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}; "
             "expected the folder as `mrsfi evolve` left it"
         ) from error
-    return replace(code, pool=code.pool.without(store.manifest.engine.left_out))
+    return replace(code, pool=code.pool.without(store.manifest.engine.node_left_out))
 
 
 def _edited(folder: CampaignFolder) -> Iterator[str]:
@@ -158,9 +159,9 @@ def tried_again(campaign: FlyableCampaign, engine: EngineSettings, tell: Tell) -
     store = campaign.store
     seed, record = store.settings.mission_seed, store.manifest.engine
     if not record.is_foreign or record.unrepeated or not store.n_evaluations:
-        return engine.tried(campaign.code, seed, tell)
+        return tried(engine, campaign.code, seed, tell)
     (recorded,) = find_evaluations(campaign, None)
-    with engine.open(campaign.code, seed) as opened:
+    with open_engine(engine, campaign.code, seed) as opened:
         outcome = opened.evaluate(recorded.specification)
     require_same(campaign.folder.path, recorded, outcome)
     return engine

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mrsfi.campaign_folders import FlyableCampaign, open_campaign
-from mrsfi.engines import Choice, Tell, Workers, silent
+from mrsfi.engines import Given, Tell, silent
 from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.verdicts import cause_in_words
@@ -15,6 +15,7 @@ from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.record.engine_settings import Workers
 
 WENT, CAME, STAYED, UNKNOWN = "went", "came", "stayed", "cannot be flown"
 
@@ -85,7 +86,7 @@ def _is_true(way: Way) -> bool:
 
 
 def changes(
-    before: Path, after: Path, engine: Choice, workers: Workers, tell: Tell = silent
+    before: Path, after: Path, engine: Given, workers: Workers, tell: Tell = silent
 ) -> tuple[Change, ...]:
     """Return what became of the weaknesses of a mission between two campaigns, each flown anew."""
     found, models, names = [], [], []

@@ -1,25 +1,34 @@
-"""Engines and evaluators, opened as their settings say; imported when they are."""
+"""The engine that options, record and project name; evaluators, opened accordingly."""
 
+import hashlib
+import json
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, TypeAlias, cast
+import shlex
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import fields
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi.project import project
-from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import NodeSettings
-from mrsfi_runtime.engine.settings import (
-    AUTO,
-    LOCAL,
-    REFERENCE,
-    ROSBRIDGE,
-    EngineSettings,
-    require_address,
-)
+from mrsfi_runtime.cosimulation.node.pace import ANSWER, BARRIER
+from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
-from mrsfi_runtime.record.manifest import BOTH, INJECTOR, EngineRecord
-from mrsfi_runtime.transport.topics import CLIENTS, Client, without_token
+from mrsfi_runtime.record.engine_settings import (
+    AUTO,
+    BOTH,
+    INJECTOR,
+    OF_ANY_ENGINE,
+    REFERENCE,
+    RESTART,
+    ROSBRIDGE,
+    SERVICE,
+    EngineSettings,
+    Workers,
+    flag,
+    parts_of,
+)
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine, Evaluator
@@ -28,167 +37,115 @@ if TYPE_CHECKING:
 Tell: TypeAlias = Callable[[str], None]
 """Takes one line about how things go."""
 
-Choice: TypeAlias = Callable[[EngineRecord], EngineSettings]
-"""Says what flies a campaign again, of what it was begun with."""
+Given: TypeAlias = Mapping[str, Any]
+"""Fields of ``EngineSettings`` that options give, by name."""
+
+AS_RECORDED: Given = MappingProxyType({})
+"""No options: the engine is that of the record."""
 
 _N_PROCESSORS = os.cpu_count() or 1
+_LEFT_OUT = frozenset({"__pycache__", "node_modules"})
 
 
 def silent(_: str) -> None:
     """Tell nobody."""
 
 
-@dataclass(frozen=True, slots=True)
-class Workers:
-    """Who evaluates: so many processes of this machine, as many as it has processors by default.
+def again(given: Given, recorded: EngineSettings, default: str = AUTO) -> EngineSettings:
+    """Return the engine that flies a campaign again: any of ours, or the external parts that did.
 
-    Or a cluster: ``dask`` is the address of its scheduler, or ``local`` for one of this machine.
+    A campaign whose flights do not repeat themselves is a ``ReplayMismatch``.
     """
-
-    number: int | None = None
-    dask: str | None = None
-
-    def require_sense(self, engine: EngineSettings) -> None:
-        """Refuse what contradicts itself or the engine, or dask where it is missing."""
-        engine.require_workers(self.number or 1)
-        if self.dask is None:
-            return
-        require_address(self.dask)
-        if engine.name == ROSBRIDGE:
-            raise UsageError(
-                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
-                "beside them; expected another engine, or --workers"
-            )
-        if self.dask != LOCAL and self.number is not None:
-            raise UsageError(
-                f"--workers {self.number}: makes no sense with --dask {self.dask}, which has the "
-                "workers that were started for it; leave --workers out"
-            )
-
-
-@dataclass(frozen=True, slots=True)
-class EngineOptions:
-    """What the command line says of the engine; ``None`` where it says nothing."""
-
-    engine: str | None = None
-    url: str | None = None
-    ros: str | None = None
-    client: str | None = None
-    side: str | None = None
-    timeout: float | None = None
-    bundle: bool | None = None
-    world_prefix: str | None = None
-    node: str | None = None
-    node_pace: str | None = None
-    node_reset: str | None = None
-    node_prefix: str | None = None
-
-    def again(self, recorded: EngineRecord, default: str = AUTO) -> EngineSettings:
-        """Return what flies a campaign again: any engine of ours, or the external parts that did.
-
-        If these do not repeat themselves, nothing can: a ``ReplayMismatch``.
-        """
-        if recorded.unrepeated:
-            raise ReplayMismatch(
-                f"this campaign cannot be flown again: {recorded.unrepeated}; to fly one of its "
-                "specifications as a flight of its own: mrsfi simulate MISSION --faults FILE"
-            )
-        return self.settings(recorded if recorded.is_foreign else EngineRecord(), default)
-
-    def settings(
-        self, recorded: EngineRecord | None = None, default: str = REFERENCE
-    ) -> EngineSettings:
-        """Return the settings: as the command line says, or else a record, or else the default.
-
-        Options that make no sense together, or other parts than a record's, are a ``UsageError``.
-        """
-        known = recorded or EngineRecord()
-        implied = ROSBRIDGE if self.side == INJECTOR else None
-        name = self.engine or implied or known.name or default
-        given = [each.name for each in fields(self)[1:] if getattr(self, each.name) is not None]
-        if name != ROSBRIDGE and given:
-            raise UsageError(
-                f"{_spelled(given[0])} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
-            )
-        bus = known if name == ROSBRIDGE else EngineRecord()
-        side, url = self.side or bus.side, self.url or bus.url
-        parts = EngineRecord(url=url, side=side).parts
-        if recorded is not None and parts != recorded.parts:
-            again = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
-            raise UsageError(
-                f"this campaign was flown with {recorded.parts}; found {parts}, whose counts do "
-                f"not belong to it; expected {again if recorded.is_foreign else 'no --side'}"
-            )
-        if side not in {BOTH, INJECTOR} and url is None:
-            raise UsageError(f"--side {side} needs --url: the server on which the sides meet")
-        world_prefix = self.world_prefix or bus.world_prefix
-        if world_prefix and url is None:
-            raise UsageError("--world-prefix needs --url: the server on which the world is")
-        usual = Patience()
-        timeout = self.timeout or bus.timeout or usual.tick
-        return EngineSettings(
-            name=name,
-            url=url,
-            ros=int(self.ros or bus.ros or (project().ros if name == ROSBRIDGE else 1)),
-            client=cast("Client", self.client or bus.client or CLIENTS[0]),
-            has_simulation=side == BOTH or url is None,
-            is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
-            patience=Patience(timeout, max(timeout, usual.handshake)),
-            node=self._node(known, side, url),
-            world_prefix=world_prefix,
+    if recorded.unrepeated:
+        raise ReplayMismatch(
+            f"this campaign cannot be flown again: {recorded.unrepeated}; to fly one of its "
+            "specifications as a flight of its own: mrsfi simulate MISSION --faults FILE"
         )
+    return chosen(given, default, recorded if recorded.is_foreign else EngineSettings(default))
 
-    def _node(self, recorded: EngineRecord, side: str, url: str | None) -> NodeSettings | None:
-        """Return how the node is started and reached, if there is one.
 
-        Another node than that of a record is a ``RecordError``.
-        """
-        if side != INJECTOR:
-            for name in ("node", "node_pace", "node_reset", "node_prefix"):
-                if getattr(self, name) is not None:
-                    raise UsageError(f"{_spelled(name)} needs --side {INJECTOR}")
-            return None
-        known = recorded.node or {}
-        found = NodeSettings.of(
-            self.node or known.get("command"),
-            project().node,
-            url=url,
-            pace=self.node_pace or known.get("pace"),
-            reset=self.node_reset or known.get("reset"),
-            prefix=self.node_prefix or known.get("prefix", ""),
+def chosen(
+    given: Given, default: str = REFERENCE, recorded: EngineSettings | None = None
+) -> EngineSettings:
+    """Return the settings: options come before a record, the project and the defaults.
+
+    Options that make no sense together, or other parts than a record's, are a ``UsageError``;
+    another node than a record's is a ``RecordError``.
+    """
+    values = _merged(given, recorded or EngineSettings(default))
+    side, url = values.get("side", BOTH), values.get("url")
+    if recorded is not None and parts_of(side, url) != recorded.parts:
+        options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
+        raise UsageError(
+            f"this campaign was flown with {recorded.parts}; found {parts_of(side, url)}, whose "
+            "counts do not belong to it; expected "
+            f"{options if recorded.is_foreign else 'no --side'}"
         )
-        return found.again(recorded.node) if recorded.node is not None else found
+    if side == INJECTOR:
+        values = _with_node(values, url)
+    settings = EngineSettings(**values)
+    settings.require_sense()
+    if side != INJECTOR:
+        _require_none(given, "node", f"needs --side {INJECTOR}")
+    elif recorded is not None:
+        settings.require_same_node(recorded)
+    return settings
 
 
-as_recorded: Choice = EngineOptions().again
-"""What flies a campaign again where nobody names an engine."""
+def _merged(given: Given, base: EngineSettings) -> dict[str, Any]:
+    """Return the fields that options, or else a record or the project give."""
+    name = given.get("name") or (ROSBRIDGE if given.get("side") == INJECTOR else base.name)
+    known = {
+        each.name: getattr(base, each.name)
+        for each in fields(base)
+        if each.name in OF_ANY_ENGINE or base.name == name == ROSBRIDGE
+    }
+    if name != ROSBRIDGE:
+        _require_none(given, "", f"needs --engine {ROSBRIDGE}; the {name} engine has no bus")
+    elif "ros" not in known:
+        known["ros"] = project().ros
+    return {**known, **given, "name": name}
 
 
-def _spelled(option: str) -> str:
-    """Return an option as it is written."""
-    return f"--{option.replace('_', '-')}"
+def _require_none(given: Given, group: str, needs: str) -> None:
+    """Refuse options of fields whose names begin with a group's."""
+    for each in fields(EngineSettings):
+        is_of_group = each.name.startswith(group) and each.name not in OF_ANY_ENGINE
+        if is_of_group and each.name in given:
+            raise UsageError(f"{flag(each)} {needs}")
 
 
-def recorded_engine(settings: EngineSettings) -> EngineRecord:
-    """Return what a campaign records of its engine."""
-    if settings.name != ROSBRIDGE:
-        return EngineRecord(settings.name)
-    return EngineRecord(
-        settings.name,
-        url=None if settings.url is None else without_token(settings.url),
-        ros=settings.ros,
-        client=settings.client,
-        side=settings.side,
-        is_bundled=settings.is_bundled,
-        world_prefix=settings.world_prefix,
-        timeout=None if settings.patience == Patience() else settings.patience.tick,
-        node=None if settings.node is None else asdict(settings.node),
-    )
+def _with_node(values: dict[str, Any], url: str | None) -> dict[str, Any]:
+    """Return fields with defaults of a node, and with its files and table of today."""
+    command, table = values.get("node"), project().node
+    return {
+        "node_pace": BARRIER if url is None else ANSWER,
+        "node_reset": SERVICE if command is None else RESTART,
+        **values,
+        "node_mapping": "" if table is None else json.dumps(table, sort_keys=True),
+        "node_sha256": "" if command is None else _folder_sha256(command),
+    }
 
 
-def opened(code: "MissionCode", seed: int, engine: EngineSettings, tell: Tell = silent) -> "Engine":
-    """Return an engine of this process; auto is compiled, or else says what does not compile."""
-    return engine.named(code, seed, tell).open(code, seed)
+def _folder_sha256(command: str) -> str:
+    """Return the hash of all files beside those that a command names, and in folders below.
+
+    What lies in the working folder itself is hashed alone: there is all of a project beside it.
+    """
+    found, sha = set[Path](), hashlib.sha256()
+    with suppress(ValueError):  # of a command that is none
+        for path in map(Path, shlex.split(command)):
+            if path.is_file() and not path.is_absolute():
+                is_alone = path.parent == Path()
+                found |= {path} if is_alone else {*filter(_is_part, path.parent.rglob("*"))}
+    for path in sorted(found):
+        sha.update(f"{path.as_posix()}\0".encode())
+        sha.update(path.read_bytes())
+    return sha.hexdigest()
+
+
+def _is_part(path: Path) -> bool:
+    return path.is_file() and not _LEFT_OUT & set(path.parts) and path.name[0] != "."
 
 
 @contextmanager
@@ -199,7 +156,7 @@ def own_engine(
     if evaluator.engine is not None:
         yield evaluator.engine
         return
-    with settings.open(code, seed) as engine:
+    with open_engine(settings, code, seed) as engine:
         yield engine
 
 
@@ -219,12 +176,13 @@ def evaluator(
     evaluates, before the mission is handed out. A cluster that is out of reach or without workers
     is a ``TransportError``.
     """
+    workers.require_sense(engine)
     if workers.dask is None:
         n_workers = workers.number or (1 if engine.url else _N_PROCESSORS)
         on_reached(f"{n_workers} workers")
         from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
 
-        with WorkerPool(code, seed, n_workers, engine.named(code, seed, tell)) as pool:
+        with WorkerPool(code, seed, n_workers, named(engine, code, seed, tell)) as pool:
             yield pool
         return
     from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional

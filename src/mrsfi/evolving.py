@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
-from mrsfi.engines import Tell, Workers, own_engine, recorded_engine, silent
+from mrsfi.engines import Tell, own_engine, silent
 from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
 from mrsfi.injecting import looked_at, within_reach
@@ -19,15 +19,16 @@ from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.compiled.self_check import differing
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.opening import tried
 from mrsfi_runtime.engine.region_sources import imported_files
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
+from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Workers
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.manifest import BOTH, CI, Manifest
+from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
@@ -67,9 +68,9 @@ def begun(
     code, engine = within_reach(code, engine, tell)
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
-    flown_by = engine.tried(code, settings.mission_seed, tell)
+    flown_by = tried(engine, code, settings.mission_seed, tell)
     engine, doubt = looked_at(code, engine, settings, tell)
-    flown_by = replace(flown_by, node=engine.node)
+    flown_by = replace(flown_by, node_repeats=engine.node_repeats)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
         campaign.store.doubt(doubt)
@@ -93,7 +94,7 @@ def made(
             mission=folders.name,
             place=folders.place,
             case=case,
-            engine=recorded_engine(engine),
+            engine=engine,
             versions={name: installed_version(name) for name in _VERSIONED},
             machine=platform.machine(),
             sha256=folder.hashes(),

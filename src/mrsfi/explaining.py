@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mrsfi.campaign_folders import FlyableCampaign, find_evaluations, require_same
-from mrsfi.engines import Tell, Workers, flying, silent
+from mrsfi.engines import Tell, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import SpecificationWriter, specification_rows
@@ -14,12 +14,12 @@ from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.engine.opening import tried
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.files import telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
-from mrsfi_runtime.record.manifest import BOTH
+from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.regressions import folder_of
@@ -177,7 +177,7 @@ def explained(
     workers.require_sense(engine)
     code, seed = explainer.code, explainer.mission_seeds[0]
     if engine.name == AUTO:
-        engine = engine.tried(code, seed, tell)
+        engine = tried(engine, code, seed, tell)
     with flying(code, seed, engine, workers, tell) as (evaluator, own):
         for each in specifications:
             if engine.side != BOTH and each.recorded is None:

@@ -5,9 +5,12 @@ from dataclasses import replace
 from random import Random
 
 from mrsfi.engines import Tell
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import UsageError, counted
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.record.engine_settings import INJECTOR, EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
@@ -23,9 +26,10 @@ def within_reach(
 
     Where nothing is left, it is a ``UsageError``.
     """
-    if engine.node is None:
+    if engine.side != INJECTOR:
         return code, engine
-    beyond = engine.node.out_of_reach(code.mission, code.pool)
+    speech = Speech.of(engine.node_mapping, code.mission)
+    beyond = out_of_reach(code.mission, code.pool, speech)
     touching = defaultdict(list)
     for fault, touched in beyond.items():
         touching[touched].append(fault)
@@ -38,8 +42,7 @@ def within_reach(
             f"none of {counted(len(code.pool), 'faults')} can be injected: no topic of [node] "
             "tells of what they touch (docs/node.md)"
         )
-    node = replace(engine.node, left_out=tuple(beyond))
-    return replace(code, pool=pool), replace(engine, node=node)
+    return replace(code, pool=pool), replace(engine, node_left_out=tuple(beyond))
 
 
 def looked_at(
@@ -50,23 +53,23 @@ def looked_at(
     That is once if the node repeats itself, and otherwise as often, as at a rate: then it is told
     and returned how it does not.
     """
-    if engine.node is None:
+    if engine.side != INJECTOR:
         return engine, ""
     space = SearchSpace.of(code.mission, code.pool)
     specification = random_specification(space, settings.faults, Random(settings.seed))
-    with engine.open(code, settings.mission_seed) as opened:
+    with open_engine(engine, code, settings.mission_seed) as opened:
         found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
     is_same = all(each == found[0] for each in found)
     counts = ", ".join(str(sum(each.believed)) for each in found)
     seen = f"one specification, flown {N_LOOKS} times, "
     seen += "was the same" if is_same else f"had {counts} believed violations"
-    if is_same and not engine.node.is_free:
+    if is_same and not engine.is_free:
         tell(f"your node repeats itself: {seen}")
         return engine, ""
-    how = "runs by its own clock" if engine.node.is_free else "does not repeat itself"
+    how = "runs by its own clock" if engine.is_free else "does not repeat itself"
     doubt = (
         f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
         "median, and causes are not looked for: they may be chance"
     )
     tell(f"warning: {doubt}")
-    return replace(engine, node=replace(engine.node, repeats=N_LOOKS)), doubt
+    return replace(engine, node_repeats=N_LOOKS), doubt

@@ -8,15 +8,16 @@ from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrsfi.engines import Tell, Workers, evaluator, opened, silent
+from mrsfi.engines import Tell, evaluator, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate
 from mrsfi.loading import load_fresh, read_specification
 from mrsfi.renaming import rename
-from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
+from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate, at_work
 from mrsfi_runtime.project_file import choose_metamodels
+from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, EngineSettings, Workers
 from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ class Mission:
             pool, specification = written.pool, written.specification
         else:
             pool, specification = self.pool, Gate(self.model, self.pool).admitted(faults)
-        with opened(self.code, seed, _settings(engine)) as flown_by:
+        with open_engine(_settings(engine), self.code, seed) as flown_by:
             return fly(flown_by, pool, specification, seed)
 
     def evaluate(
@@ -380,7 +381,7 @@ class Mission:
             (name, replace(one, seed=1 + seed)) for seed in range(n_seeds) for name, one in settings
         ]
         seed = runs[0][1].mission_seed
-        flown_by = asked.tried(self.code, seed, tell)
+        flown_by = tried(asked, self.code, seed, tell)
         evaluating = partial(
             evaluator,
             seed=seed,

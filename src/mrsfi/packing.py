@@ -20,13 +20,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 
 from mrsfi.campaign_folders import FlyableCampaign, open_to_fly
-from mrsfi.engines import Choice, Tell, Workers, opened, silent
+from mrsfi.engines import Given, Tell, again, silent
 from mrsfi.evolving import evolve, tell_of_versions
 from mrsfi.reporting import report
 from mrsfi_runtime.causes.harvest import KEPT
+from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
 from mrsfi_runtime.files import telling, whole_file
 from mrsfi_runtime.imported_copies import IMPORTED
+from mrsfi_runtime.record.engine_settings import Workers
 from mrsfi_runtime.record.folder import CampaignFolder, no_writer
 from mrsfi_runtime.record.store import CampaignStore
 
@@ -83,7 +85,7 @@ def _told(store: CampaignStore, digest: str) -> bytes:
 
 
 def repeat(
-    archive: Path, engine: Choice, digest: str | None = None, tell: Tell = silent
+    archive: Path, engine: Given, digest: str | None = None, tell: Tell = silent
 ) -> tuple[Mapping[str, int], str, str]:
     """Make a campaign once more; return how much is as recorded, its digest and the archive's.
 
@@ -110,11 +112,11 @@ def repeat(
         return numbers, store.digest(), found
 
 
-def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Choice, tell: Tell) -> None:
+def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Given, tell: Tell) -> None:
     """Fly what was flown after a recorded search, then search, look for weaknesses and report."""
     code, settings = campaign.code, recorded.settings
-    flown_by = engine(recorded.manifest.engine).named(code, settings.mission_seed, tell)
-    with opened(code, settings.mission_seed, flown_by) as one, suppress(MrsfiError):
+    flown_by = named(again(engine, recorded.manifest.engine), code, settings.mission_seed, tell)
+    with open_engine(flown_by, code, settings.mission_seed) as one, suppress(MrsfiError):
         campaign.store.append_flights(
             replace(each, found=one.attempt(each.specification, each.mission_seed))
             for each in recorded.flights()

@@ -6,7 +6,7 @@ from pathlib import Path
 from time import monotonic
 
 from mrsfi.campaign_folders import OpenCampaign, mission_of
-from mrsfi.engines import Choice, Tell, Workers, as_recorded, opened, silent
+from mrsfi.engines import AS_RECORDED, Given, Tell, silent
 from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
@@ -17,12 +17,12 @@ from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
-from mrsfi_runtime.record.manifest import BOTH, EngineRecord
+from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.regressions import Regression, folder_of, kept
@@ -91,7 +91,7 @@ def keep(
     name: str | None = None,
     limits: Mapping[str, int] | None = None,
     n_seeds: int = 1,
-    engine: Choice = as_recorded,
+    engine: Given = AS_RECORDED,
     accepted: str = "",
 ) -> Regression:
     """Keep a way to break a goal beside the models of its mission, by its number from 1 on.
@@ -151,7 +151,7 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
 
 
 def _flown(
-    path: Path, regression: Regression, specification: Specification, engine: Choice
+    path: Path, regression: Regression, specification: Specification, engine: Given
 ) -> Iterator[dict[str, int]]:
     """Yield what a witness has in all mission seeds but that of its campaign."""
     _, *others = regression.mission_seeds
@@ -233,7 +233,7 @@ def check_all(
     try:
         code = load_fresh(folders)
         seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
-        engine = engine.tried(code, seed, tell) if engine.name == AUTO else engine
+        engine = tried(engine, code, seed, tell) if engine.name == AUTO else engine
     except MrsfiError as error:
         yield from (replace(each, error=each.error or error) for each in fresh)
         return
@@ -252,7 +252,7 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
     began, regression = monotonic(), found.regression
     try:
         if regression.side not in {BOTH, settings.side}:
-            flown_with = EngineRecord(side=regression.side).parts
+            flown_with = parts_of(regression.side)
             raise UsageError(
                 f"{regression.path}: its limits are counts of {flown_with}; expected that again, "
                 f"with --side {regression.side}"
@@ -264,7 +264,7 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
         for oddity in regression.idle(code.mission.duration):
             tell(oddity)
         flown = replace(code, pool=written.pool)
-        with opened(flown, found.seeds[0], settings, tell) as engine:
+        with open_engine(settings, flown, found.seeds[0]) as engine:
             others = {
                 seed: regression.counts(
                     flown.mission.goal_ids, engine.evaluate(written.specification, seed)

@@ -5,7 +5,7 @@ from contextlib import ExitStack, contextmanager
 from functools import cache
 
 from mrsfi.campaign_folders import OpenCampaign
-from mrsfi.engines import Workers, as_recorded, silent
+from mrsfi.engines import AS_RECORDED, silent
 from mrsfi.loading import specification_writer
 from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
@@ -16,6 +16,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.engine_settings import Workers
 
 
 def report(
@@ -65,7 +66,7 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record]:
 
         @cache
         def flown_by() -> Engine | MrsfiError:
-            flying = flying_again(campaign.folder.path, as_recorded, Workers(1), silent)
+            flying = flying_again(campaign.folder.path, AS_RECORDED, Workers(1), silent)
             try:
                 return stack.enter_context(flying)[2]
             except MrsfiError as error:

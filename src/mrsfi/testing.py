@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi.folders import find_mission
 from mrsfi.regressions import all_kept, check_all
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings
 
 
 def regression_test(

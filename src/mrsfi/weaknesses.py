@@ -10,7 +10,7 @@ from time import monotonic
 from types import MappingProxyType
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly, tried_again
-from mrsfi.engines import Choice, Tell, Workers, flying
+from mrsfi.engines import Given, Tell, again, flying
 from mrsfi_runtime.analysis import fault_tree
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.table import as_csv
@@ -31,6 +31,7 @@ from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.record.engine_settings import Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
@@ -90,11 +91,11 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 
 @contextmanager
 def flying_again(
-    run: Path, engine: Choice, workers: Workers, tell: Tell
+    run: Path, engine: Given, workers: Workers, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
     """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
     with open_to_fly(run, tell) as campaign:
-        settings = engine(campaign.store.manifest.engine)
+        settings = again(engine, campaign.store.manifest.engine)
         workers.require_sense(settings)
         seed = campaign.store.settings.mission_seed
         settings = tried_again(campaign, settings, tell)

@@ -8,11 +8,12 @@ from itertools import islice
 import pytest
 from numba.core.errors import TypingError
 
+from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.conformance.regions import compiled
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
@@ -37,7 +38,7 @@ def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, d
     reference = ReferenceEngine(code, SEED)
     drawn = specifications(code, n)
 
-    with COMPILED.open(code, SEED, 2) as engine:
+    with open_engine(COMPILED, code, SEED, 2) as engine:
         outcomes = list(engine.evaluate_many(drawn))
 
     assert outcomes == [reference.evaluate(specification) for specification in drawn]
@@ -46,9 +47,10 @@ def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, d
 FLY = """
 import sys
 from pathlib import Path
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
-with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
+with open_engine(EngineSettings("compiled"), load_code(Path(sys.argv[1])), 1) as engine:
     engine.evaluate(())
     print(int(engine._fly_many.is_new))
 """
@@ -95,7 +97,7 @@ def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
     )
     code = edited(tmp_path, body)
 
-    with COMPILED.open(code, SEED) as engine:
+    with open_engine(COMPILED, code, SEED) as engine:
         assert traced(engine, ()) == traced(ReferenceEngine(code, SEED), ())
 
 
@@ -112,7 +114,7 @@ def test_a_region_may_call_what_any_task_says_for_any_goal(tmp_path, region, bod
     code = load_code(edited_code(tmp_path, region, indented(body)))
     drawn = [(), *specifications(code, 2)]
 
-    with COMPILED.open(code, SEED) as engine:
+    with open_engine(COMPILED, code, SEED) as engine:
         assert list(engine.evaluate_many(drawn)) == list(
             ReferenceEngine(code, SEED).evaluate_many(drawn)
         )
@@ -135,7 +137,7 @@ def test_a_region_that_fails_does_so_as_in_python_with_its_line(tmp_path, body, 
     reference = ReferenceEngine(code, SEED)
     drawn = [(), *specifications(code, 6)]
 
-    with COMPILED.open(code, SEED) as engine:
+    with open_engine(COMPILED, code, SEED) as engine:
         found = list(engine.evaluate_many(drawn))
         for fly in (engine.evaluate, engine.record):
             with pytest.raises(EvaluationError, match=rf"telligence.py:\d+: .*{error}"):
@@ -156,7 +158,7 @@ def test_a_region_may_raise_an_error_of_its_own_with_values(tmp_path, is_cached)
         command = [sys.executable, "-c", FLY, str(code.directory)]
         assert b"seen" in subprocess.run(command, capture_output=True, check=False).stderr
 
-    with COMPILED.open(code, SEED) as engine:
+    with open_engine(COMPILED, code, SEED) as engine:
         [found] = engine.evaluate_many([()])
 
     assert "failed at tick 1: ValueError: ('seen', 42)" in found.traceback
@@ -170,13 +172,13 @@ def test_what_does_not_compile_is_told_and_flies_on_the_reference_engine(tmp_pat
     told = []
 
     with pytest.raises(EvaluationError) as error:
-        COMPILED.open(code, SEED)
-    auto = EngineSettings("auto").tried(code, SEED, told.append)
+        open_engine(COMPILED, code, SEED)
+    auto = tried(EngineSettings("auto"), code, SEED, told.append)
 
     assert str(error.value).startswith(f"{path}:{line}: region {REGION} cannot be compiled: 'any'")
     assert auto == EngineSettings("reference")
     assert str(error.value) in told[0]
-    with EngineSettings("auto").open(code, SEED) as engine:
+    with open_engine(EngineSettings("auto"), code, SEED) as engine:
         assert isinstance(engine, ReferenceEngine)
 
 
@@ -191,9 +193,9 @@ def test_a_region_that_runs_on_no_engine_is_refused_by_auto_too(tmp_path, body, 
     code = edited(tmp_path, body)
 
     with pytest.raises(EvaluationError, match=compiled):
-        COMPILED.open(code, SEED)
+        open_engine(COMPILED, code, SEED)
     with pytest.raises(EvaluationError, match=f"failed at tick 0: {flown}"):
-        EngineSettings("auto").tried(code, SEED, print)
+        tried(EngineSettings("auto"), code, SEED, print)
 
 
 FLOWN = [kind for kind in EDITS if kind not in (*REFUSED, *NUMBA_REFUSES)]
@@ -221,7 +223,7 @@ def test_after_an_edit_of_all_that_a_region_reaches_both_engines_agree(tmp_path,
         command = [sys.executable, "-c", FLY, str(code.directory)]
         told = subprocess.run(command, capture_output=True, check=True, text=True).stdout
         assert told == "1\n"
-        with COMPILED.open(code, SEED) as engine:
+        with open_engine(COMPILED, code, SEED) as engine:
             digests.append(engine.evaluate(()).digest)
         assert digests[-1] == ReferenceEngine(code, SEED).evaluate(()).digest
 
@@ -258,7 +260,7 @@ def test_threads_and_chunks_change_nothing():
 
     results = []
     for n_threads in (1, 2, 3):
-        with COMPILED.open(code, SEED, n_threads) as engine:
+        with open_engine(COMPILED, code, SEED, n_threads) as engine:
             results.append(list(engine.evaluate_many(drawn)))
             results.append(list(islice(engine.evaluate_many(drawn), 150)))
 
@@ -267,7 +269,7 @@ def test_threads_and_chunks_change_nothing():
 
 def campaign(code, drawn):
     """Try a mission out and evaluate on three mission seeds, as commands do."""
-    with EngineSettings("auto").tried(code, SEED, print).open(code, SEED) as engine:
+    with open_engine(tried(EngineSettings("auto"), code, SEED, print), code, SEED) as engine:
         return [list(engine.evaluate_many(drawn, seed)) for seed in (1, 2, SEED)]
 
 
@@ -307,7 +309,7 @@ def test_what_was_found_to_differ_is_found_again_and_again(tmp_path):
         with pytest.raises(EvaluationError, match="the reference engine has"):
             campaign(code, specifications(code, 2))
     with (
-        COMPILED.open(code, SEED) as engine,
+        open_engine(COMPILED, code, SEED) as engine,
         pytest.raises(EvaluationError, match="the reference engine has"),
     ):
         list(engine.evaluate_many([()]))
@@ -317,12 +319,12 @@ def test_a_region_that_fails_only_where_it_is_not_compiled_stops_the_search(tmp_
     code = edited(tmp_path, "return math.sqrt(-1.0 - ci.mission.tick) > 0.0", "import math\n")
 
     with (
-        COMPILED.open(code, SEED) as engine,
+        open_engine(COMPILED, code, SEED) as engine,
         pytest.raises(EvaluationError, match=r"collective_intelligence.py:\d+: .*math domain"),
     ):
         list(engine.evaluate_many([()]))
     with pytest.raises(EvaluationError, match="math domain"):
-        EngineSettings("auto").tried(code, SEED, print)
+        tried(EngineSettings("auto"), code, SEED, print)
 
 
 @pytest.mark.parametrize(
@@ -334,7 +336,7 @@ def test_a_region_that_writes_to_a_table_fails_with_its_line_on_both_engines(tmp
 
     reference = ReferenceEngine(code, SEED)
 
-    with COMPILED.open(code, SEED) as engine:
+    with open_engine(COMPILED, code, SEED) as engine:
         found = list(engine.evaluate_many([(), ()]))
 
     text = (code.directory / "collective_intelligence.py").read_text(encoding="utf-8")
@@ -347,5 +349,5 @@ def test_code_that_was_loaded_again_since_still_compiles():
     first = paper_code(60)
     paper_code(60)
 
-    with COMPILED.open(first, SEED) as engine:
+    with open_engine(COMPILED, first, SEED) as engine:
         assert traced(engine, ()) == traced(ReferenceEngine(first, SEED), ())

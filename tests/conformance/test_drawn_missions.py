@@ -9,12 +9,13 @@ from hypothesis import given, note, settings
 from hypothesis import strategies as st
 
 from m2t.generate import generate
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.shapes import (
     TASKS,
@@ -111,7 +112,7 @@ def fly_alike(folders, of, longest, n_missions):
         alone = [(TimedFault(fault.id, 0, last, fault.values),) for fault in code.pool]
         reference = ReferenceEngine(code, seed)
 
-        with EngineSettings("compiled").open(code, seed) as engine:
+        with open_engine(EngineSettings("compiled"), code, seed) as engine:
             found = [flown(engine, specification) for specification in some]
             outcomes = list(engine.evaluate_many([*some, *alone]))
 

@@ -16,13 +16,14 @@ from tests.tiers import slow
 FLY = """
 import json, sys
 from pathlib import Path
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
 
 code = load_code(Path(sys.argv[1]))
 found = []
 for name in ("reference", "compiled"):
-    with EngineSettings(name).open(code, 3) as engine:
+    with open_engine(EngineSettings(name), code, 3) as engine:
         found.append(engine.evaluate(()).digest)
 print(json.dumps(found))
 """

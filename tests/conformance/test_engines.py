@@ -8,14 +8,14 @@ from itertools import product
 
 import pytest
 
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import Event, TimedFault
 from mrsfi_runtime.model.gate import limits
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 from tests.support.bags import bagged
@@ -34,17 +34,16 @@ OTHERS = (
     "atlas_crossing",
     "fleet_30",
 )
-PATIENCE = Patience(tick=10.0, handshake=20.0)
 ENGINES = {
     "reference": EngineSettings("reference"),
     "compiled": EngineSettings("compiled"),
-    "rosbridge": EngineSettings("rosbridge", patience=PATIENCE),
+    "rosbridge": EngineSettings("rosbridge"),
 }
 
 
 @pytest.fixture(scope="module", params=ENGINES)
 def engine(request):
-    with ENGINES[request.param].open(paper_code(150), SEED) as opened:
+    with open_engine(ENGINES[request.param], paper_code(150), SEED) as opened:
         yield opened
 
 
@@ -62,7 +61,7 @@ def test_a_goal_whose_check_a_team_wrote_has_no_margin(tmp_path, name):
     written = load_code(edited(tmp_path, "g2.check", body))
     code = replace(written, mission=replace(written.mission, duration=60))
 
-    with ENGINES[name].open(code, SEED) as opened:
+    with open_engine(ENGINES[name], code, SEED) as opened:
         outcome = opened.evaluate(())
 
     assert outcome.true == (0, 1, 0, 60, 60, 60)
@@ -146,7 +145,7 @@ def test_flights_of_every_mission_have_the_recordings_of_the_reference(engine_na
     reference = ReferenceEngine(code, SEED)
     flown = [*specifications(plain, 2), *specifications(code, 2)]
 
-    with ENGINES[engine_name].open(code, SEED) as engine:
+    with open_engine(ENGINES[engine_name], code, SEED) as engine:
         for seed, specification in enumerate(flown):
             recording = engine.record(specification, seed)
 
@@ -185,7 +184,7 @@ def test_a_recording_has_what_an_observer_sees(engine):
 def test_a_recording_of_many_chunks_is_that_of_one(name, monkeypatch):
     code = paper_code(150)
     specification = specifications(code, 3)[2]
-    with ENGINES[name].open(code, SEED) as engine:
+    with open_engine(ENGINES[name], code, SEED) as engine:
         (expected,) = engine.record(specification).moments()
         monkeypatch.setattr("mrsfi_runtime.engine.recording.CHUNK", 1)
 
@@ -204,7 +203,7 @@ def test_a_recording_of_many_chunks_is_that_of_one(name, monkeypatch):
 
 
 def test_a_long_recording_stays_out_of_memory():
-    with ENGINES["compiled"].open(paper_code(40_000), SEED) as engine:
+    with open_engine(ENGINES["compiled"], paper_code(40_000), SEED) as engine:
         engine.evaluate(())
         tracemalloc.start()
         recording = engine.record(())
@@ -319,7 +318,7 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
         code.functions.react(ci)
 
     broken = replace(code, functions=code.functions._replace(react=react))
-    with ENGINES[name].open(broken, SEED) as engine:
+    with open_engine(ENGINES[name], broken, SEED) as engine:
         with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
             engine.evaluate(())
         broken_at.clear()
@@ -330,7 +329,7 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
 
 @pytest.mark.parametrize("settings", ENGINES.values(), ids=ENGINES)
 def test_closing_twice_does_no_harm(settings):
-    engine = settings.open(paper_code(1), SEED)
+    engine = open_engine(settings, paper_code(1), SEED)
 
     engine.close()
     engine.close()

@@ -8,13 +8,14 @@ import pytest
 
 from m2t.generate import generate, stale
 from mrsfi_runtime.causes.chain import Chain, Change, First, chain, chains
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.recording import Recording, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.loiter import BODIES, CONSTANTS, fill, write_loiter
 from tests.support.trace import TraceDigest
@@ -88,7 +89,7 @@ def test_it_flies_alike_on_every_engine(generated, name):
     fill(generated)
     code = load_code(generated)
 
-    with EngineSettings(name).open(code, 1) as engine:
+    with open_engine(EngineSettings(name), code, 1) as engine:
         assert flown(engine) == flown(ReferenceEngine(code, 1))
 
 
@@ -98,7 +99,7 @@ def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
     fill(generated)
     code = replace(load_code(generated), pool=POOL)
 
-    with EngineSettings(name).open(code, 1) as engine:
+    with open_engine(EngineSettings(name), code, 1) as engine:
         (found,) = chains(engine.record, code.mission, SPECIFICATION)
 
     assert found.belief.tick == 10

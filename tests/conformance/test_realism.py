@@ -6,11 +6,11 @@ from itertools import pairwise
 import pytest
 
 from m2t.generate import generate
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.integration.test_injector import EMBEDDED, flown
 from tests.support.models.copies import MISSION, copy_models, edit
 from tests.support.trace import columns, traced
@@ -19,7 +19,6 @@ from tests.support.world import paper_code, specifications
 SEED = 5
 RATES, NOISES = (9.0, 30.0, 180.0), (2.0, 0.0, 0.5)
 GIVEN = ('turnRate="9.0" positionNoise="2.0"', 'turnRate="30.0"', 'positionNoise="0.5"')
-PATIENCE = Patience(tick=20.0, handshake=30.0)
 
 
 @pytest.fixture(scope="module")
@@ -48,13 +47,13 @@ def test_generated_code_has_what_the_model_gives_and_no_more(code):
 
 @pytest.mark.parametrize(
     "settings",
-    [EngineSettings("compiled"), EngineSettings("rosbridge", patience=PATIENCE)],
+    [EngineSettings("compiled"), EngineSettings("rosbridge", timeout=20.0)],
     ids=["compiled", "rosbridge"],
 )
 def test_every_bit_is_that_of_the_reference(code, settings):
     reference = ReferenceEngine(code, SEED)
 
-    with settings.open(code, SEED) as engine:
+    with open_engine(settings, code, SEED) as engine:
         for specification in flights(code):
             assert traced(engine, specification) == traced(reference, specification)
         recording = dict(columns(engine.record(specification)))

@@ -139,7 +139,6 @@ WRONG = [
     ),
     (("simulate", MISSION, "--seed", "-1"), "--seed"),
     (("simulate", MISSION, "--url", "ws://127.0.0.1:1"), "--url needs --engine rosbridge"),
-    (("simulate", MISSION, "--bundle"), "--bundle needs --engine rosbridge"),
     (("simulate", MISSION, *OVER_BUS, "--side", "simulation"), "--side simulation needs --url"),
     (("simulate", MISSION, *OVER_BUS, "--url", "nowhere"), "expected ws://HOST:PORT"),
     (

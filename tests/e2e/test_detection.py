@@ -13,10 +13,10 @@ from random import Random
 import pytest
 
 from m2t.generate import generate
-from mrsfi.engines import Workers
+from mrsfi.engines import AS_RECORDED
 from mrsfi.weaknesses import flying_again
-from mrsfi_runtime.cli.options import EngineOptions
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import Workers
 from tests.independent.crowd import draw_crowd
 from tests.support.cli import mrsfi, mrsfi_json, workspace
 from tests.support.nodes import PYTHON, SERVICE, yard
@@ -141,7 +141,7 @@ def test_what_a_command_flies_to_find_mildest_variants_counts_for_it(tmp_path):
 @contextmanager
 def flown_again(run):
     """Yield the model of a campaign, and what records flights of it."""
-    with flying_again(run, EngineOptions().again, Workers(1), print) as (campaign, _, engine):
+    with flying_again(run, AS_RECORDED, Workers(1), print) as (campaign, _, engine):
         yield campaign.mission, engine.record
 
 

@@ -11,10 +11,9 @@ import pytest
 from mrsfi.campaign import Campaign
 from mrsfi.mission import load
 from mrsfi_runtime.cli.main import main
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.record.encoding import canonical
-from mrsfi_runtime.record.manifest import EngineRecord
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi
 from tests.support.external_world import OTHER, SAME, external_world
@@ -23,9 +22,8 @@ from tests.tiers import slow
 
 RUN = "runs/it"
 NOWHERE = "ws://127.0.0.1:1"
-OF_WORLD = EngineRecord("rosbridge", url=NOWHERE, ros=1, client="wire", side="ci", is_bundled=True)
-NODE = {"command": "python node.py {url}", "pace": "barrier", "reset": "restart"}
-OF_NODE = EngineRecord("rosbridge", ros=1, client="wire", side="injector", node=NODE)
+OF_WORLD = EngineSettings("rosbridge", NOWHERE, side="ci", is_bundled=True)
+OF_NODE = EngineSettings("rosbridge", side="injector", node="python node.py {url}")
 BEST = 2
 """The most critical evaluation of the campaign."""
 
@@ -171,7 +169,7 @@ def test_a_comparison_is_not_gone_on_with_by_other_parts(place, monkeypatch):
     monkeypatch.chdir(place)
     Path("case.toml").write_text("[search]\n", encoding="utf-8")
     load(NAME).compare(["random"], 1, 2, case="case.toml")
-    world = EngineSettings("rosbridge", NOWHERE, has_simulation=False)
+    world = EngineSettings("rosbridge", NOWHERE, side="ci")
 
     with pytest.raises(RecordError, match="found a run with other side: side both; expected side"):
         load(NAME).compare(["random"], 2, 2, case="case.toml", engine=world)

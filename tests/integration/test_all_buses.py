@@ -7,9 +7,8 @@ from time import sleep
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS
 from tests.support.rosbridge import Relay, code_of, digests_apart, reference_digests
 from tests.tiers import is_due, slow
@@ -20,7 +19,6 @@ SEEDS = range(20)
 SCATTER = 0.01
 N_TURNS = 10
 AT_A_TIME = 3
-PATIENCE = Patience(tick=20.0, handshake=30.0)
 WAYS = ("in the simulation", "simulation first", "ci first")
 """Where the server is; if it is in a process of its own, who joins it first."""
 
@@ -29,7 +27,7 @@ COMBINATIONS = [*product(WAYS, ROS_VERSIONS, CLIENTS)]
 
 def flown(way, ros, client, seeds):
     """Return the digests of flights in one way, the ci's messages scattered by up to 10 ms."""
-    settings = EngineSettings("rosbridge", ros=ros, client=client, patience=PATIENCE)
+    settings = EngineSettings("rosbridge", ros=ros, client=client, timeout=20.0)
     with ExitStack() as opened, ThreadPoolExecutor(1) as beside:
         if way == "in the simulation":
             url = opened.enter_context(closing(SimulationProcess(CODE, settings))).url
@@ -39,7 +37,9 @@ def flown(way, ros, client, seeds):
         relay = opened.enter_context(Relay(url, scatter=SCATTER))
 
         def simulation():
-            joined = SimulationProcess(CODE, EngineSettings("rosbridge", url, ros, client))
+            joined = SimulationProcess(
+                CODE, EngineSettings("rosbridge", url, ros=ros, client=client)
+            )
             opened.enter_context(closing(joined))
 
         def fly():

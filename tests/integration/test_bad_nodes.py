@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi.project import project
-from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import RESTART, SERVICE, NodeSettings
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi.engines import chosen
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import TransportTimeout
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.record import engine_settings
+from mrsfi_runtime.record.engine_settings import RESTART, SERVICE
 from tests.support.cli import mrsfi_process
 from tests.support.nodes import MISSION, processes_in, require_silence, yard
 from tests.support.tree import ROOT
@@ -89,10 +89,11 @@ def test_what_never_runs_is_no_result(place):
 def test_what_never_gets_ready_is_no_result(what, reset, said, place, monkeypatch):
     monkeypatch.chdir(place)
     code = load_code(Path("generated") / MISSION)
-    node = NodeSettings.of(command_of(what), project().node, url=None, reset=reset)
-    settings = EngineSettings("rosbridge", patience=Patience(1.0, handshake=2.0), node=node)
+    monkeypatch.setattr(engine_settings, "_HANDSHAKE", 2.0)
+    given = {"side": "injector", "node": command_of(what), "node_reset": reset, "timeout": 1.0}
+    settings = chosen(given)
 
-    with settings.open(code, 1) as engine, pytest.raises(TransportTimeout) as failed:
+    with open_engine(settings, code, 1) as engine, pytest.raises(TransportTimeout) as failed:
         engine.evaluate(())
 
     require_silence(place)

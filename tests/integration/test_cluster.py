@@ -8,11 +8,11 @@ from shutil import copytree
 import pytest
 
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.record.engine_settings import COMPILED, REFERENCE, EngineSettings
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
 from tests.support.edited import edited
 from tests.support.world import ROOT, specifications

@@ -7,12 +7,13 @@ from contextlib import closing
 
 import pytest
 
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from tests.support.edited import edited
 from tests.tiers import slow
 
@@ -39,13 +40,14 @@ def test_a_worker_that_gets_no_further_ends_the_evaluation(tmp_path):
 FLY = """
 import sys
 from pathlib import Path
-from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 
 late = (TimedFault("f9", 700, 750, (0.0, 0.0, 0.0)),)
-engine = EngineSettings(COMPILED).open(load_code(Path(sys.argv[1])), 1, 2)
+engine = open_engine(EngineSettings(COMPILED), load_code(Path(sys.argv[1])), 1, 2)
 for fly in (lambda: list(engine.evaluate_many([(), late])), lambda: engine.record(late)):
     try:
         fly()
@@ -78,7 +80,7 @@ def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on
     code = load_code(edited(tmp_path, "g1.check", FOREVER))
 
     with (
-        closing(EngineSettings(COMPILED).open(code, 1)) as engine,
+        closing(open_engine(EngineSettings(COMPILED), code, 1)) as engine,
         pytest.raises(WorkerLost, match=r":\d+: the mission failed at tick 0: TimeLimitReached"),
     ):
         engine.evaluate(())
@@ -89,7 +91,7 @@ def test_what_machine_code_raises_is_told_by_the_reference_engine(tmp_path):
     body = "    if ci.map.is_wrong:\n        raise RuntimeError\n    return False\n"
     code = load_code(edited(tmp_path, "g1.check", body))
 
-    with closing(EngineSettings(COMPILED).open(code, 1)) as engine:
+    with closing(open_engine(EngineSettings(COMPILED), code, 1)) as engine:
         plain, moved = engine.evaluate_many([(), MOVED])
 
     assert not isinstance(plain, FailedFlight)

@@ -10,13 +10,14 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import RESTART, SERVICE, NodeSettings
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import RESTART, SERVICE, EngineSettings
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
 from tests.support.cli import mrsfi
 from tests.support.interrupted import digest
@@ -30,11 +31,10 @@ CODE = paper_code()
 REACHED = replace(
     CODE,
     pool=CODE.pool.without(
-        NodeSettings(command="").out_of_reach(CODE.mission, CODE.pool),
+        out_of_reach(CODE.mission, CODE.pool, Speech.of("", CODE.mission)),
     ),
 )
 SEEDS = range(20)
-PATIENCE = Patience(tick=20.0, handshake=30.0)
 EMBEDDED, ON_ONE_SERVER = "our world inside", "all on one server"
 WAYS = [*product((EMBEDDED, ON_ONE_SERVER), ROS_VERSIONS)]
 
@@ -48,20 +48,22 @@ def flown(way, ros, specifications, pace="answer", reset=SERVICE, code=REACHED):
             server = EmbeddedBridge(ServerSettings(types=TypeTable(ros=ros)))
             url = opened.enter_context(server).url
             prefix, world_prefix = "/node", "/world"
-            world = EngineSettings("rosbridge", url, ros, world_prefix=world_prefix)
+            world = EngineSettings("rosbridge", url, ros=ros, world_prefix=world_prefix)
             opened.enter_context(closing(SimulationProcess(code, world)))
         command = f"{shlex.join(words)} {{url}} {ros} {{seed}} {prefix}"
-        node = NodeSettings.of(command, None, url=url, pace=pace, reset=reset, prefix=prefix)
         settings = EngineSettings(
             "rosbridge",
             url,
-            ros,
-            has_simulation=url is None,
-            patience=PATIENCE,
-            node=node,
+            ros=ros,
+            side="injector",
+            timeout=20.0,
+            node=command,
+            node_pace=pace,
+            node_reset=reset,
+            node_prefix=prefix,
             world_prefix=world_prefix,
         )
-        engine = opened.enter_context(settings.open(code, 1))
+        engine = opened.enter_context(open_engine(settings, code, 1))
         return [engine.evaluate(each) for each in specifications]
 
 

@@ -3,10 +3,9 @@
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.page_simulator import page_simulator
 from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests
 from tests.tiers import slow
@@ -14,12 +13,11 @@ from tests.tiers import slow
 CODE = code_of("uuv_sampling", 60)
 SCATTER = 0.02
 SEEDS = range(2)
-PATIENCE = Patience(tick=3.0, handshake=20.0)
 
 
 def flown(url: str) -> list[list[str]]:
     """Return the digests of flights on whatever simulation a server has."""
-    settings = EngineSettings(url=url, has_simulation=False, patience=PATIENCE)
+    settings = EngineSettings(url=url, side="ci", timeout=3.0)
     with RosbridgeEngine(CODE, FLIGHT_SEED, settings) as engine:
         return digests(engine, SEEDS)
 

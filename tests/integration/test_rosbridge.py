@@ -13,12 +13,11 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
-from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
+from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.processes import is_running
 from tests.support.rosbridge import (
@@ -32,7 +31,6 @@ from tests.support.rosbridge import (
 )
 from tests.tiers import in_turn, slow
 
-PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
 FEW_CLIENTS = [CLIENTS[0], *(pytest.param(client, marks=slow) for client in CLIENTS[1:])]
 """The other ones where a flight says it all are left to the rest."""
@@ -57,11 +55,11 @@ def simulation(server):
 
 
 def simulation_on(url):
-    return SimulationProcess(SHORT, EngineSettings(url=url, client="asyncio", patience=PATIENCE))
+    return SimulationProcess(SHORT, EngineSettings(url=url, client="asyncio", timeout=3.0))
 
 
 def engine(code, **options):
-    return RosbridgeEngine(code, FLIGHT_SEED, EngineSettings(patience=PATIENCE, **options))
+    return RosbridgeEngine(code, FLIGHT_SEED, EngineSettings(timeout=3.0, **options))
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
@@ -77,7 +75,7 @@ def test_the_ci_may_start_before_the_simulation(server):
     flown = []
 
     def fly():
-        with engine(SHORT, url=server.url, has_simulation=False) as opened:
+        with engine(SHORT, url=server.url, side="ci") as opened:
             flown.extend(digests(opened, range(2)))
 
     thread = threading.Thread(target=fly)
@@ -129,8 +127,8 @@ def test_strangers_cannot_join_an_embedded_server():
     url, _, token = simulation.url.partition("/?token=")
     try:
         with pytest.raises(TransportError, match=f"^{url} asks for a token, and got none"):
-            engine(SHORT, url=url, has_simulation=False)
-        with engine(SHORT, url=simulation.url, has_simulation=False) as opened:
+            engine(SHORT, url=url, side="ci")
+        with engine(SHORT, url=simulation.url, side="ci") as opened:
             assert digests(opened, [1]) == reference_digests(SHORT, [1])
     finally:
         simulation.close()
@@ -141,7 +139,7 @@ def test_strangers_cannot_join_an_embedded_server():
 def test_workers_have_a_server_each():
     specifications = [specification(SHORT, seed) for seed in range(6)]
     results = []
-    for settings in (EngineSettings(), EngineSettings("rosbridge", patience=PATIENCE)):
+    for settings in (EngineSettings(), EngineSettings("rosbridge", timeout=3.0)):
         with WorkerPool(SHORT, 1, 2, settings) as pool:
             results.append(list(pool.evaluate_many(specifications)))
 
@@ -155,7 +153,7 @@ def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):
 
     with (
         Relay(server.url, to_server=deaf) as relay,
-        engine(SHORT, url=relay.url, has_simulation=False, is_bundled=True) as opened,
+        engine(SHORT, url=relay.url, side="ci", is_bundled=True) as opened,
         pytest.raises(TransportTimeout, match=r"tick 0: .*does it know /mission/go/bundle"),
     ):
         opened.evaluate(())
@@ -165,7 +163,7 @@ def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):
 def test_one_simulation_answers_messages_and_bundles(server, simulation):
     flown = []
     for is_bundled in (True, False, True):
-        with engine(SHORT, url=server.url, has_simulation=False, is_bundled=is_bundled) as opened:
+        with engine(SHORT, url=server.url, side="ci", is_bundled=is_bundled) as opened:
             flown.append(digests(opened, range(2)))
 
     assert flown == [reference_digests(SHORT, range(2))] * 3
@@ -192,7 +190,7 @@ def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
 
 
 def test_a_simulation_that_is_killed_on_a_server_is_told_at_once(server):
-    patient = EngineSettings(url=server.url, patience=Patience(tick=60.0, handshake=60.0))
+    patient = EngineSettings(url=server.url, timeout=60.0)
     started = time.monotonic()
     with RosbridgeEngine(SHORT, FLIGHT_SEED, patient) as opened:
         observe = killer(opened, 20, opened.simulation.pid)
@@ -240,10 +238,3 @@ def test_a_server_that_speaks_something_else_is_told():
         finally:
             other.shutdown()
             thread.join()
-
-
-def test_workers_cannot_share_one_server():
-    settings = EngineSettings("rosbridge", url="ws://127.0.0.1:9090")
-
-    with pytest.raises(UsageError, match="--workers 2: found a server at --url"):
-        WorkerPool(SHORT, 1, 2, settings)

@@ -8,17 +8,16 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import TransportTimeout
+from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from tests.support.page_simulator import page_simulator
 from tests.support.tree import ROOT
 from tests.support.world import code_of
 from tests.tiers import slow
 
 CODE = code_of("uuv_sampling", 60)
-PATIENT, HASTY = Patience(20.0, 30.0), Patience(0.5, 30.0)
+PATIENT, HASTY = 20.0, 0.5
 AFTER = "\ndef reset(request, response):\n"
 SLOW = f"""{AFTER}    import time
     open("resets", "a").write("x")
@@ -37,12 +36,10 @@ def simulated(folder, ros, reset=SLOW):
         yield server.url
 
 
-def flown(url, ros=1, patience=PATIENT, node=None):
+def flown(url, ros=1, timeout=PATIENT, **node):
     """Return what came of a flight on the simulator at a server, with a node if one is named."""
-    settings = EngineSettings(
-        "rosbridge", url, ros, has_simulation=False, patience=patience, node=node
-    )
-    with settings.open(CODE, 1) as engine:
+    settings = EngineSettings("rosbridge", url, ros=ros, timeout=timeout, **({"side": "ci"} | node))
+    with open_engine(settings, CODE, 1) as engine:
         return engine.evaluate(())
 
 
@@ -74,7 +71,7 @@ def test_a_reset_that_takes_longer_than_the_timeout_names_the_setting(tmp_path):
         "whether it still runs, or allow more with --timeout"
     )
     with simulated(tmp_path, 1) as url, pytest.raises(TransportTimeout, match=problem):
-        flown(url, patience=HASTY)
+        flown(url, timeout=HASTY)
 
     assert n_resets(tmp_path) == 1
 
@@ -103,11 +100,15 @@ def test_so_is_that_of_a_node_and_of_the_simulation_behind_it(tmp_path, monkeypa
     words = shlex.join([sys.executable, "-c", NODE, str(CODE.directory.resolve())])
     with simulated(tmp_path, 1) as url:
         expected = flown(url).believed
-        node = NodeSettings.of(
-            f"{words} {{url}} 1 {{seed}} /node", None, url=url, reset=SERVICE, prefix="/node"
-        )
+        node = {
+            "side": "injector",
+            "node": f"{words} {{url}} 1 {{seed}} /node",
+            "node_pace": "answer",
+            "node_reset": SERVICE,
+            "node_prefix": "/node",
+        }
 
-        assert flown(url, node=node).believed == expected
+        assert flown(url, **node).believed == expected
 
     assert n_resets(tmp_path) == 2
     assert (tmp_path / "resets_of_node").read_text(encoding="ascii") == "x"

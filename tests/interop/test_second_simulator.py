@@ -20,10 +20,12 @@ from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.lockstep_topics import GO, RESET, SETUP
 from mrsfi_runtime.cosimulation.node.pace import ANSWER
-from mrsfi_runtime.engine.node_settings import SERVICE, NodeSettings
+from mrsfi_runtime.cosimulation.node.reach import out_of_reach
+from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from tests.support.bags import read_bag
 from tests.support.cli import (
@@ -89,7 +91,7 @@ def simulator(world: str, url: str, *options: str) -> Iterator[None]:
 @contextmanager
 def engine(url: str, duration: int = 60, **settings: Any) -> Iterator[RosbridgeEngine]:
     """Yield an engine that flies the mission, shortened, on the world at a server."""
-    flown = EngineSettings("rosbridge", url=url, has_simulation=False, **settings)
+    flown = EngineSettings("rosbridge", url=url, side="ci", **settings)
     with RosbridgeEngine(code_of(MISSION, duration), 1, flown) as opened:
         yield opened
 
@@ -180,25 +182,23 @@ def test_messages_prefix_and_ros_change_no_flight():
 
 def test_a_node_of_a_team_flies_in_a_world_of_a_team_as_generated_code_does():
     reached = paper_code()
-    unreached = NodeSettings(command="").out_of_reach(reached.mission, reached.pool)
+    unreached = out_of_reach(reached.mission, reached.pool, Speech.of("", reached.mission))
     reached = replace(reached, pool=reached.pool.without(unreached))
     specifications = [(), specification(reached, 100)] * 2
     words = (sys.executable, "-m", "tests.support.standin_node", str(reached.directory))
     with EmbeddedBridge() as server, running(OURS, server.url, "--prefix", "/world"):
-        node = NodeSettings.of(
-            f"{shlex.join(words)} {{url}} 1 {{seed}} /node",
-            None,
-            url=server.url,
-            pace=ANSWER,
-            reset=SERVICE,
-            prefix="/node",
-        )
-        generated = EngineSettings(
-            "rosbridge", server.url, has_simulation=False, world_prefix="/world"
+        generated = EngineSettings("rosbridge", server.url, side="ci", world_prefix="/world")
+        node = replace(
+            generated,
+            side="injector",
+            node=f"{shlex.join(words)} {{url}} 1 {{seed}} /node",
+            node_pace=ANSWER,
+            node_reset=SERVICE,
+            node_prefix="/node",
         )
         flown = []
-        for settings in (replace(generated, node=node), generated):
-            with settings.open(reached, 1) as opened:
+        for settings in (node, generated):
+            with open_engine(settings, reached, 1) as opened:
                 flown.append([opened.evaluate(each) for each in specifications])
 
     injected, expected = flown

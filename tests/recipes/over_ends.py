@@ -8,7 +8,8 @@ import sys
 from collections.abc import Iterator
 
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.conformance.test_transports import TRANSPORTS
 from tests.recipes.tree import ENGINES
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
@@ -27,7 +28,7 @@ def digests(mission: str, transport: str) -> Iterator[tuple[str, str]]:
         return engine.evaluate(faults).digest
 
     for name in ENGINES:
-        with EngineSettings(name).open(code, 1) as engine:
+        with open_engine(EngineSettings(name), code, 1) as engine:
             yield name, digest(engine)
     with TRANSPORTS[transport]() as (first, second):
         yield transport, digest(TwoSides(code, 1, first, second))

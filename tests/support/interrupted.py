@@ -10,7 +10,7 @@ from time import monotonic, sleep
 
 from mrsfi.evolving import made
 from mrsfi.folders import find_mission
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
 from tests.support.processes import is_running

@@ -24,8 +24,8 @@ from websockets.exceptions import ConnectionClosed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
@@ -215,7 +215,7 @@ def main() -> None:
         url=url or None,
         ros=int(ros),
         client=client,
-        has_simulation=side == "both",
+        side=side,
         is_bundled=form == "bundles",
     )
     with RosbridgeEngine(code, FLIGHT_SEED, settings) as engine:

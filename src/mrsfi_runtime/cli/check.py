@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import EngineOptions
+from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     engine_options,
@@ -13,8 +13,8 @@ from mrsfi_runtime.cli.options import (
     generated_option,
     seeds_option,
 )
-from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
+from mrsfi_runtime.record.engine_settings import AUTO
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 def command(
     mission: str | None,
     generated: Path | None,
-    engine: EngineOptions,
+    engine: Given,
     n_seeds: int | None,
     junit: Path | None,
     digest: str | None,
@@ -82,7 +82,7 @@ def command(
         raise click.UsageError("--digest is of an archive of mrsfi pack; expected ARCHIVE")
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")
-    settings = engine.settings(default=AUTO)
+    settings = chosen(engine, AUTO)
     places = [*missions_with_kept()] if mission is None else [find_mission(mission, generated)]
     if not places:
         raise UsageError(
@@ -105,7 +105,7 @@ def command(
 
 
 def _repeat(
-    archive: Path, engine: EngineOptions, digest: str | None, *, is_of_kept: bool, is_json: bool
+    archive: Path, engine: Given, digest: str | None, *, is_of_kept: bool, is_json: bool
 ) -> None:
     from mrsfi.packing import repeat
 
@@ -114,7 +114,7 @@ def _repeat(
             f"{archive} is an archive, flown as recorded: --generated, --seeds, --junit and "
             "--github are of kept weaknesses"
         )
-    numbers, campaign, found = repeat(archive, engine.again, digest, tell)
+    numbers, campaign, found = repeat(archive, engine, digest, tell)
     if is_json:
         print_json({"is_same": True, "digest": campaign, "archive": found, "numbers": numbers})
         return

@@ -12,23 +12,23 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-from mrsfi.engines import EngineOptions, Workers
+from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli.console import left, print_json, tell
 from mrsfi_runtime.cli.options import (
+    OF_ENGINE,
     engine_options,
     file_option,
     folder_option,
     generated_option,
     worker_options,
 )
-from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import TransportError
-from mrsfi_runtime.record.manifest import BOTH
+from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
 
 if TYPE_CHECKING:
     from mrsfi_runtime.study.comparison import Comparison, RunResult
 
-_OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
+_OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 
 
 @click.command(name="compare")
@@ -90,7 +90,7 @@ def command(  # noqa: PLR0913 - one for each option
     seeds: int,
     evaluations: int,
     workers: Workers,
-    engine: EngineOptions,
+    engine: Given,
     out: Path | None,
     is_json: bool,
 ) -> None:
@@ -132,7 +132,7 @@ def command(  # noqa: PLR0913 - one for each option
     from mrsfi_runtime.study.folder import ComparisonFolder
     from mrsfi_runtime.study.variants import Sweep
 
-    flown_by = engine.settings(default=AUTO)
+    flown_by = chosen(engine, AUTO)
     workers.require_sense(flown_by)
     if sweep and ctx.get_parameter_source("algorithms") is ParameterSource.DEFAULT:
         algorithms = "paper"
@@ -182,7 +182,7 @@ def command(  # noqa: PLR0913 - one for each option
 def _compare_runs(
     ctx: click.Context,
     targets: tuple[str, ...],
-    engine: EngineOptions,
+    engine: Given,
     workers: Workers,
     markdown: Path | None,
     html: Path | None,
@@ -202,7 +202,7 @@ def _compare_runs(
     if len(targets) != 2:
         raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
     before, after = map(Path, targets)
-    found = changes(before, after, engine.again, workers, tell)
+    found = changes(before, after, engine, workers, tell)
     said, table = f"{sentence(found)}.", change_table(found)
     if markdown is not None:
         text = f"{said}\n\nFrom {before} to {after}, each flown in the other.\n\n"

@@ -1,37 +1,32 @@
 """The command ``mrsfi evolve``: begins a campaign or continues one, by one writer at a time."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from mrsfi.engines import EngineOptions, Workers
+from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import (
+    OF_ENGINE,
     engine_options,
     folder_option,
     generated_option,
     worker_options,
 )
-from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.faults import COSTS
+from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
 from mrsfi_runtime.record.settings import ALGORITHM_NAMES, MINIMISING, VIOLATIONS
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mrsfi.campaign_folders import FlyableCampaign
-    from mrsfi_runtime.engine.settings import EngineSettings
 
-
-_FREE = frozenset(
-    {"resume", "ratio", "explain", "is_json"}
-    | {option.name for options in (EngineOptions, Workers) for option in fields(options)}
-)
+_FREE = {"resume", "ratio", "explain", "is_json"} | OF_ENGINE
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
 
 
@@ -89,7 +84,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 def command(
     ctx: click.Context,
     /,
-    engine: EngineOptions,
+    engine: Given,
     workers: Workers,
     resume: Path | None,
     ratio: str | None,
@@ -131,7 +126,7 @@ def command(
     from mrsfi_runtime.cli.summary import report
 
     if resume is None:
-        opened = _begun(engine.settings(default=AUTO), workers, ratio, **given)
+        opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
     else:
         opened = _resumed(resume, ctx, engine, workers, ratio)
     with (
@@ -151,7 +146,7 @@ def command(
 
 
 def _begun(
-    engine: "EngineSettings",
+    engine: EngineSettings,
     workers: Workers,
     ratio: str | None,
     mission: str | None,
@@ -176,7 +171,7 @@ def _begun(
 
 
 def _resumed(
-    path: Path, ctx: click.Context, engine: EngineOptions, workers: Workers, ratio: str | None
+    path: Path, ctx: click.Context, engine: Given, workers: Workers, ratio: str | None
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
     from mrsfi.evolving import resumed
     from mrsfi_runtime.record.store import CampaignStore
@@ -186,7 +181,7 @@ def _resumed(
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
     _require_same_options(path, ctx, begun_with)
-    flown_by = engine.settings(manifest.engine, AUTO)
+    flown_by = chosen(engine, AUTO, manifest.engine)
     workers.require_sense(flown_by)
     return resumed(path, flown_by, ratio=ratio, tell=tell)
 

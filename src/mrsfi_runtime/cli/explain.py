@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import EngineOptions, Workers
+from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
@@ -16,15 +16,15 @@ from mrsfi_runtime.cli.options import (
     generated_option,
     worker_options,
 )
-from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.engine_settings import AUTO, Workers
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mrsfi.explaining import Explainer, NamedSpecification
-    from mrsfi_runtime.engine.settings import EngineSettings
+    from mrsfi_runtime.record.engine_settings import EngineSettings
 
 
 @click.command(name="explain")
@@ -67,7 +67,7 @@ def command(  # noqa: PLR0913 - one parameter per option
     *,
     target: str,
     generated: Path | None,
-    engine: EngineOptions,
+    engine: Given,
     workers: Workers,
     faults: Path | None,
     best: bool,
@@ -116,19 +116,19 @@ def command(  # noqa: PLR0913 - one parameter per option
     from mrsfi.campaign_folders import open_to_fly
     from mrsfi.folders import find_mission
 
-    chosen = {
+    selected = {
         "--best": best or None,
         "--all": is_all or None,
         "--evaluation": evaluation,
         "--top": n_top,
     }
-    given = [option for option, value in chosen.items() if value is not None]
+    given = [option for option, value in selected.items() if value is not None]
     if len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other")
     if faults is not None:
         if given:
             raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
-        settings = engine.settings(default=AUTO)
+        settings = chosen(engine, AUTO)
         folders = find_mission(target, generated)
         explainer, one = explaining.explainer_of_file(folders, faults, kind, seed, out, tell)
         _explain(explainer, [one], settings, workers, keep, is_json=is_json)
@@ -142,7 +142,7 @@ def command(  # noqa: PLR0913 - one parameter per option
         _harvest(_run(target), engine, workers, is_json=is_json)
         return
     with open_to_fly(_run(target), tell) as campaign:
-        settings = engine.again(campaign.store.manifest.engine)
+        settings = again(engine, campaign.store.manifest.engine)
         some = [*explaining.evaluations_of(campaign, evaluation, n_top or 1)]
         explainer = explaining.explainer_of_campaign(campaign, kind, out)
         fitness = campaign.store.settings.fitness
@@ -189,14 +189,14 @@ def _explain(
         print_json({"explanations": told})
 
 
-def _harvest(run: Path, engine: EngineOptions, workers: Workers, *, is_json: bool) -> None:
+def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> None:
     from mrsfi.weaknesses import flying_again, harvest, harvested
     from mrsfi_runtime.cli.ways import print_all
     from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 
     with (
         only_writer(CampaignFolder(run)),
-        flying_again(run, engine.again, workers, tell) as (campaign, evaluator, own),
+        flying_again(run, engine, workers, tell) as (campaign, evaluator, own),
     ):
         harvest(campaign, evaluator, own, tell)
         known = harvested(campaign)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import EngineOptions
+from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import engine_options, seeds_option
-from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.record.engine_settings import AUTO
 
 if TYPE_CHECKING:
     from mrsfi_runtime.record.regressions import Regression
@@ -55,7 +55,7 @@ def command(
     n_seeds: int | None,
     accepted: str,
     update: bool,
-    engine: EngineOptions,
+    engine: Given,
 ) -> None:
     """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
 
@@ -88,9 +88,9 @@ def command(
     if weakness is None:
         raise click.UsageError("--weakness N is missing: which weakness of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
-        if engine != EngineOptions():
-            engine.again(campaign.store.manifest.engine)  # also where nothing is flown
-        regression = keep(campaign, weakness, name, limits, n_seeds or 1, engine.again, accepted)
+        if engine:
+            again(engine, campaign.store.manifest.engine)  # also where nothing is flown
+        regression = keep(campaign, weakness, name, limits, n_seeds or 1, engine, accepted)
         for oddity in regression.idle(campaign.mission.duration):
             tell(oddity)
     tell(f"kept       {regression.specification}")
@@ -98,12 +98,12 @@ def command(
 
 
 def _update(
-    mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions, accepted: str
+    mission: str, name: str | None, n_seeds: int | None, engine: Given, accepted: str
 ) -> None:
     from mrsfi.folders import find_mission
     from mrsfi.regressions import update
 
-    settings = engine.settings(default=AUTO)
+    settings = chosen(engine, AUTO)
     changed = update(find_mission(mission), settings, tell, n_seeds, name, accepted)
     for before, new in changed:
         _print_change(before, new)

@@ -1,21 +1,24 @@
 """What several commands take: a mission, an engine, workers, files of a flight."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, astuple, dataclass, fields
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
 
-from mrsfi.engines import EngineOptions, Workers
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.node_settings import RESETS
-from mrsfi_runtime.engine.settings import ENGINES, REFERENCE
 from mrsfi_runtime.errors import expected
-from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
-from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS
+from mrsfi_runtime.record.engine_settings import (
+    REFERENCE,
+    SIDES,
+    EngineSettings,
+    Workers,
+    flag,
+    option,
+    spelling,
+)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -61,7 +64,7 @@ def tell_of_metamodels() -> None:
 SIMULATION = "simulation"
 
 
-class OneOf(click.Choice[str]):
+class OneOf(click.Choice[Any]):
     """A choice that also says what may have been meant."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:  # noqa: ARG002 - click's signature
@@ -69,131 +72,89 @@ class OneOf(click.Choice[str]):
         return f"found {value!r}; {expected(value, self.choices)}"
 
 
-def options_as(
-    name: str, kind: type[Any], options: Sequence[Callable[[Any], Any]]
-) -> Callable[[F], F]:
-    """Return the decorator that gives a command options, and passes them as one argument.
+KINDS: Mapping[Any, click.ParamType[Any]] = {
+    int: click.INT,
+    int | None: click.IntRange(1),
+    float: click.FloatRange(min=0, min_open=True),
+    Path | None: FILE,
+}
+"""What an option takes, by the type of its field; any text if it is none of these."""
 
-    The argument is a dataclass whose fields are named as the options' parameters; the options are
-    decorators of click, in the order of the help.
+
+def options(
+    argument: str, settings: type[Any], make: Callable[..., Any], **other: Mapping[str, Any]
+) -> Callable[[F], F]:
+    """Return the decorator that gives a command the options of fields, passed as one argument.
+
+    The argument is made of the fields that are given, by name. ``other`` has, by the name of a
+    field, the default or the choices of this command.
     """
+    known = [each for each in fields(settings) if "text" in each.metadata]
 
     def decorate(command: F) -> F:
         @wraps(command)
         def collected(*arguments: Any, **given: Any) -> Any:
-            value = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
-            return command(*arguments, **{name: value}, **given)
+            values = {each.name: given.pop(spelling(each)) for each in known}
+            found = {name: value for name, value in values.items() if value is not None}
+            return command(*arguments, **{argument: make(**found)}, **given)
 
         decorated: Any = collected
-        for option in reversed(options):
-            decorated = option(decorated)
+        for each in reversed(known):
+            decorated = _option(each, **other.get(each.name, {}))(decorated)
         return cast("F", decorated)
 
     return decorate
 
 
-_NODE_OPTIONS = (
-    click.option(
-        "--node",
-        metavar="COMMAND",
-        help="With --side injector: starts your node; {url} and {seed} are filled in.",
-    ),
-    click.option(
-        "--node-pace",
-        metavar="answer|barrier|RATE",
-        help="When your node has answered a tick: by a message, by pings, by the clock (Hz).",
-    ),
-    click.option(
-        "--node-reset",
-        type=OneOf(RESETS),
-        help="How your node begins anew [default: restart, or service without --node].",
-    ),
-    click.option("--node-prefix", metavar="/PREFIX", help="Before all topics of your node."),
-)
-"""Options of a team's own node."""
-
-
-def engine_options(
-    *, default: str = REFERENCE, sides: Sequence[str] = (BOTH, CI, INJECTOR)
+def _option(
+    each: Field[Any], default: str | None = None, choices: Sequence[Any] = ()
 ) -> Callable[[F], F]:
-    """Give a command the options of the engine, which it receives as ``engine``."""
-    options = (
-        click.option(
-            "--engine",
-            type=OneOf(ENGINES),
-            show_default=default,
-            help="How to fly: in this process, compiled or not, or on a rosbridge server.",
-        ),
-        click.option(
-            "--url",
-            metavar="ws://…",
-            help="With --engine rosbridge: the server [default: one is embedded].",
-        ),
-        click.option(
-            "--ros",
-            type=OneOf([str(version) for version in ROS_VERSIONS]),
-            help="With --engine rosbridge: version of ROS [default: the project's, or 1].",
-        ),
-        click.option(
-            "--client",
-            type=OneOf(CLIENTS),
-            show_default=CLIENTS[0],
-            help="With --engine rosbridge: kind of connection: ours, or one of roslibpy's.",
-        ),
-        click.option(
-            "--side",
-            type=OneOf(sides),
-            show_default=BOTH,
-            help="What this command runs: ci leaves the simulation to others, injector your node.",
-        ),
-        click.option(
-            "--bundle/--no-bundle",
-            default=None,
-            help="With --engine rosbridge: all messages of a tick as one, for speed.",
-        ),
-        click.option(
-            "--timeout",
-            type=click.FloatRange(min=0, min_open=True),
-            metavar="SECONDS",
-            help=f"How long the other side may be silent [default: {Patience().tick:g}].",
-        ),
-        click.option(
-            "--world-prefix", metavar="/PREFIX", help="With --url: before all topics of the world."
-        ),
-        *_NODE_OPTIONS,
+    """Return the option of a field; one with choices shows its default unless its text does."""
+    text, choices = each.metadata["text"], choices or each.metadata["choices"]
+    is_shown = choices and "[default" not in text
+    return click.option(
+        f"{flag(each)}/--no-{spelling(each)}" if each.type is bool else flag(each),
+        type=OneOf(choices) if choices else KINDS.get(each.type),
+        default=None,
+        metavar=each.metadata["metavar"] or None,
+        show_default=(default or each.default) if is_shown else None,
+        help=text,
     )
-    return options_as("engine", EngineOptions, options)
 
 
-worker_options = options_as(
-    "workers",
-    Workers,
-    (
-        click.option(
-            "--workers",
-            "number",
-            type=click.IntRange(1),
-            help="Processes that evaluate [default: as many as this machine has processors].",
-        ),
-        click.option(
-            "--dask",
-            metavar="tcp://…|local",
-            help="Evaluate on a dask cluster: its scheduler, or a local one of --workers.",
-        ),
-    ),
-)
+def engine_options(*, default: str = REFERENCE, sides: Sequence[str] = SIDES) -> Callable[[F], F]:
+    """Give a command the options of the engine; ``engine`` has the fields that they give."""
+    return options(
+        "engine", EngineSettings, dict, name={"default": default}, side={"choices": sides}
+    )
+
+
+worker_options = options("workers", Workers, Workers)
 """Gives a command the options of the workers; it receives them as ``workers``."""
+
+OF_ENGINE = {spelling(each) for kind in (EngineSettings, Workers) for each in fields(kind)}
+"""Parameters of commands that give the engine and its workers."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightFiles:
     """Files that the command line wants of a flight; ``None`` where it wants none."""
 
-    log: Path | None = None
-    trace: Path | None = None
-    mcap: Path | None = None
-    html: Path | None = None
-    gif: Path | None = None
+    log: Path | None = option(
+        None,
+        "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
+        "FILE",
+    )
+    trace: Path | None = option(
+        None, "Write belief and truth of every tick to FILE as CSV.", "FILE"
+    )
+    mcap: Path | None = option(
+        None, "Write the flight to FILE as a bag, for Foxglove or RViz.", "FILE"
+    )
+    html: Path | None = option(
+        None, "Write the flight to FILE as a page, to be played in a browser.", "FILE"
+    )
+    gif: Path | None = option(None, "Write the flight to FILE as an animated picture.", "FILE")
 
     @property
     def wanted(self) -> tuple[Path, ...]:
@@ -201,18 +162,5 @@ class FlightFiles:
         return tuple(path for path in astuple(self) if path is not None)
 
 
-recording_options = options_as(
-    "files",
-    FlightFiles,
-    (
-        file_option(
-            "--log",
-            "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
-        ),
-        file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
-        file_option("--mcap", "Write the flight to FILE as a bag, for Foxglove or RViz."),
-        file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
-        file_option("--gif", "Write the flight to FILE as an animated picture."),
-    ),
-)
+recording_options = options("files", FlightFiles, FlightFiles)
 """Gives a command the options of files of a flight; it receives them as ``files``."""

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import EngineOptions
+from mrsfi.engines import Given, again
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import FlightFiles, engine_options, recording_options
-from mrsfi_runtime.engine.settings import REFERENCE
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import REFERENCE
 
 if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(
     folder: Path,
-    engine: EngineOptions,
+    engine: Given,
     evaluation: int | None,
     best: bool,
     is_all: bool,
@@ -54,15 +55,15 @@ def command(
         names = ", ".join(f"--{field.name}" for field in fields(files))
         raise click.UsageError(f"{names} are of one flight; --all flies many")
     with open_to_fly(folder, tell) as campaign:
-        chosen = engine.again(campaign.store.manifest.engine, REFERENCE)
-        with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:
+        flown_by = again(engine, campaign.store.manifest.engine, REFERENCE)
+        with open_engine(flown_by, campaign.code, campaign.store.settings.mission_seed) as opened:
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return
             (recorded,) = find_evaluations(campaign, evaluation)
             specification, number = recorded.specification, recorded.index
-            again = ("mrsfi", "replay", str(folder), "--evaluation", str(number))
-            subject = Subject(f"evaluation {number} of {folder}", again)
+            words = ("mrsfi", "replay", str(folder), "--evaluation", str(number))
+            subject = Subject(f"evaluation {number} of {folder}", words)
             outcome = fly_recorded(opened, specification, campaign.pool, files, subject)
         require_same(folder, recorded, outcome)
     title = (

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import EngineOptions
+from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import (
     SIMULATION,
@@ -16,8 +16,8 @@ from mrsfi_runtime.cli.options import (
     mission_argument,
     recording_options,
 )
-from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
+from mrsfi_runtime.engine.opening import named, open_engine
+from mrsfi_runtime.record.engine_settings import BOTH, CI, INJECTOR, EngineSettings
 
 if TYPE_CHECKING:
     from mrsfi_runtime.generated_code import MissionCode
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 def command(
     mission: str,
     generated: Path | None,
-    engine: EngineOptions,
+    engine: Given,
     no_faults: bool,
     faults: Path | None,
     seed: int,
@@ -67,17 +67,16 @@ def command(
     tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
     met.
     """
-    from mrsfi.engines import opened
     from mrsfi.folders import find_mission
     from mrsfi.loading import load_fresh, read_specification
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 
     if no_faults and faults is not None:
         raise click.UsageError("--no-faults and --faults exclude each other")
-    settings = engine.settings()
+    settings = chosen(engine)
     folders = find_mission(mission, generated)
     code = load_fresh(folders)
-    if engine.side == SIMULATION:
+    if settings.side == SIMULATION:
         if no_faults or faults is not None or files.wanted or is_json:
             raise click.UsageError(
                 "--side simulation flies what the other side tells it; give faults, logs and "
@@ -95,7 +94,7 @@ def command(
         text = faults.read_text(encoding="utf-8", errors="replace")
     lasts = code.mission.units.ticks(code.mission.duration)
     title = f"{folders.name}, {lasts}, seed {seed}, {flown}"
-    with opened(code, seed, settings, tell) as flown_by:
+    with open_engine(named(settings, code, seed, tell), code, seed) as flown_by:
         subject = Subject(title, [*again, "--seed", str(seed)], text)
         outcome = fly_recorded(flown_by, specification, pool, files, subject)
     head = {"mission": code.mission.name, "duration": code.mission.duration, "seed": seed}

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi.engines import EngineOptions, Workers
+from mrsfi.engines import Given
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     FILE,
@@ -14,8 +14,8 @@ from mrsfi_runtime.cli.options import (
     seeds_option,
     worker_options,
 )
-from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.record.engine_settings import AUTO, Workers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,7 +46,7 @@ def command(
     run: Path,
     goal: str | None,
     n_seeds: int | None,
-    engine: EngineOptions,
+    engine: Given,
     workers: Workers,
     is_bounds: bool,
     is_mildest: bool,
@@ -96,9 +96,9 @@ def command(
         known = harvested(campaign)
         found = [way for way in known.ways if way.goal in goals]
         is_told = not is_bounds or any(files.values())
-        is_named = engine != EngineOptions()  # whoever is named has to be the one that flew it
+        is_named = bool(engine)  # whoever is named has to be the one that flew it
         if is_told and (is_mildest or n_seeds is not None or is_named):
-            with flying_again(run, engine.again, workers, tell) as (flown, evaluator, own):
+            with flying_again(run, engine, workers, tell) as (flown, evaluator, own):
                 found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)
         if is_bounds:
@@ -114,7 +114,7 @@ def command(
 def _write(
     campaign: "OpenCampaign",
     found: "Sequence[Way]",
-    engine: EngineOptions,
+    engine: Given,
     workers: Workers,
     drawn: tuple[int, Path] | None = None,
     fmea: Path | None = None,
@@ -132,7 +132,7 @@ def _write(
         of.write_fault_trees(campaign, found, fault_tree)
     if fmea is not None or map_path is not None:
         run = campaign.folder.path
-        with of.flying_again(run, engine.again, workers, tell) as (flown, evaluator, own):
+        with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
             if fmea is not None:
                 of.write_fmea(flown, found, own.record, fmea)
             if drawn_of is not None and map_path is not None:

@@ -7,7 +7,6 @@ team's, and world, injector and node are on one server.
 
 import secrets
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrsfi_bridge.embedded import EmbeddedBridge
@@ -24,13 +23,12 @@ from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.node_process import NodeProcess
-from mrsfi_runtime.engine.node_settings import RESTART
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.engine_settings import RESTART, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport
 
@@ -47,30 +45,28 @@ class InjectorEngine(PlainEngine):
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
         super().__init__(code, seed)
-        assert settings.node is not None
-        self._settings, patience = settings.node, settings.patience
+        self._settings, patience = settings, settings.patience
         self.patience = 4 * (patience.tick + patience.handshake)
-        mapping = self._settings.table
-        types = TypeTable([Path(folder) for folder in mapping.types], settings.ros)
+        speech = Speech.of(settings.node_mapping, code.mission, settings.ros)
         with ExitStack() as opened:
             try:
-                transport = self._join(settings, types, opened)
+                transport = self._join(speech.types, opened)
             except BridgeError as error:
                 raise as_ours(error) from error
             self._process: NodeProcess | None = None
-            if self._settings.command is not None:
-                self._process = NodeProcess(self._settings.command, self._url)
+            if settings.node is not None:
+                self._process = NodeProcess(settings.node, self._url)
                 opened.callback(self._process.close)
             self.node = Node(
                 transport,
-                Speech(mapping, code.mission, types),
+                speech,
                 Pace(
-                    self._settings.pace,
+                    settings.node_pace,
                     self._embedded.barrier if self._embedded is not None else None,
                 ),
                 patience,
                 self._process,
-                restarts=self._settings.reset == RESTART,
+                restarts=settings.node_reset == RESTART,
             )
             self._lockstep = BusLockstep(
                 self._world, code.mission, code.interface, code.truth, patience, self.node
@@ -80,7 +76,7 @@ class InjectorEngine(PlainEngine):
                 self._embedded.on_refusal(
                     lambda topic, why: self.node.refuse(transport.unnamed(topic), why)
                 )
-            self._pass_on(settings)
+            self._pass_on()
             self._opened = opened.pop_all()
         self.interface = self._lockstep.interface
 
@@ -88,21 +84,19 @@ class InjectorEngine(PlainEngine):
         """End the node and the connection."""
         self._opened.close()
 
-    def _pass_on(self, settings: EngineSettings) -> None:
+    def _pass_on(self) -> None:
         """Have what our world does not understand passed on to somebody else's."""
         for each in self.node.speech.relayed:
-            if settings.url is None:
+            if self._settings.url is None:
                 raise UsageError(
                     f"[node] {each.topic.name}: is passed on to the world, and ours knows no "
                     f"{each.world.name}; expected --url, or fields"
                 )
         self.node.pass_on(self._lockstep.advertise)
 
-    def _join(
-        self, settings: EngineSettings, types: TypeTable, opened: ExitStack
-    ) -> PrefixedTransport:
+    def _join(self, types: TypeTable, opened: ExitStack) -> PrefixedTransport:
         """Return the transport of the node, after that of the world was made."""
-        node, code = self._settings, self.code
+        settings, code = self._settings, self.code
         self._embedded: EmbeddedTransport | None = None
         if settings.url is not None:
             joined = RosbridgeTransport(settings.url, settings.client, settings.ros)
@@ -112,9 +106,9 @@ class InjectorEngine(PlainEngine):
             self._world: Transport = (
                 BundlingTransport.of_ci(world) if settings.is_bundled else world
             )
-            return PrefixedTransport(joined, node.prefix)
+            return PrefixedTransport(joined, settings.node_prefix)
         # other users of this machine are no part of the mission
-        token = secrets.token_urlsafe() if "{url}" in (node.command or "") else None
+        token = secrets.token_urlsafe() if "{url}" in (settings.node or "") else None
         limits = Limits(service_s=2 * settings.patience.handshake)  # who waits is the first to tell
         server = ServerSettings(token=token, types=types, limits=limits)
         bridge = opened.enter_context(EmbeddedBridge(server))
@@ -123,7 +117,7 @@ class InjectorEngine(PlainEngine):
         opened.callback(embedded.close)
         self._world = LocalBus()
         self._host = SimulationHost(self._world, code.simulation, code.mission, settings.patience)
-        return PrefixedTransport(embedded, node.prefix)
+        return PrefixedTransport(embedded, settings.node_prefix)
 
     def _evaluate(
         self,
@@ -144,7 +138,7 @@ class InjectorEngine(PlainEngine):
                 )
         self.node.held = [*held_commands(self.code.mission, pool, specification)]
         flights = [self._flown_well(specification, seed, pool, observer, tallies)]
-        while len(flights) < self._settings.repeats:
+        while len(flights) < self._settings.node_repeats:
             flights.append(self._flown_well(specification, seed, pool, None, []))
         flights.sort(key=lambda each: (sum(each.believed), sum(each.true), each.digest))
         return flights[len(flights) // 2]

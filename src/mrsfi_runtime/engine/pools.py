@@ -19,11 +19,12 @@ from threading import Thread
 from types import ModuleType
 
 from mrsfi_runtime.engine.flights import Engine, Evaluator
-from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 
 
 class WorkerPool(Evaluator):
@@ -40,9 +41,8 @@ class WorkerPool(Evaluator):
         settings: EngineSettings | None = None,
     ) -> None:
         settings = EngineSettings() if settings is None else settings
-        settings.require_workers(n_workers)
         is_here = n_workers == 1 or settings.name == COMPILED
-        self.engine = settings.open(code, seed, n_workers) if is_here else None
+        self.engine = open_engine(settings, code, seed, n_workers) if is_here else None
         self._seed = seed
         self._open_engine = partial(
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
@@ -114,7 +114,7 @@ def _end_with_parent() -> None:
 
 @lru_cache(maxsize=1)
 def _worker_engine(directory: Path, pool: bytes, seed: int, settings: EngineSettings) -> Engine:
-    return settings.open(load_code(directory, pickle.loads(pool)), seed)
+    return open_engine(settings, load_code(directory, pickle.loads(pool)), seed)
 
 
 def _evaluate(

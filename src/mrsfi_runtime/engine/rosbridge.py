@@ -22,7 +22,6 @@ from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.cosimulation.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import (
     TransportClosed,
     TransportError,
@@ -30,6 +29,7 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.record.engine_settings import BOTH, EngineSettings
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import PrefixedTransport
 
@@ -58,7 +58,7 @@ class SimulationProcess:
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
         # the CI, which knows more, is the first to tell; a URL may hold a token: no argument
-        patient = replace(settings, patience=replace(patience, tick=patience.tick + _LATER))
+        patient = replace(settings, timeout=settings.timeout + _LATER)
         with suppress(BrokenPipeError):  # what it says, or its end, tells why
             self._connection.send((code.directory.resolve(), patient))
         said = self._heard(patience.handshake)
@@ -112,8 +112,7 @@ class RosbridgeEngine(PlainEngine):
         super().__init__(code, seed)
         url, client, patience = settings.url, settings.client, settings.patience
         ros = settings.ros
-        if not settings.has_simulation and url is None:
-            raise UsageError("--side ci needs --url: the server on which the simulation is found")
+        has_simulation = settings.side == BOTH
         _require_seed(seed)
         self.patience = 2 * (patience.tick + patience.handshake)
         self.simulation: SimulationProcess | None = None
@@ -121,7 +120,7 @@ class RosbridgeEngine(PlainEngine):
             if url is not None:  # first: it tells best what is wrong with the URL
                 self._transport = RosbridgeTransport(url, client, ros)
                 opened.callback(self._transport.close)
-            if settings.has_simulation:
+            if has_simulation:
                 self.simulation = SimulationProcess(code, settings)
                 opened.callback(self.simulation.close)
             if url is None and self.simulation is not None:
@@ -129,7 +128,7 @@ class RosbridgeEngine(PlainEngine):
                 opened.callback(self._transport.close)
             self._opened = opened.pop_all()
         is_bundled = settings.is_bundled
-        self._may_be_deaf = is_bundled and not settings.has_simulation
+        self._may_be_deaf = is_bundled and not has_simulation
         world = PrefixedTransport(self._transport, settings.world_prefix)
         transport = BundlingTransport.of_ci(world) if is_bundled else world
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)

@@ -17,9 +17,9 @@ from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
 

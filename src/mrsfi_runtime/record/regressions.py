@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError, expected
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.manifest import BOTH, CI, INJECTOR
+from mrsfi_runtime.record.engine_settings import BOTH, CI, INJECTOR
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")

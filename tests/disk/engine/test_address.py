@@ -1,7 +1,7 @@
 import pytest
 
-from mrsfi_runtime.engine.settings import require_address
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.engine_settings import require_address
 from tests.support.cluster import require_dask
 
 

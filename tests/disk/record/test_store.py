@@ -16,7 +16,8 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import MOST
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.manifest import EngineRecord, Manifest
+from mrsfi_runtime.record.engine_settings import EngineSettings
+from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 from tests.support.cli import execute
@@ -24,7 +25,9 @@ from tests.support.cli import execute
 MANIFEST = Manifest(
     mission="uuv_sampling",
     case="b",
-    engine=EngineRecord("rosbridge", "ws://127.0.0.1:9090", "twisted", "ci", is_bundled=True),
+    engine=EngineSettings(
+        "rosbridge", "ws://127.0.0.1:9090", client="twisted", side="ci", is_bundled=True
+    ),
     versions={"python": "3.11.2"},
     machine="x86_64",
     sha256={"mission.xmi": "00ff"},

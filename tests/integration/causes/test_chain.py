@@ -7,9 +7,10 @@ from io import StringIO
 import pytest
 
 from mrsfi_runtime.causes.chain import FirstVerdict, chains, sentence
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import TraceTable
 from tests.support.world import code_of, paper_code, specification
@@ -134,7 +135,7 @@ def test_chains_are_the_same_compiled(case):
     code = code_of(case[0])
     drawn = specification(code, case[1], 5)
 
-    with EngineSettings("compiled").open(code, 1) as engine:
+    with open_engine(EngineSettings("compiled"), code, 1) as engine:
         found = chains(engine.record, code.mission, drawn)
 
     assert repr(found) == repr(linked(code, drawn))  # 1 is not 1.0 in words

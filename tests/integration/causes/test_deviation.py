@@ -3,8 +3,9 @@
 import pytest
 
 from mrsfi_runtime.causes.mildest import Deviation
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.world import paper_code
 
@@ -13,7 +14,7 @@ CODE = paper_code(duration=60)
 
 @pytest.fixture(scope="module")
 def deviation():
-    with EngineSettings().open(CODE, 1) as engine:
+    with open_engine(EngineSettings(), CODE, 1) as engine:
         return Deviation(SearchSpace.of(CODE.mission, CODE.pool), engine.record(()))
 
 
@@ -30,7 +31,7 @@ def test_an_obstacle_is_truly_where_the_model_has_it(deviation):
 
 def test_a_robot_is_where_it_is_when_the_window_begins(deviation):
     places = []
-    with EngineSettings().open(CODE, 1) as engine:
+    with open_engine(EngineSettings(), CODE, 1) as engine:
         engine.evaluate((), observer=lambda world, *_: places.append(_place(world.robots[2])))
 
     assert [harmless(deviation, "f11", tick) for tick in (0, 30, 59)] == [

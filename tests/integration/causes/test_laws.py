@@ -10,7 +10,7 @@ import pytest
 
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import attribute, explain
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.world import code_of, specification
@@ -29,7 +29,7 @@ def engines(request):
     with ExitStack() as opened:
         yield cache(
             lambda mission: opened.enter_context(
-                EngineSettings("compiled").open(code_of(mission), 1, request.param)
+                opened(EngineSettings("compiled"), code_of(mission), 1, request.param)
             )
         )
 

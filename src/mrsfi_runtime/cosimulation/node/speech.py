@@ -1,9 +1,11 @@
 """What a node is told, and what it says, topic by topic, of one mission."""
 
+import json
 import math
+import pathlib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import TypeTable
@@ -71,7 +73,7 @@ class Speech:
     """All that a node is told and says; what its mapping cannot mean is a ``UsageError``."""
 
     def __init__(self, mapping: NodeMapping, mission: Mission, types: TypeTable) -> None:
-        self._types = types
+        self.types = types
         self.mapping = mapping
         self.mission = mission
         self._elements = mapping.elements(mission)
@@ -102,6 +104,13 @@ class Speech:
             [each.topic.name for each in self.hearings] + [each.topic.name for each in self.relayed]
         )
         """The topics on which the node commands."""
+
+    @classmethod
+    def of(cls, mapping: str, mission: Mission, ros: int = 1) -> Self:
+        """Return what a node speaks by a table as JSON, empty for generated topics."""
+        table = NodeMapping.of(json.loads(mapping) if mapping else None)
+        types = TypeTable([pathlib.Path(folder) for folder in table.types], ros)
+        return cls(table, mission, types)
 
     @property
     def told(self) -> frozenset[Target]:
@@ -184,7 +193,7 @@ class Speech:
         """Return the type of a field, which has to be one number or text of its message."""
         place, walked = f"[node] {rule.topic.name}: {rule.topic.type}", path
         try:
-            structure: Structure | None = self._types.message(rule.topic.type)
+            structure: Structure | None = self.types.message(rule.topic.type)
         except BridgeError as error:
             raise UsageError(f"[node] {rule.topic.name}: {error}") from error
         kind = ""

@@ -15,8 +15,8 @@ from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
 from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin, Shipment
 from mrsfi_runtime.engine.pools import starting_workers
-from mrsfi_runtime.engine.settings import LOCAL
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
+from mrsfi_runtime.record.engine_settings import LOCAL
 
 CONNECT_SECONDS = 5.0
 """How long a scheduler may take to answer."""

@@ -10,10 +10,11 @@ from typing import Any
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.worker import Chunk, Shipment
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.record.engine_settings import EngineSettings
 
 CHUNK_SECONDS = 0.35
 """What a chunk should take: long beside dask's 2 ms for a task, short if its worker is lost."""
@@ -32,7 +33,7 @@ class ClusterPool(Evaluator):
     def __init__(
         self, cluster: Cluster, code: MissionCode, seed: int, settings: EngineSettings
     ) -> None:
-        settings.open(code, seed).close()
+        open_engine(settings, code, seed).close()
         self._cluster = cluster
         self._seed = seed
         self._settings = settings

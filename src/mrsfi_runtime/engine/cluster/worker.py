@@ -20,12 +20,13 @@ from distributed import WorkerPlugin, get_worker
 
 import mrsfi_runtime
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.imported_copies import copied_files
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
+from mrsfi_runtime.record.engine_settings import EngineSettings
 
 _ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})
 """Rooms of mrsfi whose source no evaluation depends on."""
@@ -208,7 +209,7 @@ class MissionPlugin(WorkerPlugin):
         if settings not in self._engines:
             try:
                 code = load_code(self._folder, self._shipment.pool)
-                self._engines[settings] = settings.open(code, seed, self._n_threads)
+                self._engines[settings] = open_engine(settings, code, seed, self._n_threads)
             except MrsfiError as error:
                 raise type(error)(
                     f"on the worker at {self._address}: {error}; what regions import has to be "

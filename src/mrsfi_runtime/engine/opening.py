@@ -1,0 +1,81 @@
+"""Opens the engine that settings name, and finds out which one ``auto`` stands for.
+
+The imports of engines stand in the function that opens them: each brings what the others need not.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from mrsfi_runtime.errors import LIMITED, EvaluationError, UsageError
+from mrsfi_runtime.record.engine_settings import (
+    AUTO,
+    CI,
+    COMPILED,
+    INJECTOR,
+    REFERENCE,
+    EngineSettings,
+)
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.flights import Engine
+    from mrsfi_runtime.generated_code import MissionCode
+
+
+Tell: TypeAlias = Callable[[str], None]
+
+
+def open_engine(
+    settings: EngineSettings, code: "MissionCode", seed: int, n_threads: int = 1
+) -> "Engine":
+    """Return the engine, ready to evaluate, or raise why it cannot be; the caller closes it."""
+    settings.require_sense()
+    settings = named(settings, code, seed, lambda _: None)
+    if settings.name == REFERENCE:
+        from mrsfi_runtime.engine.reference import ReferenceEngine  # noqa: PLC0415 - for flights
+
+        return ReferenceEngine(code, seed)
+    if settings.name == COMPILED:
+        try:
+            from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - numpy
+
+            return CompiledEngine(code, seed, n_threads)
+        except (ImportError, MemoryError, OSError) as error:
+            lacking = str(error) or "no more memory"
+            told = f"the compiled engine cannot be loaded: {lacking}; {LIMITED}"
+            raise EvaluationError(told) from error
+    if settings.side == INJECTOR:
+        from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
+
+        return InjectorEngine(code, seed, settings)
+    from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
+
+    return RosbridgeEngine(code, seed, settings)
+
+
+def named(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) -> EngineSettings:
+    """Return settings that name an engine: auto becomes compiled, if all of it compiles.
+
+    Otherwise it becomes reference, and ``tell`` receives what does not.
+    """
+    if settings.name != AUTO:
+        return settings
+    compiled = replace(settings, name=COMPILED)
+    try:
+        open_engine(compiled, code, seed).close()
+    except (UsageError, EvaluationError) as error:
+        tell(f"not compiled: {error}; the reference engine evaluates, about 100 times slower")
+        return replace(settings, name=REFERENCE)
+    return compiled
+
+
+def tried(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) -> EngineSettings:
+    """Fly the mission without faults, and return settings that name an engine; as ``named``.
+
+    An external simulation is not asked to fly.
+    """
+    settings = named(settings, code, seed, tell)
+    if settings.side != CI:
+        with open_engine(settings, code, seed) as engine:
+            engine.evaluate(())
+    return settings
