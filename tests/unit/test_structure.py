@@ -15,7 +15,7 @@ PLUG_INS = {
 
 MOST_MODULES = 10
 TOO_FULL = {
-    *("m2t", "src/mrsfi", "src/mrsfi_bridge"),
+    *("m2t", "src/mrsfi"),
     *("src/mrsfi_runtime/analysis", "src/mrsfi_runtime/causes", "src/mrsfi_runtime/cosimulation"),
     *("src/mrsfi_runtime/engine", "src/mrsfi_runtime/engine/compiled"),
     *("src/mrsfi_runtime/kernel", "src/mrsfi_runtime/record", "src/mrsfi_runtime/search"),
