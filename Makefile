@@ -10,7 +10,7 @@ OUT ?=
 RESUME ?=
 WORKERS ?=
 PYTHON ?=
-TIER ?= all
+MARKS ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -20,7 +20,8 @@ DOCS := $(VENV)/.installed-docs
 INTEROP := $(VENV)/.installed-interop
 SETUP := pyproject.toml constraints.txt
 PREBUILT := src/mrsfi_runtime/engine/compiled/prebuilt
-PYTEST := $(BIN)/python -m pytest --numprocesses auto
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --durations 10
+QUICK := tests/disk tests/golden tests/model tests/property tests/unit
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
 
 # What they hold is data: make takes it as it stands, and the shell finds it quoted.
@@ -80,20 +81,20 @@ regressions: generate ## fly the kept weaknesses of MISSION; fails where one cam
 	$(BIN)/mrsfi check $(mission) $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute
-	$(PYTEST) $(OURS) --tier quick
+	$(PYTEST) --dist worksteal --hypothesis-profile quick $(QUICK)
 
 test: $(DEV) generate ## run the tests, in some minutes
-	$(PYTEST) $(OURS) --tier test
+	$(PYTEST) $(OURS)
 
-test-all: $(DEV) generate ## run what make test leaves out: kills, sockets, of more seeds today's third
-	$(PYTEST) $(OURS) --tier rest
+test-all: $(DEV) generate ## run what make test leaves out and is not left to the night: kills, more seeds
+	$(PYTEST) $(OURS) -m "slow and not night"
 
-test-night: $(DEV) generate ## run make test-all with all seeds, then make interop and make release
-	$(PYTEST) $(OURS) --tier night
+test-night: $(DEV) generate ## run every test, with all seeds, then make interop and make release
+	$(PYTEST) $(OURS) -m "" --hypothesis-profile night
 	$(MAKE) interop release
 
 interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, ir-sim, pfta, Chromium, pdfLaTeX
-	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
+	$(PYTEST) --dist loadfile --no-loadscope-reorder -m "$(MARKS)" tests/interop
 
 wheel: $(DEV) ## build sdist and wheel into dist/, in a minute
 	rm -rf build dist
@@ -105,7 +106,7 @@ wheel: $(DEV) ## build sdist and wheel into dist/, in a minute
 
 release: wheel ## make wheel, and run the tutorial from the wheel in clean environments
 	$(BIN)/python -m twine check --strict dist/*
-	$(PYTEST) --tier $(TIER) tests/release
+	$(PYTEST) -m "$(MARKS)" tests/release
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

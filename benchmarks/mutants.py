@@ -251,7 +251,7 @@ class Copy:
 
     def failed(self, *options: str) -> list[str]:
         """Return the tests that fail here."""
-        command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0", "--tier", "test"]
+        command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0"]
         command += ["-p", "no:cacheprovider", "--tb=no", *options, *self._options]
         paths = [str(self.root / "src"), str(self.root)]
         environment = os.environ | {

@@ -24,7 +24,7 @@ from tests.support.trace import traced
 from tests.support.tree import ROOT
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specifications
-from tests.tiers import in_turn, seeds, slow
+from tests.tiers import night, seeds, slow
 
 SEED = 3
 N_SPECIFICATIONS = 1000
@@ -32,7 +32,7 @@ COMPILED = EngineSettings("compiled")
 
 
 @pytest.mark.parametrize("declare", [lambda code: code, with_triggers], ids=["plain", "triggers"])
-@pytest.mark.parametrize("n", [60, *in_turn([1000], 1)])
+@pytest.mark.parametrize("n", seeds([60, 1000], 1, 0))
 def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, declare):
     code = declare(paper_code(120))
     reference = ReferenceEngine(code, SEED)
@@ -57,7 +57,6 @@ with open_engine(EngineSettings("compiled"), load_code(Path(sys.argv[1])), 1) as
 
 
 @slow
-@pytest.mark.turn(2)
 def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
     command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_energy")]
@@ -85,8 +84,7 @@ def edited(folder, body, imports=""):
     return load_code(path.parent)
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
     body = (
         "xs = sorted([robot.x for robot in ci.robots])\n"
@@ -201,8 +199,7 @@ def test_a_region_that_runs_on_no_engine_is_refused_by_auto_too(tmp_path, body, 
 FLOWN = [kind for kind in EDITS if kind not in (*REFUSED, *NUMBA_REFUSES)]
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_after_an_edit_of_all_that_a_region_reaches_both_engines_agree(tmp_path, monkeypatch):
     """All are made at once, for it compiles long; that each is seen, ``test_reach`` says."""
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
@@ -281,7 +278,6 @@ compiled_flight.key_of = lambda *given: key_of(*given[:-1])
 
 
 @slow
-@pytest.mark.turn(2)
 def test_compiled_code_of_another_region_is_found_out_by_every_process_and_compiled_anew(
     tmp_path, monkeypatch
 ):

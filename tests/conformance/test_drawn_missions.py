@@ -25,7 +25,7 @@ from tests.support.models.shapes import (
     shape,
     write,
 )
-from tests.tiers import in_turn
+from tests.tiers import seeds
 
 N_SPECIFICATIONS = 10
 FEW = {
@@ -133,7 +133,7 @@ def fly_alike(folders, of, longest, n_missions):
     return coverage
 
 
-@pytest.mark.parametrize("name", in_turn(FEW))
+@pytest.mark.parametrize("name", seeds(FEW, 0, 1))
 def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     """Draws 90 missions, and 900 specifications, and flies each fault alone beside.
 
@@ -147,7 +147,7 @@ def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     assert all(coverage.changed[kind] for kind in FAULT_TYPES)
 
 
-@pytest.mark.parametrize("name", in_turn(MANY, len(FEW)))
+@pytest.mark.parametrize("name", seeds(MANY, 0, 1))
 def test_drawn_missions_of_many_robots_fly_alike(tmp_path_factory, name):
     """Draws 12 missions, and 120 specifications; most fault types and half the goals matter."""
     coverage = fly_alike(tmp_path_factory, *MANY[name])

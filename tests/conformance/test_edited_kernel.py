@@ -7,11 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 import mrsfi_runtime
 from tests.support.models.shapes import small_mission
-from tests.tiers import slow
+from tests.tiers import night
 
 FLY = """
 import json, sys
@@ -43,8 +41,7 @@ def flown(runtime: Path, mission: Path, cache: Path) -> list[str]:
     return found
 
 
-@slow
-@pytest.mark.turn(2)
+@night
 def test_an_edited_kernel_compiles_anew(tmp_path):
     mission = small_mission(tmp_path / "mission").directory
     package = tmp_path / "src" / "mrsfi_runtime"

@@ -23,7 +23,7 @@ from tests.support.edited import edited
 from tests.support.trace import TraceDigest, columns, traced
 from tests.support.triggers import with_triggers
 from tests.support.world import code_of, paper_code, specifications
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 SEED = 5
 OTHERS = (
@@ -135,7 +135,8 @@ def test_a_recording_has_every_field_of_the_reference(engine):
     ("engine_name", "mission"),
     [
         ("compiled", "uuv_sampling"),
-        *(pytest.param("compiled", name, marks=slow) for name in OTHERS),
+        *(pytest.param("compiled", name, marks=slow) for name in OTHERS[:2]),
+        *(pytest.param("compiled", name, marks=night) for name in OTHERS[2:]),
         ("rosbridge", "tight_margins"),
     ],
 )

@@ -34,7 +34,7 @@ from tests.support.own_metamodels import (
     parameter,
 )
 from tests.support.tree import ROOT
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 START, FINISH = 30, 60
 MISSION = ROOT / "models" / "uuv_sampling"
@@ -193,8 +193,7 @@ SPECIFICATIONS = [
 ]
 
 
-@slow
-@pytest.mark.turn(1)
+@night
 def test_both_engines_agree_also_after_other_specifications(code):
     reference = ReferenceEngine(code, 3)
     expected = [reference.evaluate(specification) for specification in SPECIFICATIONS]

@@ -11,7 +11,7 @@ from tests.conformance.regions import compile_alone, outcomes
 from tests.support import lint_cases
 from tests.support.edited import COLLECTIVE, REGION, write_region
 from tests.support.lint_cases import written
-from tests.tiers import in_turn, seeds
+from tests.tiers import seeds
 
 DIFFERENT = lint_cases.DIFFERENT + lint_cases.CALLS
 HELPERS = """
@@ -97,7 +97,7 @@ def _is_different(folder):
     return any(python != compiled for python, compiled in outcomes(folder))
 
 
-@pytest.mark.parametrize("case", seeds(DIFFERENT, 1), ids=attrgetter("name"))
+@pytest.mark.parametrize("case", seeds(DIFFERENT, 1, 21), ids=attrgetter("name"))
 def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
     written(tmp_path, case)
 
@@ -117,7 +117,7 @@ def test_what_does_not_compile_is_said_with_its_line_and_what_to_write(tmp_path,
     assert str(refused.value) == f"{where} cannot be compiled: {said}"
 
 
-@pytest.mark.parametrize("case", in_turn(lint_cases.ALIKE), ids=attrgetter("name"))
+@pytest.mark.parametrize("case", seeds(lint_cases.ALIKE, 0, 8), ids=attrgetter("name"))
 def test_what_is_not_warned_of_is_alike(tmp_path, case):
     written(tmp_path, case)
 

@@ -17,7 +17,7 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 REFERENCE = "reference"
 
@@ -155,7 +155,6 @@ def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
 
 
 @slow
-@pytest.mark.turn(2)
 def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     settings = {"population": 4, "generations": 2}
     generations = []
@@ -228,8 +227,7 @@ def test_a_weakness_is_kept_and_checked(found, tmp_path):
     assert checked.exceeded == ()
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_algorithms_are_compared_as_by_command(uuv, place):
     given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
     by_command = mrsfi_json(
@@ -260,7 +258,6 @@ def _pytest(place):
 
 
 @slow
-@pytest.mark.turn(2)
 def test_kept_weaknesses_are_tests_of_pytest(place):
     assert "1 passed" in _pytest(place).stdout
 

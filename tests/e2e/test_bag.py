@@ -8,7 +8,6 @@ from tests.tiers import slow
 
 
 @slow
-@pytest.mark.turn(2)
 def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
     stop = f"models/{MISSION}/stop.xmi"
     stop_specification(place / stop, [(100, 200)])

@@ -11,9 +11,7 @@ from typing import Any
 import pytest
 
 from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
-from tests.tiers import slow
-
-pytestmark = pytest.mark.turn(2)
+from tests.tiers import night, slow
 
 FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
 SMALL = ("compare", MISSION, "--case", "b", *FEW)
@@ -130,7 +128,7 @@ def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
     assert [contents(run) for run in runs] == before
 
 
-@slow
+@night
 def test_a_sweep_prints_what_differs_from_the_papers_setting_and_keeps_tables_and_figures(swept):
     place, output = swept
     folder = place / "runs" / "sweep-uuv_sampling-b"
@@ -155,7 +153,7 @@ def test_a_sweep_prints_what_differs_from_the_papers_setting_and_keeps_tables_an
     ]
 
 
-@slow
+@night
 def test_a_run_that_was_ended_goes_on_and_takes_the_time_of_both_parts(compared, place):
     finished = compared[0] / "runs" / "compare-uuv_sampling-b"
     folder = shutil.copytree(finished, place / "ended")
@@ -174,7 +172,7 @@ def test_a_run_that_was_ended_goes_on_and_takes_the_time_of_both_parts(compared,
     assert "drift-2: found a run with other mrsfi_sha256: mrsfi_sha256 None; expected" in error
 
 
-@slow
+@night
 def test_what_is_edited_while_a_comparison_runs_changes_nothing(compared, place):
     command = (*SMALL, "--seeds", "2", "--json")
     with subprocess.Popen(
@@ -190,7 +188,7 @@ def test_what_is_edited_while_a_comparison_runs_changes_nothing(compared, place)
     assert findings(again) == findings(whole)
 
 
-@slow
+@night
 def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
     small = (*SMALL, "--seeds", "1", "--algorithms", "random")
     mrsfi(*small, cwd=place)

@@ -9,9 +9,7 @@ import pytest
 from tests.support.cli import disturbed, interrupted, mrsfi, mrsfi_json, workspace
 from tests.support.cluster import require_dask, scheduler
 from tests.support.interrupted import MISSION, evaluations
-from tests.tiers import slow
-
-pytestmark = pytest.mark.turn(0)
+from tests.tiers import night, slow
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
 EVOLVE_SOME = (*EVOLVE, "--generations", "6")
@@ -88,7 +86,7 @@ def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(place,
     assert resumed["digest"] == whole["digest"]
 
 
-@slow
+@night
 def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place, whole):
     out = place / "runs" / "stopped"
     local = ("--dask", "local", "--workers", "2")
@@ -103,7 +101,7 @@ def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place, whole):
     assert f"digest    {whole['digest']}" in resumed.stdout.splitlines()
 
 
-@slow
+@night
 def test_a_comparison_finds_the_same_on_a_local_cluster(place):
     here, there = (
         mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)

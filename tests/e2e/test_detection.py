@@ -22,7 +22,7 @@ from tests.support.cli import mrsfi, mrsfi_json, workspace
 from tests.support.nodes import PYTHON, SERVICE, yard
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
-from tests.tiers import in_turn
+from tests.tiers import seeds
 
 CASE = '[search]\nalgorithm = "random"\nfaults = 2\npopulation = 20\n'
 SEARCH = ("--case", "case.toml", "--workers", "1")
@@ -71,7 +71,7 @@ CAMPAIGNS = {
 """What writes a mission into a folder, and returns its name and how it is searched on."""
 
 
-@pytest.mark.parametrize("name", ["rendezvous", *in_turn([*CAMPAIGNS][1:])])
+@pytest.mark.parametrize("name", seeds(CAMPAIGNS, 1, 2))
 def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "1000")
     monkeypatch.chdir(tmp_path)  # where a node is started

@@ -20,7 +20,7 @@ from tests.support.rendezvous import (
     searched,
     write_planted,
 )
-from tests.tiers import seeds, slow
+from tests.tiers import night, seeds, slow
 
 ONE = ("--workers", "1")
 
@@ -252,10 +252,10 @@ def test_damaged_flights_end_with_9_like_other_damage(campaign, tmp_path, comman
     "options",
     [
         ("--workers", "2"),
-        pytest.param(("--dask", "local", "--workers", "2"), marks=slow),
-        pytest.param(("--engine", "compiled", "--workers", "1"), marks=slow),
-        pytest.param(("--engine", "compiled", "--workers", "2"), marks=slow),
-        pytest.param(("--engine", "rosbridge", "--workers", "2"), marks=slow),
+        ("--dask", "local", "--workers", "2"),
+        pytest.param(("--engine", "compiled", "--workers", "1"), marks=night),
+        pytest.param(("--engine", "compiled", "--workers", "2"), marks=night),
+        pytest.param(("--engine", "rosbridge", "--workers", "2"), marks=night),
     ],
     ids=" ".join,
 )

@@ -9,9 +9,7 @@ import pytest
 from tests.support.cli import MISSION, execute, mrsfi, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
-from tests.tiers import slow
-
-pytestmark = pytest.mark.turn(0)
+from tests.tiers import night, slow
 
 FAST = ("--engine", "reference")
 COMPILED = ("--engine", "compiled")
@@ -69,7 +67,7 @@ def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, plac
             assert column["goal"] != each["goal"] or after >= 0.95 * before
 
 
-@slow
+@night
 def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
     both = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
     best, second = both["explanations"]
@@ -100,7 +98,7 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert [(fault["id"], fault["start"]) for fault in flight["faults"]] == [("h2", 100)]
 
 
-@slow
+@night
 def test_chances_of_the_weather_are_those_of_twenty_flights(place):
     path = by_hand(place, (100, 900), (950, 951))
     arguments = ("--faults", path, *COMPILED, "--seed", "7")
@@ -169,7 +167,7 @@ def test_the_measure_and_the_share_can_be_chosen(campaign, place):
     assert found["keep"] == 0.5
 
 
-@slow
+@night
 def test_several_specifications_are_explained_one_after_the_other(campaign, place):
     text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
 

@@ -12,7 +12,7 @@ from tests.support.rendezvous import (
     write_planted,
     write_rendezvous,
 )
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 ONE = ("--engine", "reference", "--workers", "1")
 
@@ -38,10 +38,10 @@ def told(ended):
     "options",
     [
         ("--engine", "reference", "--workers", "2"),
-        pytest.param(("--engine", "reference", "--dask", "local", "--workers", "2"), marks=slow),
-        pytest.param(("--engine", "compiled", "--workers", "2"), marks=slow),
-        pytest.param(("--engine", "rosbridge", "--workers", "1"), marks=slow),
-        pytest.param(("--engine", "rosbridge", "--bundle", "--workers", "2"), marks=slow),
+        pytest.param(("--engine", "reference", "--dask", "local", "--workers", "2"), marks=night),
+        pytest.param(("--engine", "compiled", "--workers", "2"), marks=night),
+        pytest.param(("--engine", "rosbridge", "--workers", "1"), marks=night),
+        ("--engine", "rosbridge", "--bundle", "--workers", "2"),
     ],
     ids=" ".join,
 )
@@ -81,8 +81,7 @@ def evolved_elsewhere(small, url):
     return done, json.loads((small / "out" / "summary.json").read_text(encoding="utf-8"))
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, small, url):
     one = ("--evaluation", "0", "--json")
     with external_world(url, small):

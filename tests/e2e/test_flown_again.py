@@ -18,7 +18,7 @@ from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi
 from tests.support.external_world import OTHER, SAME, external_world
 from tests.support.rendezvous import NAME
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 RUN = "runs/it"
 NOWHERE = "ws://127.0.0.1:1"
@@ -116,7 +116,6 @@ def world(place, url, kind):
 
 
 @slow
-@pytest.mark.turn(1)
 def test_the_external_simulation_that_flew_it_flies_it_again(place, url):
     with world(place, url, SAME):
         require_same(all_ended(place, "weaknesses --map"), 0, "")  # which takes the longest
@@ -129,8 +128,7 @@ def test_the_external_simulation_that_flew_it_flies_it_again(place, url):
     assert "cannot be reached" not in page
 
 
-@slow
-@pytest.mark.turn(2)
+@night
 def test_another_external_simulation_is_refused_by_all(place, url):
     with world(place, url, OTHER):
         told = all_ended(place)

@@ -8,7 +8,7 @@ import pytest
 from tests.support.cli import MISSION, command_line, mrsfi, workspace
 from tests.support.crashes import killed
 from tests.support.rendezvous import NAME
-from tests.tiers import slow
+from tests.tiers import night, seeds, slow
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -33,7 +33,7 @@ def all_or_nothing(place, work, words, then, every=1):
     return found.count(True), found.count(False)
 
 
-@pytest.mark.parametrize("every", [12, pytest.param(1, marks=slow)])
+@pytest.mark.parametrize("every", [12, pytest.param(1, marks=night)])
 def test_a_killed_rename_is_done_or_not_at_all(tmp_path, every):
     place = workspace(tmp_path / "place")
     words = ("rename", MISSION, "r1=leader", "g3=power")
@@ -59,7 +59,7 @@ def test_a_killed_generation_is_done_or_not_at_all(tmp_path):
     assert min(n_done, n_undone) > 0
 
 
-@pytest.mark.parametrize("every", [6, pytest.param(1, marks=slow)])
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=night)])
 def test_a_killed_keep_can_be_repeated(found, tmp_path, every):
     words = ("keep", "runs/it", "--weakness", "3")
 
@@ -74,7 +74,7 @@ def test_a_killed_keep_can_be_repeated(found, tmp_path, every):
     assert "1 of 1 hold" in mrsfi("check", "--engine", "reference", cwd=folder).stdout
 
 
-@pytest.mark.parametrize("every", [60, pytest.param(5, marks=slow)])
+@pytest.mark.parametrize("every", [60, pytest.param(5, marks=night)])
 def test_a_killed_new_leaves_nothing_that_hinders_the_next(tmp_path, every):
     (tmp_path / "place").mkdir()
 
@@ -86,7 +86,7 @@ def test_a_killed_new_leaves_nothing_that_hinders_the_next(tmp_path, every):
         assert files(Path(attempt["folder"])) == whole
 
 
-@pytest.mark.parametrize("attempt", [0, *(pytest.param(k, marks=slow) for k in range(1, 8))])
+@pytest.mark.parametrize("attempt", seeds(range(8), 1, 2))
 def test_two_renames_at_once_follow_each_other(tmp_path, attempt):
     place = workspace(tmp_path)
     renames = ("r1=leader", ("r1=first", "r2=second")[attempt % 2])

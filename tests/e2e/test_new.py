@@ -15,9 +15,7 @@ import pytest
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, workspace
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.tree import ROOT
-from tests.tiers import slow
-
-pytestmark = pytest.mark.turn(0)
+from tests.tiers import night, slow
 
 SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
 
@@ -91,7 +89,7 @@ def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
     assert all(goal["true"] == goal["believed"] == goal["missed"] == 0 for goal in flown["goals"])
 
 
-@slow
+@night
 def test_its_script_builds_the_models_that_stand_beside_it(begun):
     models = begun / "models" / "demo"
     before = {path: path.read_bytes() for path in models.glob("*.xmi")}
@@ -101,7 +99,7 @@ def test_its_script_builds_the_models_that_stand_beside_it(begun):
     assert {path: path.read_bytes() for path in models.glob("*.xmi")} == before
 
 
-@slow
+@night
 def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     _make(begun, "regressions", expected=2)
     mrsfi("keep", "runs/it", "--weakness", "1", cwd=begun)

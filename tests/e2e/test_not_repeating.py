@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi, mrsfi_process, workspace
 from tests.support.edited import COLLECTIVE, indented, write_body
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 MISSION = "tight_margins"
 REGIONS = {
@@ -58,12 +58,12 @@ def test_validate_refuses_a_mission_that_does_not_repeat_itself(tmp_path, kind):
         ("what the first flight leaves", ("--workers", "1")),
         ("a list of the module", ("--workers", "2")),
         *(
-            pytest.param(kind, ("--workers", n, "--engine", "reference"), marks=slow)
+            pytest.param(kind, ("--workers", n, "--engine", "reference"), marks=mark)
             for kind in REGIONS
-            for n in "12"
+            for n, mark in (("1", slow), ("2", night))
         ),
-        pytest.param("a list of the module", ("--workers", "2", "--dask", "local"), marks=slow),
-        pytest.param("a clock", ("--workers", "1", "--engine", "rosbridge"), marks=slow),
+        pytest.param("a list of the module", ("--workers", "2", "--dask", "local"), marks=night),
+        pytest.param("a clock", ("--workers", "1", "--engine", "rosbridge"), marks=night),
     ],
 )
 def test_a_search_that_does_not_repeat_itself_ends_and_keeps_what_it_recorded(

@@ -19,7 +19,7 @@ from tests.support.own_metamodels import (
     parameter,
     part,
 )
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 AT_START = '<position x="250.0" y="-250.0"'
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
@@ -100,8 +100,7 @@ def test_team_adds_features_subclasses_and_parts(project):
     assert (generated / "mission_loader.py").read_bytes() == shipped.read_bytes()
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_team_writes_an_effect_of_its_own_in_two_files(project):
     content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
     add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)

@@ -4,14 +4,13 @@ import os
 import re
 import shutil
 import subprocess
-from itertools import count
 from pathlib import Path
 
 import pytest
 
 from tests.support.pages import Terminal, at_free_ports, blocks, run_page
 from tests.support.tree import ROOT, UNDRAWN
-from tests.tiers import is_due, slow
+from tests.tiers import night, seeds, slow
 
 RUN = (
     "README.md",
@@ -31,7 +30,7 @@ RUN = (
     "docs/bus.md",
     "examples/nodes/README.md",
 )
-"""Pages in the order in which they are run: what README finds, others look at, each in its turn."""
+"""Pages in the order in which they are run: what README finds, others look at."""
 
 ELSEWHERE = {
     "docs/api.md": "tests/e2e/test_api_page.py",
@@ -51,8 +50,6 @@ ELSEWHERE = {
 HOURS = ("docs/search.md", "benchmarks/results/searches.md", "docs/compare.md")
 SHORTER = {"compare": "--seeds 2 --evaluations 2 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
-DRAWN = 2
-"""When README's figures are drawn, which takes as long as the rest of it; others' never are."""
 LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n?```\w+\n")
 
 
@@ -63,10 +60,10 @@ PAGES = {
 }
 
 
-@pytest.fixture(scope="module")
-def tree(tmp_path_factory):
+@pytest.fixture
+def tree(tmp_path):
     """A copy of the tree under git, as who clones it has it after make install."""
-    copy = tmp_path_factory.mktemp("pages") / "mrsfi"
+    copy = tmp_path / "mrsfi"
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT,
@@ -85,39 +82,41 @@ def tree(tmp_path_factory):
     return copy
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def environment(tree):
     kept = {name: os.environ[name] for name in KEPT if name in os.environ}
     return {**kept, "PATH": f"{tree / '.venv' / 'bin'}:/usr/local/bin:/usr/bin:/bin"}
 
 
-@slow
-@pytest.mark.early
-def test_every_console_prints_what_stands_there(tree, environment):
-    for page in (page for k, page in enumerate(RUN) if k == 0 or is_due(k)):
-        is_drawn = page == RUN[0] and is_due(DRAWN)
-        path = {} if is_drawn else {"PYTHONPATH": str(UNDRAWN)}
+@pytest.mark.parametrize(
+    ("pages", "is_drawn"),
+    [
+        pytest.param(RUN[::3], False, marks=slow, id="every third"),
+        pytest.param(RUN, True, marks=night, id="all"),
+    ],
+)
+def test_every_console_prints_what_stands_there(pages, is_drawn, tree, environment):
+    """Figures of README alone are drawn, which takes as long as the rest of it."""
+    for page in pages:
+        path = {} if is_drawn and page == RUN[0] else {"PYTHONPATH": str(UNDRAWN)}
         assert [*run_page(at_free_ports(PAGES[page]), Terminal(tree, environment | path))], page
     examples = Terminal(tree, environment).run("git status --short examples")
     assert not examples.output, "runs are left beside examples"
 
 
-@slow
-@pytest.mark.early
-def test_what_takes_hours_runs_in_minutes_as_it_stands_but_for_its_size(tree, environment):
-    place = count()
-
-    def shortened(found: re.Match[str]) -> str:
-        return f"{found[0]} {SHORTER[found[1]]}" if is_due(next(place)) else ":"
-
-    for page in HOURS:
-        shutil.rmtree(tree / "runs", ignore_errors=True)
-        for block in (block for block in blocks(PAGES[page]) if block.kind == "sh"):
-            text = "\n".join(block.lines).replace("\\\n", " ")
-            text = re.sub(rf"^ *mrsfi ({'|'.join(SHORTER)}) .*$", shortened, text, flags=re.M)
-            terminal = Terminal(tree, environment | {"PYTHONPATH": str(UNDRAWN)})
-            done = terminal.run(f"set -e\n{text}\nset +e\necho done")
-            assert done.output[-1:] == ("done",), (page, block.line, done.errors[-3:])
+@pytest.mark.parametrize("page", seeds(HOURS, 0, 1))
+def test_what_takes_hours_runs_in_minutes_as_it_stands_but_for_its_size(page, tree, environment):
+    for block in (block for block in blocks(PAGES[page]) if block.kind == "sh"):
+        text = "\n".join(block.lines).replace("\\\n", " ")
+        text = re.sub(
+            rf"^ *mrsfi ({'|'.join(SHORTER)}) .*$",
+            lambda found: f"{found[0]} {SHORTER[found[1]]}",
+            text,
+            flags=re.M,
+        )
+        terminal = Terminal(tree, environment | {"PYTHONPATH": str(UNDRAWN)})
+        done = terminal.run(f"set -e\n{text}\nset +e\necho done")
+        assert done.output[-1:] == ("done",), (page, block.line, done.errors[-3:])
 
 
 def test_every_block_is_run_or_held_to_what_is_there():

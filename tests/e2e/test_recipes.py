@@ -4,7 +4,7 @@ import pytest
 
 from tests.recipes.performed import RECIPES, perform
 from tests.recipes.tree import ENGINES
-from tests.tiers import in_turn
+from tests.tiers import seeds
 
 N_EDITED = {
     "fault type": 1,
@@ -16,7 +16,7 @@ N_EDITED = {
 }
 
 
-@pytest.mark.parametrize("name", in_turn(RECIPES))
+@pytest.mark.parametrize("name", seeds(RECIPES, 0, 2))
 def test_a_recipe_edits_few_files_and_flies_alike_on_both_engines(name, tmp_path):
     done = perform(name, tmp_path / "tree")
 

@@ -24,9 +24,7 @@ from tests.support.cli import (
 from tests.support.interrupted import MISSION as QUICK
 from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
-from tests.tiers import slow
-
-pytestmark = pytest.mark.turn(1)
+from tests.tiers import night, seeds, slow
 
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
@@ -71,7 +69,7 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
     assert flown == mrsfi_json(*arguments, cwd=place)
 
 
-@slow
+@night
 def test_logs_traces_and_bags_are_the_same(place):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
@@ -105,7 +103,7 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
         assert (recorded["engine"], recorded["bus"]) == ("rosbridge", expected)
 
 
-@slow
+@night
 def test_a_project_of_ros_2_flies_the_same_and_records_it(quick):
     local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
     (quick / "mrsfi.toml").write_text("[project]\nros = 2\n", encoding="utf-8")
@@ -117,7 +115,7 @@ def test_a_project_of_ros_2_flies_the_same_and_records_it(quick):
     assert found["digest"] == local["digest"]
 
 
-@slow
+@night
 def test_replications_share_one_server(quick, url):
     file = quick / "models" / QUICK / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
@@ -132,7 +130,7 @@ def test_replications_share_one_server(quick, url):
 
 
 @slow
-@pytest.mark.parametrize("client", CLIENTS)
+@pytest.mark.parametrize("client", seeds(CLIENTS, 0, 1))
 def test_two_sides_meet_on_a_server(place, url, client):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     meet = (*ROSBRIDGE, "--url", url, "--client", client)
@@ -201,7 +199,7 @@ def n_evaluations(folder):
             return 0
 
 
-@slow
+@night
 def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
     few = ("--population", "4", "--workers", "2", "--out", "runs/w")
     words = ("evolve", MISSION, *ROSBRIDGE, *few)

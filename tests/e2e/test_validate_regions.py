@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json, mrsfi_process
-from tests.tiers import slow
+from tests.tiers import night
 
 BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"
@@ -101,8 +101,7 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
     assert not (place / "runs").exists()
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place):
     _, line = _edited(place, "return {1: ci} == {}")
 

@@ -34,7 +34,7 @@ CARRIED = """    if ci.robots[CARRIER_1].x > 1000.0:
     return goal_tasks.avoid_collision.violated(ci, COLLIDE)
 """
 
-pytestmark = [slow, pytest.mark.turn(2)]
+pytestmark = slow
 
 
 @pytest.fixture(scope="module")

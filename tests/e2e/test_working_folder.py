@@ -6,7 +6,7 @@ import mrsfi as api
 from tests.support.cli import mrsfi
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.rendezvous import NAME, searched, write_rendezvous
-from tests.tiers import slow
+from tests.tiers import night
 
 FAST = ("--engine", "reference", "--workers", "1")
 CHECK = "os.chdir(AWAY)\nreturn goal_tasks.visit.violated(ci, G1)"
@@ -36,8 +36,7 @@ def test_files_of_a_flight_are_written_where_the_command_was_called(moving):
     assert [*away.iterdir()] == []
 
 
-@slow
-@pytest.mark.turn(1)
+@night
 def test_so_are_all_files_of_a_campaign(moving):
     place, away = moving
     mrsfi(*searched(place), "--workers", "1", "--out", "runs/it", cwd=place)

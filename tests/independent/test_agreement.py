@@ -32,7 +32,7 @@ from tests.support.own_metamodels import add_fault_type, add_faults, meaning, pa
 from tests.support.tree import ROOT
 from tests.support.triggers import drawn_triggers, in_xmi, waiting
 from tests.support.world import specification
-from tests.tiers import in_turn, slow
+from tests.tiers import seeds, slow
 
 HARBOUR = Path(__file__).parent / "harbour"
 """A mission with all tasks and odd robots, and a pool of all types with odd targets."""
@@ -66,24 +66,24 @@ def twins(request):
     return Twins(ROOT / "models" / request.param, ROOT / "generated" / request.param)
 
 
-@pytest.mark.parametrize("seed", in_turn(range(N_SPECIFICATIONS)))
+@pytest.mark.parametrize("seed", seeds(range(N_SPECIFICATIONS), 0, 8))
 @pytest.mark.parametrize("twins", MISSIONS, indirect=True)
 def test_random_specifications_fly_alike(twins, seed):
     twins.fly(specification(twins.code, seed), SEEDS[seed % len(SEEDS)])
 
 
 @pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("twins", in_turn(PUBLISHED), indirect=True)
+@pytest.mark.parametrize("twins", seeds(PUBLISHED, 0, 2), indirect=True)
 def test_random_specifications_of_published_missions_fly_alike(twins, seed):
     twins.fly(specification(twins.code, seed), SEEDS[seed])
 
 
-@pytest.mark.parametrize("twins", [*MISSIONS, *in_turn(PUBLISHED)], indirect=True)
+@pytest.mark.parametrize("twins", [*MISSIONS, *seeds(PUBLISHED, 0, 2)], indirect=True)
 def test_missions_without_faults_fly_alike(twins):
     twins.fly((), 1)
 
 
-@pytest.mark.parametrize("twins", in_turn(MISSIONS), indirect=True)
+@pytest.mark.parametrize("twins", seeds(MISSIONS, 0, 2), indirect=True)
 def test_each_fault_alone_flies_alike(twins):
     n_ticks = twins.code.mission.duration
     for fault in twins.code.pool:
@@ -109,7 +109,7 @@ def with_triggers(name, folder, seed):
     return Twins(models, folder / "generated")
 
 
-@pytest.mark.parametrize("seed", in_turn(range(6), 1))
+@pytest.mark.parametrize("seed", seeds(range(6), 0, 2))
 @pytest.mark.parametrize("name", MISSIONS)
 def test_faults_that_wait_for_triggers_fly_alike(tmp_path, name, seed):
     """Some wait, and of what is waited for something happens in every mission."""
@@ -203,7 +203,7 @@ def test_the_simulation_quotes_the_pages_as_they_are():
     assert [each for each in sorted(sections) if f"## {each[1]}" not in texts[each[0]]] == []
 
 
-@pytest.mark.parametrize("seed", in_turn(range(5), 2))
+@pytest.mark.parametrize("seed", seeds(range(5), 0, 2))
 @pytest.mark.parametrize("name", SHAPES)
 def test_drawn_missions_fly_alike(tmp_path, name, seed):
     """Each under some drawn specifications, and each fault of its pool alone."""
@@ -220,7 +220,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40))
 
 
-@pytest.mark.parametrize("n_robots", in_turn([12, 25, 30, 24, 45, 70]))
+@pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 0, 2))
 @pytest.mark.parametrize("room", [15.0, 60.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
     rng = Random(n_robots)

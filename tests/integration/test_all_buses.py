@@ -5,19 +5,20 @@ from contextlib import ExitStack, closing
 from itertools import product
 from time import sleep
 
+import pytest
+
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS
 from tests.support.rosbridge import Relay, code_of, digests_apart, reference_digests
-from tests.tiers import is_due, slow
+from tests.tiers import night, slow
 
 MISSION, DURATION = "uuv_sampling", 200
 CODE = code_of(MISSION, DURATION)
 SEEDS = range(20)
 SCATTER = 0.01
-N_TURNS = 10
 AT_A_TIME = 3
 WAYS = ("in the simulation", "simulation first", "ci first")
 """Where the server is; if it is in a process of its own, who joins it first."""
@@ -54,17 +55,12 @@ def flown(way, ros, client, seeds):
         return flying.result()
 
 
-@slow
-def test_every_bus_flies_as_the_reference_does():
-    due = [
-        (way, [seed for seed in SEEDS if is_due(len(SEEDS) * place + seed, N_TURNS)])
-        for place, way in enumerate(COMBINATIONS)
-    ]
-    expected = dict(zip(SEEDS, reference_digests(CODE, SEEDS), strict=True))
-
+@pytest.mark.parametrize(
+    "seeds", [pytest.param(SEEDS[:2], marks=slow), pytest.param(SEEDS[2:], marks=night)], ids=str
+)
+def test_every_bus_flies_as_the_reference_does(seeds):
     with ThreadPoolExecutor(AT_A_TIME) as pool:  # a flight waits most of its time
-        found = [*pool.map(lambda each: flown(*each[0], each[1]), due)]
+        found = [*pool.map(lambda way: flown(*way, seeds), COMBINATIONS)]
 
-    assert {way: digests for (way, _), digests in zip(due, found, strict=True)} == {
-        way: [expected[seed] for seed in seeds] for way, seeds in due
-    }
+    expected = reference_digests(CODE, seeds)
+    assert dict(zip(COMBINATIONS, found, strict=True)) == dict.fromkeys(COMBINATIONS, expected)

@@ -15,7 +15,7 @@ from mrsfi_runtime.record.engine_settings import RESTART, SERVICE
 from tests.support.cli import mrsfi_process
 from tests.support.nodes import MISSION, processes_in, require_silence, yard
 from tests.support.tree import ROOT
-from tests.tiers import slow
+from tests.tiers import seeds, slow
 
 SCRIPT = ROOT / "tests" / "support" / "bad_node.py"
 FREE = ("--node-pace", "1000")
@@ -56,8 +56,7 @@ def command_of(what):
     return f"{sys.executable} {SCRIPT} {shlex.quote(what)} {{url}}"
 
 
-@slow
-@pytest.mark.parametrize("what", OF_THE_NODE)
+@pytest.mark.parametrize("what", seeds(OF_THE_NODE, 0, 5))
 def test_what_goes_wrong_in_mid_flight_belongs_to_the_specification(what, place):
     assert OF_THE_NODE[what] in told_of(command_of(what), place, 6)
 

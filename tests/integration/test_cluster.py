@@ -241,7 +241,6 @@ def test_another_python_is_refused(two_workers):
 
 
 @slow
-@pytest.mark.turn(2)
 def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
     tmp_path, specifications, expected, monkeypatch
 ):

@@ -7,7 +7,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.world import code_of, paper_code, specifications
-from tests.tiers import seeds, slow
+from tests.tiers import night, seeds, slow
 
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 
@@ -28,8 +28,7 @@ def counts(outcome):
     return outcome.believed, outcome.true, outcome.missed, outcome.samples
 
 
-@slow
-@pytest.mark.turn(2)
+@night
 def test_no_outcome_depends_on_the_order_of_two_subtractions(monkeypatch):
     code = code_of("tight_energy")
     flown = specifications(code, 60)
@@ -103,7 +102,7 @@ def test_no_robot_flies_faster_than_it_can(mission):
     assert fastest == 1.0  # the limit is met
 
 
-@pytest.mark.parametrize("seed", seeds(range(20)))
+@pytest.mark.parametrize("seed", seeds(range(20), 3, 6))
 @pytest.mark.parametrize("mission", MISSIONS)
 def test_without_faults_nothing_is_violated_or_missed_and_every_sample_taken(mission, seed):
     mission_code = code_of(mission)

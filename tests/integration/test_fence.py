@@ -15,7 +15,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import FailedFlight
 from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from tests.support.edited import edited
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 MOVED = (TimedFault("f9", 5, 50, (0.0, 0.0, 0.0)),)
 """A fault that moves an obstacle on the map, which regions here look at."""
@@ -57,8 +57,7 @@ for fly in (lambda: list(engine.evaluate_many([(), late])), lambda: engine.recor
 """Ends with two threads in machine code that nothing stops but the end of their process."""
 
 
-@slow
-@pytest.mark.turn(1)
+@night
 @pytest.mark.usefixtures("limited")
 def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
     there = FOREVER.replace("is_wrong", "is_wrong and ci.obstacles[4].y == 0.0")
@@ -74,7 +73,6 @@ def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
 
 
 @slow
-@pytest.mark.turn(2)
 @pytest.mark.usefixtures("limited")
 def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on(tmp_path):
     code = load_code(edited(tmp_path, "g1.check", FOREVER))

@@ -25,7 +25,7 @@ from tests.support.rosbridge import process
 from tests.support.tree import ROOT, UNDRAWN
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
-from tests.tiers import is_due, slow
+from tests.tiers import night, slow
 
 CODE = paper_code()
 REACHED = replace(
@@ -89,13 +89,15 @@ def test_faults_that_wait_fly_as_generated_too():
     assert flown(EMBEDDED, 2, specifications, code=code) == expected
 
 
-@slow
-def test_all_ways_and_specifications_fly_as_generated():
-    for place, (way, ros) in enumerate(WAYS):
-        due = [seed for seed in SEEDS if is_due(len(SEEDS) * place + seed)]
-        specifications = [specification(REACHED, seed) for seed in due]
+@pytest.mark.parametrize(
+    "seeds", [pytest.param(SEEDS[:6], marks=slow), pytest.param(SEEDS[6:], marks=night)], ids=str
+)
+def test_all_ways_and_specifications_fly_as_generated(seeds):
+    specifications = [specification(REACHED, seed) for seed in seeds]
+    expected = in_process(specifications)
 
-        assert flown(way, ros, specifications) == in_process(specifications)
+    for way, ros in WAYS:
+        assert flown(way, ros, specifications) == expected
 
 
 @pytest.mark.parametrize(("pace", "reset"), [("barrier", SERVICE), ("answer", RESTART)])
@@ -141,7 +143,7 @@ def served(port="0"):
 
 
 @slow
-@pytest.mark.parametrize("killed", ["server", "world"])
+@pytest.mark.parametrize("killed", [pytest.param("server", marks=night), "world"])
 def test_what_is_killed_is_started_again_and_the_campaign_goes_on(killed, tmp_path):
     with served() as (server, world, url):
         mrsfi(*words_of(url, tmp_path / "whole"), cwd=ROOT)

@@ -21,7 +21,7 @@ from tests.support.interrupted import (
 )
 from tests.support.processes import children
 from tests.support.rosbridge import process
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
 WITHIN = 15.0
@@ -103,8 +103,7 @@ def uninterrupted(path: Path) -> None:
     finished(SEARCH, begin(path, models, settings), 1)
 
 
-@slow
-@pytest.mark.turn(2)
+@night
 def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(tmp_path):
     whole, path = tmp_path / "whole", tmp_path / "killed"
     uninterrupted(whole)

@@ -14,7 +14,7 @@ from tests.support.interrupted import digest, evaluations
 from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, require_silence, yard
 from tests.support.rosbridge import process
 from tests.support.tree import UNDRAWN
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 FLY = ("simulate", MISSION, *PYTHON, *SERVICE)
 SEARCH = ("evolve", MISSION, *PYTHON, *SERVICE)
@@ -51,7 +51,6 @@ def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path,
 
 
 @slow
-@pytest.mark.turn(0)
 def test_a_search_finds_weaknesses_and_its_worst_flies_again(place):
     few = ("--evaluations", "24", "--population", "8")
     mrsfi_process(*SEARCH, *few, "--out", "runs/it", cwd=place, timeout=300)
@@ -68,8 +67,7 @@ def test_a_search_finds_weaknesses_and_its_worst_flies_again(place):
     require_silence(place)
 
 
-@slow
-@pytest.mark.turn(1)
+@night
 @pytest.mark.parametrize("killed", ["node", "worker", "mrsfi"])
 def test_whatever_is_killed_a_campaign_ends_as_if_it_had_not_been(place, killed):
     mrsfi_process(*SEARCH, *FEW, "--workers", "1", "--out", "runs/whole", cwd=place)

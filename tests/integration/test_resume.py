@@ -30,7 +30,7 @@ from tests.support.interrupted import (
 )
 from tests.support.processes import children
 from tests.support.triggers import drawn_triggers, in_xmi
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 SETTINGS = CampaignSettings(population=8, generations=8, seed=3)
 LONG = CampaignSettings(population=8, generations=1000, seed=3)
@@ -55,9 +55,7 @@ def whole(place: Path) -> Path:
 
 
 @slow
-@pytest.mark.parametrize(
-    ("n_workers", "n_kills"), [(2, 3), pytest.param(1, 20, marks=pytest.mark.turn(2))]
-)
+@pytest.mark.parametrize(("n_workers", "n_kills"), [(2, 3), pytest.param(1, 20, marks=night)])
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place, whole, n_workers, n_kills
 ):
@@ -108,8 +106,7 @@ def test_a_killed_campaign_of_a_pool_with_triggers_ends_as_one_that_never_was(tm
     )
 
 
-@slow
-@pytest.mark.turn(1)
+@night
 def test_kills_inside_a_write_leave_nothing_to_repair(place):
     undisturbed = begin(place / "written", place / "models" / MISSION, MANY)
     n_all = finished(WRITE, undisturbed)

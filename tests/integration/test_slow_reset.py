@@ -14,7 +14,7 @@ from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from tests.support.page_simulator import page_simulator
 from tests.support.tree import ROOT
 from tests.support.world import code_of
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 CODE = code_of("uuv_sampling", 60)
 PATIENT, HASTY = 20.0, 0.5
@@ -93,8 +93,7 @@ main()
 """The node of the tests with a reset that is noted, and takes longer than two seconds."""
 
 
-@slow
-@pytest.mark.turn(0)
+@night
 def test_so_is_that_of_a_node_and_of_the_simulation_behind_it(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     words = shlex.join([sys.executable, "-c", NODE, str(CODE.directory.resolve())])

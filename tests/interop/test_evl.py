@@ -7,10 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
-from typing import TypeAlias
 
 import pytest
 
@@ -38,9 +37,7 @@ from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split
-from tests.tiers import is_due
-
-Recording: TypeAlias = tuple[subprocess.Popen[str], Path]
+from tests.tiers import night
 
 TIGHT = MODELS.parent / "tight_margins"
 N_MUTANTS = 250
@@ -63,52 +60,22 @@ _RECORDED = " and ".join(
     )
 )
 """Which of them: those of models."""
-pytestmark = pytest.mark.early
-
-RECORDED, MUTATED = 0, 1
-"""When those tests are run once more, to be recorded, and their models judged; and when mutants."""
-
 _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording | None]:
-    """The tests that judge models, while they run, and where each of their models is recorded."""
-    if not is_due(RECORDED):
-        yield None
-        return
-    folder = tmp_path_factory.mktemp("recorded")
-    with _recording(folder) as process:
-        yield process, folder
-
-
-@pytest.fixture(scope="module")
-def models(
-    recording: Recording | None, tmp_path_factory: pytest.TempPathFactory
-) -> Mapping[str, list[Judged]]:
+def models(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, list[Judged]]:
     """Models made here, by part, judged by both at once: Java needs time to warm up."""
     made = {
         "valid models": _valid(tmp_path_factory.mktemp("valid")),
         "broken models": _broken(tmp_path_factory.mktemp("broken")),
         "broken models in several files": _split(tmp_path_factory.mktemp("split")),
-        "mutated models": _mutated(tmp_path_factory.mktemp("mutated")) if is_due(MUTATED) else [],
+        "mutated models": _mutated(tmp_path_factory.mktemp("mutated")),
     }
     by_path = {model.path: model for model in judged([*chain(*made.values())])}
     return {
         name: [by_path[path] for path in part if path in by_path] for name, part in made.items()
     }
-
-
-@pytest.fixture(scope="module")
-def recorded_models(recording: Recording | None) -> list[Judged]:
-    """Models of the test suite, judged by both; none on other days than theirs."""
-    if recording is None:
-        return []
-    process, folder = recording
-    output, _ = process.communicate()
-    # Tests that fail are reported where they belong; their models count all the same.
-    assert process.returncode in (0, 1), output
-    return judged(_recorded(folder))
 
 
 def test_both_find_the_same_in_valid_models(models, note):
@@ -134,23 +101,25 @@ def test_both_find_the_same_in_missions_in_several_files(models, note):
     assert found == TWINS
 
 
-@pytest.mark.turn(MUTATED)
 def test_both_find_the_same_in_randomly_mutated_models(models, note):
     found = require_same_findings("mutated models", models["mutated models"], note)
 
     assert len(found) >= len(TWINS) * 0.85
 
 
-@pytest.mark.turn(RECORDED)
-def test_both_find_the_same_in_every_model_of_the_test_suite(recorded_models, note):
+@night
+def test_both_find_the_same_in_every_model_of_the_test_suite(tmp_path, note):
+    recorded_models = judged(_recorded(tmp_path))
+
     found = require_same_findings("models of the test suite", recorded_models, note)
 
+    require_same_fixes(recorded_models, note)
     assert len(recorded_models) >= 150
     assert len(found) >= 20
 
 
-def test_both_write_the_same_when_they_fix_models(models, recorded_models, note):
-    judged_models = [*chain(*models.values(), recorded_models)]
+def test_both_write_the_same_when_they_fix_models(models, note):
+    judged_models = [*chain(*models.values())]
 
     fixed = require_same_fixes(judged_models, note)
 
@@ -264,8 +233,8 @@ def _drawn(folder: Path, seed: int) -> Path:
     return folder
 
 
-def _recording(folder: Path) -> subprocess.Popen[str]:
-    """Start the tests that judge models, and have each model recorded that EVL can judge."""
+def _recorded(folder: Path) -> list[Path]:
+    """Run the tests that judge models, and return each model that EVL can judge."""
     command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "tests.interop.recorder"]
     command += ["-p", "no:cacheprovider", "-k", _RECORDED, *RECORDED_TESTS]
     environment = {
@@ -273,17 +242,11 @@ def _recording(folder: Path) -> subprocess.Popen[str]:
         "MRSFI_RECORDED": str(folder),
         "PYTHONPATH": os.pathsep.join(sys.path),
     }
-    return subprocess.Popen(
-        command,
-        cwd=ROOT,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
     )
-
-
-def _recorded(folder: Path) -> list[Path]:
+    # Tests that fail are reported where they belong; their models count all the same.
+    assert done.returncode in (0, 1), done.stdout
     lines = (folder / INDEX).read_text(encoding="utf-8").splitlines()
     entries = [json.loads(line) for line in lines]
     return [folder / entry["folder"] / entry["judged"] for entry in entries]

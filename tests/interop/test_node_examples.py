@@ -8,7 +8,7 @@ import pytest
 from tests.support.cli import mrsfi_json, mrsfi_process, require_program
 from tests.support.missing import skip
 from tests.support.nodes import JAVASCRIPT, MISSION, processes_in, yard
-from tests.tiers import slow
+from tests.tiers import night
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +30,7 @@ def test_it_flies_without_faults_and_repeats_itself(place):
     assert all(goal["true"] == goal["believed"] == 0 for goal in flights[0]["goals"])
 
 
-@slow
-@pytest.mark.turn(2)
+@night
 def test_what_a_search_finds_flies_again(place):
     found = mrsfi_process(
         "evolve", MISSION, *JAVASCRIPT, "--out", "runs/it", "--json", cwd=place, timeout=600

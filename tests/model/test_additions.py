@@ -63,7 +63,7 @@ def a_subclass(path: Path, name: str, kind: str, rng: Random) -> None:
     add_classes(path, a_class(KIND, f"#//{name}", added))
 
 
-@pytest.mark.parametrize("seed", seeds(range(24), 2))
+@pytest.mark.parametrize("seed", seeds(range(24), 2, 8))
 @pytest.mark.parametrize("add", [an_attribute, a_part, a_subclass])
 @pytest.mark.parametrize("file", FILES)
 def test_what_a_team_adds_and_uses_is_generated_or_refused_by_line(tmp_path, file, add, seed):
@@ -103,7 +103,7 @@ DETAILS = (
 )
 
 
-@pytest.mark.parametrize("seed", seeds(range(60), 3))
+@pytest.mark.parametrize("seed", seeds(range(60), 3, 12))
 def test_an_annotation_that_a_team_adds_changes_what_is_generated_or_is_refused_by_line(
     tmp_path, seed
 ):
@@ -120,7 +120,7 @@ def test_an_annotation_that_a_team_adds_changes_what_is_generated_or_is_refused_
     _require_difference_or_line(path, tmp_path / "generated")
 
 
-@pytest.mark.parametrize("seed", seeds(range(60), 3))
+@pytest.mark.parametrize("seed", seeds(range(60), 3, 12))
 def test_an_annotation_that_a_team_changes_changes_what_is_generated_or_is_refused_by_line(
     tmp_path, seed
 ):

@@ -16,11 +16,11 @@ from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models
 from tests.support.mutilation import MUTILATIONS, content
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 N_MODELS_EACH = (3, pytest.param(33, marks=slow))
-N_METAMODELS_EACH = (1, pytest.param(15, marks=slow))
-"""Of each kind of mutilation; with the slow ones a thousand, three hundred of them metamodels."""
+N_METAMODELS_EACH = (1, pytest.param(15, marks=night))
+"""Of each kind of mutilation; at night a thousand, three hundred of them metamodels."""
 
 MAX_DRAWS = 1_000
 MAX_SECONDS = 30.0

@@ -79,7 +79,7 @@ def test_models_of_the_repository_are_loaded_as_pyecore_loads_them(folder):
     _require_equal(folder)
 
 
-@pytest.mark.parametrize("seed", seeds(range(N_DRAWN), 10))
+@pytest.mark.parametrize("seed", seeds(range(N_DRAWN), 10, 40))
 def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path, seed):
     models = draw(seed)
     (tmp_path / MISSION).write_bytes(dumps(models.mission))

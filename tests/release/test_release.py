@@ -16,7 +16,7 @@ from tests.support.edited import COLLECTIVE, write_body
 from tests.support.missing import skip
 from tests.support.pages import Terminal, run_page
 from tests.support.tree import ROOT
-from tests.tiers import in_turn
+from tests.tiers import seeds
 
 VERSIONS = ("3.11", "3.12", "3.13")
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -131,7 +131,7 @@ def test_the_sdist_holds_the_tree(built):
     assert {*tracked} <= names
 
 
-@pytest.mark.parametrize("version", in_turn(VERSIONS))
+@pytest.mark.parametrize("version", seeds(VERSIONS, 0, 1))
 def test_the_tutorial_runs_from_the_wheel_in_an_empty_folder(version, built, tmp_path):
     place = tmp_path / "empty"
     place.mkdir()
