@@ -1,7 +1,7 @@
-"""Which of make test, make test-all and make test-night runs a test, and with how many examples.
+"""Which make target runs a test, and how many examples it draws of a law.
 
-A test without a marker runs in all three. One marked ``slow`` runs in make test-all and at night,
-one marked ``night`` only at night. Laws of hypothesis state how many examples make test draws.
+A test without a marker runs in make test, one marked ``slow`` in make test-all. make test-night
+runs both, and what is marked ``night``. Laws of hypothesis state how many examples make test draws.
 """
 
 from collections.abc import Callable, Iterable
