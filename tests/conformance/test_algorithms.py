@@ -16,7 +16,7 @@ from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace
 from tests.support.interrupted import MISSION, SEARCH, begin, digest, evaluations, killed_after
-from tests.tiers import slow
+from tests.tiers import seeds
 
 N_EVALUATIONS = 40
 
@@ -59,7 +59,7 @@ def search(campaign: Path) -> int:
 
 @pytest.fixture(
     scope="module",
-    params=[*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)],
+    params=seeds([*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)], 0, 7),
     ids=lambda search: "-".join(filter(None, search)),
 )
 def whole(place: Path, request: pytest.FixtureRequest) -> Path:
@@ -74,7 +74,6 @@ def search_of(campaign: Path) -> tuple[str, str | None]:
         return store.settings.algorithm, store.settings.minimise
 
 
-@slow
 def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(whole):
     code = load_code(whole / "generated")
     space = SearchSpace.of(code.mission, code.pool)
@@ -89,7 +88,6 @@ def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds
     assert all(flown[1:])  # only who covers flies without faults, once, before all others
 
 
-@slow
 def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
     path = begin_search(place, "killed", *search_of(whole))
 

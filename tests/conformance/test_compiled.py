@@ -56,7 +56,7 @@ with open_engine(EngineSettings("compiled"), load_code(Path(sys.argv[1])), 1) as
 """
 
 
-@slow
+@night
 def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
     command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_energy")]

@@ -33,8 +33,8 @@ FEW = {
     "three robots": (shape(3, 2, ("Visit", "GatherSamples"), seed=5), 60, 20),
 }
 MANY = {
-    "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 6),
     "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
+    "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 6),
 }
 """Shape, the longest mission in ticks, and how many missions are drawn."""
 

@@ -98,11 +98,12 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     ("whole", "command", "name", "finished"),
     [
         ("compared", (*SMALL, "--seeds", "2"), "compare", ["paper-1", "random-1"]),
-        (
+        pytest.param(
             "swept",
             SWEEP,
             "sweep",
             ["crossover=0.3,population=2-1", "crossover=0.9,population=2-1"],
+            marks=night,
         ),
     ],
 )

@@ -90,7 +90,7 @@ def test_faults_that_wait_fly_as_generated_too():
 
 
 @pytest.mark.parametrize(
-    "seeds", [pytest.param(SEEDS[:6], marks=slow), pytest.param(SEEDS[6:], marks=night)], ids=str
+    "seeds", [pytest.param(SEEDS[:4], marks=slow), pytest.param(SEEDS[4:], marks=night)], ids=str
 )
 def test_all_ways_and_specifications_fly_as_generated(seeds):
     specifications = [specification(REACHED, seed) for seed in seeds]
@@ -142,8 +142,8 @@ def served(port="0"):
             yield server, world, url
 
 
-@slow
-@pytest.mark.parametrize("killed", [pytest.param("server", marks=night), "world"])
+@night
+@pytest.mark.parametrize("killed", ["server", "world"])
 def test_what_is_killed_is_started_again_and_the_campaign_goes_on(killed, tmp_path):
     with served() as (server, world, url):
         mrsfi(*words_of(url, tmp_path / "whole"), cwd=ROOT)

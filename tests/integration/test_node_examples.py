@@ -14,7 +14,7 @@ from tests.support.interrupted import digest, evaluations
 from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, require_silence, yard
 from tests.support.rosbridge import process
 from tests.support.tree import UNDRAWN
-from tests.tiers import night, slow
+from tests.tiers import night
 
 FLY = ("simulate", MISSION, *PYTHON, *SERVICE)
 SEARCH = ("evolve", MISSION, *PYTHON, *SERVICE)
@@ -50,7 +50,7 @@ def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path,
     require_silence(place)
 
 
-@slow
+@night
 def test_a_search_finds_weaknesses_and_its_worst_flies_again(place):
     few = ("--evaluations", "24", "--population", "8")
     mrsfi_process(*SEARCH, *few, "--out", "runs/it", cwd=place, timeout=300)
