@@ -14,6 +14,8 @@ from hypothesis import settings
 from tests.support.tree import ROOT
 from tests.tiers import EXAMPLES, QUICK
 
+pytest_plugins = ("tests.support.approved",)
+
 # Hundreds of processes begin in the tests; each would compile every module that it imports.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.pop("COLUMNS", None)  # tables are as wide as in any pipe, whoever runs the tests

@@ -115,13 +115,13 @@ def _too_long(place, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "told"),
-    [(_in_the_way, "c.toml"), (_full, "No space left"), (_too_long, "File name too long")],
+    "spoil",
+    [_in_the_way, _full, _too_long],
 )
-def test_where_one_cannot_be_written_all_stay(place, monkeypatch, spoil, told):
+def test_where_one_cannot_be_written_all_stay(place, monkeypatch, spoil, refused):
     spoil(place, monkeypatch)
 
-    with pytest.raises(UsageError, match=rf"{told}.*nothing is changed"):
+    with refused(UsageError):
         change(place)
 
     assert standing(place) == OLD
@@ -187,7 +187,7 @@ def test_a_second_one_waits_and_then_says_who_it_is(place, monkeypatch):
     with changing(place):
         settle(place)  # who reads need not wait for who has not begun to replace
         with (
-            pytest.raises(UsageError, match=rf"another process \({os.getpid()}\) changing it"),
+            pytest.raises(UsageError, match=rf"\({os.getpid()}\)"),
             changing(place),
         ):
             pass
@@ -205,11 +205,11 @@ def test_a_journal_that_was_not_written_to_its_end_is_of_no_change(place, text):
     assert standing(place) == NEW
 
 
-def test_a_journal_of_another_user_is_not_believed(place, monkeypatch):
+def test_a_journal_of_another_user_is_not_believed(place, monkeypatch, refused):
     (place / JOURNAL).write_text('12\n[["a.xmi", "code/b.py", null, false]]\n"whole"\n')
     monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
 
-    with pytest.raises(UsageError, match="is another user's"):
+    with refused(UsageError):
         settle(place)
 
     assert OLD.items() <= standing(place).items()

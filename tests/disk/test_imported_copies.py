@@ -129,13 +129,11 @@ def test_two_campaigns_and_the_project_each_have_their_own_modules(project, tmp_
     assert (team.A, sys.modules["team"]) == (3, team)
 
 
-def test_what_no_import_statement_names_is_refused(project, tmp_path):
+def test_what_no_import_statement_names_is_refused(project, tmp_path, refused):
     code = "import importlib\nA = importlib.import_module('te' 'am').A\n"
     generated = begun(tmp_path, project, code, {"team.py": "A = 1\n"})
 
-    with pytest.raises(
-        EvaluationError, match=r"collective_intelligence.py:2: .*project/team.py, of"
-    ):
+    with refused(EvaluationError):
         loaded(generated)
 
 

@@ -51,19 +51,14 @@ def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ('{"schema": 1}', "found semantics 1; expected .*; run `mrsfi generate`, then review"),
-        ('{"semantics": 99}', "found semantics 99; expected .*; use a later mrsfi"),
-        ("[]", "is no manifest"),
-        (None, "no such file; run `mrsfi generate`"),
-    ],
+    "text",
+    ['{"schema": 1}', '{"semantics": 99}', "[]", None],
 )
-def test_code_that_was_not_generated_for_todays_rules_is_not_loaded(tmp_path, text, said):
+def test_code_that_was_not_generated_for_todays_rules_is_not_loaded(tmp_path, text, refused):
     folder = shutil.copytree(ROOT / "generated" / "tight_margins", tmp_path / "code")
     (folder / "manifest.json").unlink()
     if text is not None:
         (folder / "manifest.json").write_text(text, encoding="utf-8")
 
-    with pytest.raises(GenerationError, match=rf"code.manifest\.json: {said}"):
+    with refused(GenerationError):
         load_code(folder)

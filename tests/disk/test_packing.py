@@ -1,6 +1,5 @@
 """What is no archive of a campaign, whatever is wrong with it."""
 
-import re
 import zipfile
 from hashlib import sha256
 
@@ -35,13 +34,13 @@ SPOILED = {
 
 
 @pytest.mark.parametrize("name", SPOILED)
-def test_what_is_no_archive_is_refused_by_its_name(name, tmp_path):
+def test_what_is_no_archive_is_refused_by_its_name(name, tmp_path, refused):
     path = tmp_path / "run.zip"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("campaign/campaign.sqlite", bytes(range(256)) * 20)
     path.write_bytes(SPOILED[name](path.read_bytes()))
 
-    with pytest.raises(RecordError, match=re.escape(f"{path}: is no archive of a campaign (")):
+    with refused(RecordError):
         repeat(path, lambda _: pytest.fail("nothing is flown"))
 
 
@@ -58,28 +57,30 @@ def write(path, members):
 
 
 @pytest.mark.parametrize("name", ["campaign/mission.xmi", "../campaign/campaign.sqlite"])
-def test_an_archive_of_something_else_is_refused_and_nothing_lands_beside_it(name, tmp_path):
+def test_an_archive_of_something_else_is_refused_and_nothing_lands_beside_it(
+    name, tmp_path, refused
+):
     path = tmp_path / "run.zip"
     write(path, listed(**{name: b"something else"}).items())
 
-    with pytest.raises(RecordError, match=re.escape(f"{path}/campaign")):
+    with refused(RecordError):
         repeat(path, lambda _: pytest.fail("nothing is flown"))
 
     assert [each.name for each in tmp_path.iterdir()] == ["run.zip"]
 
 
-def test_an_archive_without_a_list_of_hashes_is_none_of_a_campaign(tmp_path):
+def test_an_archive_without_a_list_of_hashes_is_none_of_a_campaign(tmp_path, refused):
     path = tmp_path / "run.zip"
     write(path, [("campaign/campaign.sqlite", b"")])
 
-    with pytest.raises(RecordError, match=r"is no archive of a campaign .*SHA256SUMS"):
+    with refused(RecordError):
         repeat(path, lambda _: pytest.fail("nothing is flown"))
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_a_member_that_is_there_twice_is_refused(tmp_path):
+def test_a_member_that_is_there_twice_is_refused(tmp_path, refused):
     path, members = tmp_path / "run.zip", listed(x=b"")
     write(path, [*members.items(), ("x", b"")])
 
-    with pytest.raises(RecordError, match="a member is there twice; expected"):
+    with refused(RecordError):
         repeat(path, lambda _: pytest.fail("nothing is flown"))

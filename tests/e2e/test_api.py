@@ -28,14 +28,14 @@ def uuv(place):
     return mrsfi.load(place / "models" / MISSION)
 
 
-def test_every_public_name_is_there_and_no_other():
+def test_every_public_name_is_there_and_no_other(refused):
     assert all(getattr(mrsfi, name) is not None for name in mrsfi.__all__)
-    with pytest.raises(AttributeError, match=r"has no attribute 'laod'; .*; did you mean 'load'"):
+    with refused(AttributeError):
         mrsfi.laod  # noqa: B018 - the look-up is the test
 
 
-def test_an_unknown_mission_is_refused():
-    with pytest.raises(UsageError, match="found no mission 'nowhere'"):
+def test_an_unknown_mission_is_refused(refused):
+    with refused(UsageError):
         mrsfi.load("nowhere")
 
 
@@ -73,16 +73,16 @@ def test_robots_move_as_fast_as_told_and_spend_energy(uuv):
     assert (flight.true_positions[:, :, 2] == 1).all()
 
 
-def test_a_timed_fault_has_the_values_of_the_pool_unless_others_are_given(uuv):
+def test_a_timed_fault_has_the_values_of_the_pool_unless_others_are_given(uuv, refused):
     usual = uuv.timed("f9", 100, 400)
 
     assert usual.values == uuv.pool["f9"].values
     assert uuv.timed("f9", 100, 400, NEW_X=7.0).values == (7.0, *usual.values[1:])
-    with pytest.raises(SpecificationError, match=r"no parameter 'VAL'.*NEW_X, NEW_Y"):
+    with refused(SpecificationError):
         uuv.timed("f9", 100, 400, VAL=1)
-    with pytest.raises(SpecificationError, match="has no fault 'f99'"):
+    with refused(SpecificationError):
         uuv.timed("f99", 1, 2)
-    with pytest.raises(SpecificationError, match="window 400 … 100"):
+    with refused(SpecificationError):
         uuv.fly([usual._replace(start=400, finish=100)])
 
 
@@ -94,39 +94,36 @@ def test_many_are_counted_as_one_by_one(uuv):
     assert many == [uuv.fly(each).outcome for each in specifications]
 
 
-def test_a_kind_of_violations_that_there_is_not_is_refused(uuv):
-    with pytest.raises(ValueError, match="'real'; expected one of believed, true"):
+def test_a_kind_of_violations_that_there_is_not_is_refused(uuv, refused):
+    with refused(ValueError):
         uuv.fly().violations("real")
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    "call",
     [
-        (lambda u: u.fly(engine="refrence"), "engine: found 'refrence'; .* mean 'reference'"),
-        (lambda u: u.evaluate([()], engine=None), "engine: found None; expected one of auto"),
-        (lambda u: u.check(engine="compield"), "engine: found 'compield'; .* mean 'compiled'"),
-        (
-            lambda u: u.fly(seed=-1),
-            "seed: found -1; expected a whole number 0 … 9223372036854775807",
-        ),
-        (lambda u: u.fly(seed=1.5), "seed: found 1.5; expected a whole number"),
-        (lambda u: u.evaluate([()], seed=2**70), "seed: found 11805916207"),
-        (lambda u: u.evaluate([()], workers=0), "workers: found 0; expected a whole number >= 1"),
-        (lambda u: u.evolve(workers="2"), "workers: found '2'; expected a whole number"),
-        (lambda u: u.evolve(out=3), "out: found 3; expected the path of a folder"),
-        (lambda u: u.evolve(generation=5), "unknown key 'generation'; .* mean 'generations'"),
-        (lambda u: u.evolve(algorithm="gided"), "algorithm: found 'gided'; .* mean 'guided'"),
-        (lambda u: u.evolve(goals=["g33"]), "goals: found 'g33'; expected one of g1, .* mean 'g3'"),
-        (lambda u: u.compare([], 2, 10), r"algorithms: found \[\]; expected a list of different"),
-        (lambda u: u.compare("random", 2, 10), "algorithms: found 'random'; expected a list of"),
-        (lambda u: u.compare(["random"] * 2, 2, 10), "expected a list of different ones"),
-        (lambda u: u.compare(["random"], 0, 10), "n_seeds: found 0; expected a whole number"),
-        (lambda u: u.check(n_seeds=1.5), "n_seeds: found 1.5; expected a whole number"),
-        (lambda u: mrsfi.load(u.folders.models, 3), "generated: found 3; expected the path"),
+        lambda u: u.fly(engine="refrence"),
+        lambda u: u.evaluate([()], engine=None),
+        lambda u: u.check(engine="compield"),
+        lambda u: u.fly(seed=-1),
+        lambda u: u.fly(seed=1.5),
+        lambda u: u.evaluate([()], seed=2**70),
+        lambda u: u.evaluate([()], workers=0),
+        lambda u: u.evolve(workers="2"),
+        lambda u: u.evolve(out=3),
+        lambda u: u.evolve(generation=5),
+        lambda u: u.evolve(algorithm="gided"),
+        lambda u: u.evolve(goals=["g33"]),
+        lambda u: u.compare([], 2, 10),
+        lambda u: u.compare("random", 2, 10),
+        lambda u: u.compare(["random"] * 2, 2, 10),
+        lambda u: u.compare(["random"], 0, 10),
+        lambda u: u.check(n_seeds=1.5),
+        lambda u: mrsfi.load(u.folders.models, 3),
     ],
 )
-def test_arguments_that_make_no_sense_are_refused_before_anything_flies(uuv, call, message):
-    with pytest.raises(UsageError, match=message):
+def test_arguments_that_make_no_sense_are_refused_before_anything_flies(uuv, call, refused):
+    with refused(UsageError):
         call(uuv)
 
 
@@ -139,13 +136,13 @@ def test_numbers_of_numpy_and_folders_as_text_are_taken(uuv, place):
     assert uuv.fly(seed=np.int64(3)).seed == 3
 
 
-def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
+def test_stale_code_is_refused_until_it_is_generated_anew(uuv, refused):
     model = uuv.folders.models / "mission.xmi"
     model.write_text(
         model.read_text(encoding="utf-8").replace('speed="5.0"', 'speed="4.5"'), "utf-8"
     )
 
-    with pytest.raises(mrsfi.MrsfiError, match="stale"):
+    with refused(mrsfi.MrsfiError):
         uuv.fly()
 
     assert uuv.generate() == ("mission_loader.py",)
@@ -170,14 +167,14 @@ def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     assert campaign.weaknesses == by_command.weaknesses
 
 
-def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place):
+def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place, refused):
     campaign = uuv.evolve(
         evaluations=3, explain=False, engine=REFERENCE, workers=1, out=place / "it"
     )
 
     assert (campaign.settings.algorithm, campaign.settings.faults) == ("paper", 20)
     assert len(campaign) == 3
-    with pytest.raises(RecordError, match=r"mrsfi explain .* --all"):
+    with refused(RecordError):
         campaign.weaknesses  # noqa: B018 - that it is refused
 
 
@@ -212,10 +209,10 @@ def test_an_evaluation_is_explained_as_it_is_recorded(found):
     assert len(explanation.alone) == len(campaign.evaluation(0).specification)
 
 
-def test_a_weakness_is_kept_and_checked(found, tmp_path):
+def test_a_weakness_is_kept_and_checked(found, tmp_path, refused):
     place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
     mission = mrsfi.load(place / "models" / NAME)
-    with pytest.raises(UsageError, match="nothing is kept"):
+    with refused(UsageError):
         mission.check()
 
     with chdir(place):
@@ -292,10 +289,10 @@ def test_a_notebook_shows_a_mission_and_a_flight_with_their_names(uuv):
     assert all(goal in flight._repr_html_() for goal in flight.goals)
 
 
-def test_a_flight_is_drawn_on_axes_of_its_kind_and_another_kind_is_refused(uuv):
+def test_a_flight_is_drawn_on_axes_of_its_kind_and_another_kind_is_refused(uuv, refused):
     flight = uuv.fly()
 
     assert flight.plot().get_xlabel() == "x (distance units)"
     assert flight.plot("timeline").get_xlabel() == "tick"
-    with pytest.raises(UsageError, match=r"found 'maps'; .*did you mean 'map'"):
+    with refused(UsageError):
         flight.plot("maps")

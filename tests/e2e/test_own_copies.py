@@ -114,7 +114,7 @@ def test_a_lost_copy_and_one_too_many_are_refused(place, name, what):
 
 
 @pytest.mark.parametrize("models", ["some/models", "some"])
-def test_a_mission_given_by_path_is_found_where_it_lies(place, models):
+def test_a_mission_given_by_path_is_found_where_it_lies(place, models, refused):
     there = place / models
     shutil.copytree(place / "models", there, dirs_exist_ok=True)
     shutil.copytree(place / "generated", place / "some" / "generated")
@@ -126,7 +126,7 @@ def test_a_mission_given_by_path_is_found_where_it_lies(place, models):
         found = mission_of(campaign)
         named = found.named
         shutil.rmtree(there / NAME)
-        with pytest.raises(UsageError, match=f"{models}/{NAME}"):
+        with refused(UsageError):
             mission_of(campaign)
 
     assert (place / "runs" / found.models).resolve() == there / NAME

@@ -254,32 +254,26 @@ def test_a_change_tells_a_script_what_happened(old, new):
 
 
 @pytest.mark.parametrize(
-    ("content", "reason"),
-    [
-        ("no XML", r"old\.xmi:1: .*not well-formed"),
-        ("<a/>", r"old\.xmi:1: the root is 'a'"),
-        ('<!DOCTYPE a><a xmlns="urn:x"/>', "document type"),
-    ],
+    "content",
+    ["no XML", "<a/>", '<!DOCTYPE a><a xmlns="urn:x"/>'],
 )
-def test_what_is_no_model_is_refused(content, reason, old, tmp_path):
+def test_what_is_no_model_is_refused(content, old, tmp_path, refused):
     path = tmp_path / "old.xmi"
     path.write_text(content)
 
-    with pytest.raises(ModelError, match=reason):
+    with refused(ModelError):
         difference(path, old)
 
 
-def test_models_of_different_kinds_are_refused(old):
-    with pytest.raises(
-        ModelError, match=r"a Mission in .*mission\.xmi and a FaultSpecification in"
-    ):
+def test_models_of_different_kinds_are_refused(old, refused):
+    with refused(ModelError):
         difference(old / MISSION, old / FAULTS)
 
 
-def test_an_empty_folder_is_refused(old, tmp_path):
+def test_an_empty_folder_is_refused(old, tmp_path, refused):
     (tmp_path / "empty").mkdir()
 
-    with pytest.raises(ModelError, match=r"mission\.xmi"):
+    with refused(ModelError):
         difference(old, tmp_path / "empty")
 
 

@@ -76,13 +76,13 @@ def test_broken_metamodel_is_refused_at_its_line(folder, old, new, place, messag
         ('name="GoalTask"', 'name="GoalTask" eSuperTypes="#//GoalTask"'),
     ],
 )
-def test_class_that_inherits_from_itself_is_refused(folder, old, new):
+def test_class_that_inherits_from_itself_is_refused(folder, old, new, refused):
     edit(folder / MISSION_FILE, old, new)
 
-    with pytest.raises(ModelError, match="inherits from itself"):
+    with refused(ModelError):
         read_metamodels(folder)
 
 
-def test_missing_metamodel_is_refused(tmp_path):
-    with pytest.raises(ModelError, match=r"mission.ecore:1: mission.ecore cannot be read"):
+def test_missing_metamodel_is_refused(tmp_path, refused):
+    with refused(ModelError):
         read_metamodels(tmp_path)

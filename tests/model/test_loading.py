@@ -78,16 +78,16 @@ def test_specification_finds_the_mission_that_it_refers_to(tmp_path, folder):
     assert len(models.faults.faults) == 30
 
 
-def test_specification_of_two_missions_is_an_error(folder):
+def test_specification_of_two_missions_is_an_error(folder, refused):
     edit(folder / FAULTS, "mission.xmi#m4", "other.xmi#m4")
 
-    with pytest.raises(ModelError, match=r"faults.xmi:10: .*refers to 'other.xmi#m4'"):
+    with refused(ModelError):
         load_specification(folder / FAULTS)
 
 
-def test_mission_in_place_of_a_specification_is_an_error(folder):
+def test_mission_in_place_of_a_specification_is_an_error(folder, refused):
 
-    with pytest.raises(ModelError, match="expected FaultSpecification"):
+    with refused(ModelError):
         load_specification(folder / MISSION)
 
 

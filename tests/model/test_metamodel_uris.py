@@ -69,10 +69,10 @@ def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, folder
     assert f": found the URI '{uri}'; expected one of {', '.join(known)}; correct" in line
 
 
-def test_a_name_that_no_metamodel_has_is_told_from_an_address(folder):
+def test_a_name_that_no_metamodel_has_is_told_from_an_address(folder, refused):
     edit(folder / FAULTS_FILE, "mission.ecore#//Goal", f"{MISSION}Aim")
 
-    with pytest.raises(ModelError, match=r"'ecore:EClass mission\.ecore#//Aim', which is no"):
+    with refused(ModelError):
         read_metamodels(folder)
 
 

@@ -146,18 +146,18 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("row", "message"),
+    "row",
     [
-        (("f99", 0, 1, {}), "fault 'f99' is not in the pool"),
-        (("f9", 0, 1, {"NEW_W": 1.0}), "has no parameter 'NEW_W'"),
-        (("f9", 2, 1, {}), "expected whole numbers, 0 <= start <= finish"),
-        (("f9", 1, 2, {}, "low"), "trigger 'low' is not in the pool .*; expected one of .there is"),
+        ("f99", 0, 1, {}),
+        ("f9", 0, 1, {"NEW_W": 1.0}),
+        ("f9", 2, 1, {}),
+        ("f9", 1, 2, {}, "low"),
     ],
 )
-def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, message):
+def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, refused):
     path = _target(tmp_path)
 
-    with pytest.raises(SpecificationError, match=message):
+    with refused(SpecificationError):
         write_specification(copy_models(tmp_path), [row], path, identifier="s")
 
     assert not path.exists()

@@ -81,21 +81,18 @@ def test_id_with_a_space_is_referred_to_by_path(folder):
     assert b'sensor="//@robots.1/@sensors.1"' in written
 
 
-def test_reference_to_an_unknown_file_is_an_error():
+def test_reference_to_an_unknown_file_is_an_error(refused):
     models = load_mission_folder(MODELS)
 
-    with pytest.raises(
-        ModelError,
-        match="refers by affectedSensor to Sensor 's2', which is part of another Mission",
-    ):
+    with refused(ModelError):
         dumps(models.faults)
 
 
-def test_character_that_xml_lacks_is_an_error():
+def test_character_that_xml_lacks_is_an_error(refused):
     specification = load_metamodels().faults.getEClassifier("FaultSpecification")()
     specification.ID = "a\x00b"
 
-    with pytest.raises(ModelError, match="a character that XML cannot"):
+    with refused(ModelError):
         dumps(specification)
 
 
@@ -182,14 +179,12 @@ def test_element_that_an_earlier_one_refers_to_is_written_in_place(folder):
     assert save(load_mission_folder(folder)) == ()
 
 
-def test_who_refers_to_what_was_deleted_is_named(folder):
+def test_who_refers_to_what_was_deleted_is_named(folder, refused):
     models = load_mission_folder(folder)
     before = (folder / MISSION).read_bytes()
     models.mission.robots.remove(models.mission.robots[0])
 
-    with pytest.raises(
-        ModelError, match="refers by members to Robot 'r1', which is part of no model"
-    ) as told:
+    with refused(ModelError) as told:
         save(models)
 
     assert str(told.value).startswith("Goal 'g1' refers")

@@ -121,8 +121,8 @@ def test_a_long_value_is_not_repeated_in_full():
 
 
 @pytest.mark.parametrize("name", ["nowhere/Type", "std_msgs/Nothing", "../../x/y", "Float64", ""])
-def test_an_unknown_type_is_refused(name):
-    with pytest.raises(ProtocolError, match=r"unknown message type|is no type"):
+def test_an_unknown_type_is_refused(name, refused):
+    with refused(ProtocolError):
         TYPES.message(name)
 
 
@@ -145,31 +145,31 @@ def test_definitions_of_the_user_come_first_and_may_name_standard_types(tmp_path
 
 
 @pytest.mark.parametrize(
-    ("text", "kind", "reason"),
+    ("text", "kind"),
     [
-        ("float64\n", "msg", r"T.msg:1: 'float64', expected 'type name'"),
-        ("bool a\n\nbool a\n", "msg", r"T.msg:3: field 'a' occurs twice"),
-        ("bool[<=3] a\n", "msg", r"T.msg:1: 'bool\[<=3\] a', expected"),
-        ("Elsewhere a\n", "msg", r"unknown message type 'a/Elsewhere'"),
-        ("a/T t\n", "msg", "type a/T contains itself: a/T in a/T"),
-        ("bool a\n", "srv", "T.srv: 0 lines '---', expected one"),
-        ("---\n---\n", "srv", "T.srv: 2 lines '---', expected one"),
-        ("---\nbool\n", "srv", "T.srv:2: 'bool', expected"),
+        ("float64\n", "msg"),
+        ("bool a\n\nbool a\n", "msg"),
+        ("bool[<=3] a\n", "msg"),
+        ("Elsewhere a\n", "msg"),
+        ("a/T t\n", "msg"),
+        ("bool a\n", "srv"),
+        ("---\n---\n", "srv"),
+        ("---\nbool\n", "srv"),
     ],
 )
-def test_a_wrong_definition_is_refused_with_file_and_line(tmp_path, text, kind, reason):
+def test_a_wrong_definition_is_refused_with_file_and_line(tmp_path, text, kind, refused):
     define(tmp_path, "a/T", text, kind)
 
-    with pytest.raises(SettingsError, match=reason):
+    with refused(SettingsError):
         TypeTable([tmp_path]).check()
 
 
-def test_a_folder_without_definitions_is_refused(tmp_path):
-    with pytest.raises(SettingsError, match=r"no definitions; expected .*/PACKAGE/msg/TYPE\.msg"):
+def test_a_folder_without_definitions_is_refused(tmp_path, refused):
+    with refused(SettingsError):
         TypeTable([tmp_path]).check()
 
 
-def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
+def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path, refused):
     text = (
         "int32 LIMIT=3\nstring<=3 name ab\nfloat64[<=2] speeds [1.5]\n"
         "bool is_on true\nbool is_off false\n"
@@ -191,21 +191,21 @@ def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
     }
     structure.convert({"name": "abc", "speeds": [1.0, 2.0]})
     for wrong in ({"name": "abcd"}, {"speeds": [1.0, 2.0, 3.0]}):
-        with pytest.raises(ProtocolError, match="expected at most"):
+        with refused(ProtocolError):
             structure.convert(wrong)
-    with pytest.raises(SettingsError, match=r"T\.msg:2: 'string<=3 name ab', expected"):
+    with refused(SettingsError):
         TypeTable([tmp_path]).check()
 
 
-def test_a_default_that_does_not_fit_is_refused(tmp_path):
+def test_a_default_that_does_not_fit_is_refused(tmp_path, refused):
     define(tmp_path, "a/T", "uint8 n 256\n")
 
-    with pytest.raises(SettingsError, match=r"a/T: .*expected uint8"):
+    with refused(SettingsError):
         TypeTable([tmp_path], ros=2).check()
 
 
 @pytest.mark.parametrize(("n_borders", "is_sound"), [(1, False), (2, True), (3, False)])
-def test_an_action_has_three_parts(tmp_path, n_borders, is_sound):
+def test_an_action_has_three_parts(tmp_path, n_borders, is_sound, refused):
     define(tmp_path, "a/T", "int32 n\n" + n_borders * "---\n", "action")
     types = TypeTable([tmp_path], ros=2)
 
@@ -213,9 +213,7 @@ def test_an_action_has_three_parts(tmp_path, n_borders, is_sound):
         assert types.check() == 1
         assert types.action("a/action/T").request.convert({}) == {"n": 0}
     else:
-        with pytest.raises(
-            SettingsError, match="expected two between goal and result and feedback"
-        ):
+        with refused(SettingsError):
             types.check()
 
 

@@ -16,16 +16,16 @@ def test_addresses_of_schedulers_are_taken(text):
     "text",
     ["", "remote", "127.0.0.1:8786", "tcp://host", "tcp://:8786", "ws://host:1", "tcp://h:x"],
 )
-def test_what_is_no_address_is_refused_with_what_was_expected(text):
+def test_what_is_no_address_is_refused_with_what_was_expected(text, refused):
     require_dask()
 
-    with pytest.raises(UsageError, match=r"expected tcp://HOST:PORT or tls://HOST:PORT"):
+    with refused(UsageError):
         require_address(text)
 
 
-def test_an_address_with_tls_is_refused_while_no_certificates_are_configured():
+def test_an_address_with_tls_is_refused_while_no_certificates_are_configured(refused):
     require_dask()
     from mrsfi_runtime.engine.cluster.connection import Cluster
 
-    with pytest.raises(UsageError, match=r"expected certificates in dask's .* which has none$"):
+    with refused(UsageError):
         Cluster("tls://127.0.0.1:8786")

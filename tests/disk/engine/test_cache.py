@@ -81,12 +81,12 @@ def test_what_was_not_finished_is_not_kept(entry):
     assert kept(entry.name, lambda: MADE) == (MADE, True)
 
 
-def test_where_no_folder_has_room_the_error_says_how_to_name_one(entry, monkeypatch):
+def test_where_no_folder_has_room_the_error_says_how_to_name_one(entry, monkeypatch, refused):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     monkeypatch.setattr(tempfile, "tempdir", str(entry.parent))
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(MADE), before[1]))
     try:
-        with pytest.raises(UsageError, match="File too large; set TMPDIR to a folder with"):
+        with refused(UsageError):
             kept("other", lambda: MADE)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)

@@ -27,12 +27,10 @@ def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
     assert str(failed.value).startswith(expected)
 
 
-def test_a_region_that_does_not_compile_is_named_with_its_file(tmp_path):
+def test_a_region_that_does_not_compile_is_named_with_its_file(tmp_path, refused):
     folder = edited(tmp_path, "g2.check", "    return (\n")
 
-    lines = (folder / "collective_intelligence.py").read_text(encoding="utf-8").splitlines()
-    line = lines.index("    return (") + 1
-    with pytest.raises(EvaluationError, match=rf"intelligence\.py:{line}: cannot be imported"):
+    with refused(EvaluationError):
         load_code(folder)
 
 

@@ -136,18 +136,20 @@ def test_no_goal_has_a_margin_whose_function_cannot_be_told(tmp_path):
         ("    violated[G6] = 1 if check_g6(view) else 0\n", ""),
     ],
 )
-def test_functions_that_do_not_call_the_goals_in_their_order_are_refused(tmp_path, text, other):
+def test_functions_that_do_not_call_the_goals_in_their_order_are_refused(
+    tmp_path, text, other, refused
+):
     path = edited(tmp_path, "g1.check", "    return False\n")
     edit(path / COLLECTIVE, text, other)
 
-    with pytest.raises(CompilationError, match="run `mrsfi generate`"):
+    with refused(CompilationError):
         own_regions(load_code(path))
 
 
-def test_what_a_function_reads_must_not_change_once_it_was_compiled(monkeypatch):
+def test_what_a_function_reads_must_not_change_once_it_was_compiled(monkeypatch, refused):
     register([near, far, measured])
     register([measured])
     monkeypatch.setitem(globals(), "chosen", far)
 
-    with pytest.raises(CompilationError, match="what 'measured' reads has changed"):
+    with refused(CompilationError):
         register([measured])

@@ -87,24 +87,24 @@ def test_file_that_is_no_longer_generated_is_removed(target):
 
 
 @pytest.mark.parametrize("edit", [("default", "my"), ("# b.py", "# mine")])
-def test_file_with_hand_written_code_is_never_removed(target, edit):
+def test_file_with_hand_written_code_is_never_removed(target, edit, refused):
     emit(target, rendered(1))
     path = target / "b.py"
     path.write_text(path.read_text().replace(*edit))
 
-    with pytest.raises(ProtectedRegionError, match=r"b\.py: is no longer generated but holds"):
+    with refused(ProtectedRegionError):
         emit(target, rendered(1, names=("a.py",)), force=True)
 
     assert sorted(contents(target)) == ["a.py", "b.py", "c.py"]
 
 
-def test_nothing_is_written_when_one_file_is_refused(target):
+def test_nothing_is_written_when_one_file_is_refused(target, refused):
     emit(target, rendered(1))
     path = target / "c.py"
     path.write_text(path.read_text().replace("# c.py", "# mine"))
     before = contents(target)
 
-    with pytest.raises(ProtectedRegionError, match=r"c\.py:1: .*edited outside"):
+    with refused(ProtectedRegionError):
         emit(target, rendered(2))
 
     assert contents(target) == before
@@ -140,11 +140,11 @@ def test_edited_region_with_carriage_returns_keeps_its_code(target):
     assert path.read_text() == rendered(2)["a.py"].replace("default = 2", "x = 1\n\n\ny = 2")
 
 
-def test_file_that_is_no_text_is_refused(target):
+def test_file_that_is_no_text_is_refused(target, refused):
     emit(target, rendered(1))
     (target / "a.py").write_bytes(b"\xff\xfe")
 
-    with pytest.raises(GenerationError, match=r"a\.py: cannot be read as text in UTF-8"):
+    with refused(GenerationError):
         emit(target, rendered(1))
 
 
@@ -166,8 +166,8 @@ def test_crashed_generations_are_not_mistaken_for_edits(target, first, second):
     assert plan_files(target, rendered(4), {"mission.xmi": "hash"}).stale == ()
 
 
-def test_folder_that_cannot_be_made_is_an_error_of_generation(tmp_path):
+def test_folder_that_cannot_be_made_is_an_error_of_generation(tmp_path, refused):
     (tmp_path / "there").write_text("a file where a folder is needed")
 
-    with pytest.raises(GenerationError, match="there"):
+    with refused(GenerationError):
         generate(ROOT / "models" / "uuv_sampling", tmp_path / "there")

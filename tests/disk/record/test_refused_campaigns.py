@@ -12,59 +12,57 @@ from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
 from tests.support.cli import execute
 
-DAMAGED = "the record is damaged"
 
-
-def test_a_second_campaign_in_one_folder_is_refused(store, tmp_path):
+def test_a_second_campaign_in_one_folder_is_refused(store, tmp_path, refused):
     store.append([evaluation(0, (1,))])
 
-    with pytest.raises(RecordError, match=r"run.campaign\.sqlite: found a campaign there already"):
+    with refused(RecordError):
         CampaignStore.create(tmp_path / "run", CampaignSettings(), Manifest())
 
     assert store.n_evaluations == 1
 
 
-def test_a_folder_without_a_campaign_is_refused_and_left_alone(tmp_path):
-    with pytest.raises(RecordError, match=r"found no campaign\.sqlite; expected the folder"):
+def test_a_folder_without_a_campaign_is_refused_and_left_alone(tmp_path, refused):
+    with refused(RecordError):
         CampaignStore.open(tmp_path)
 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_another_programs_database_is_refused(tmp_path):
+def test_another_programs_database_is_refused(tmp_path, refused):
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute("CREATE TABLE meta (key, value)")
 
-    with pytest.raises(RecordError, match="SQLite file that is not a campaign"):
+    with refused(RecordError):
         CampaignStore.open(tmp_path)
 
 
-def test_a_file_of_noise_is_refused(tmp_path):
+def test_a_file_of_noise_is_refused(tmp_path, refused):
     (tmp_path / "campaign.sqlite").write_bytes(b"no database at all, " * 100)
 
-    with pytest.raises(RecordError, match=r"campaign\.sqlite: the record is damaged"):
+    with refused(RecordError):
         CampaignStore.open(tmp_path)
 
 
-def test_a_truncated_file_is_refused(tmp_path):
+def test_a_truncated_file_is_refused(tmp_path, refused):
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(i, (i,) * 50) for i in range(200)])
     path = tmp_path / "campaign.sqlite"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
-    with pytest.raises(RecordError, match="the record is damaged"):
+    with refused(RecordError):
         CampaignStore.open(tmp_path)
 
 
-def test_a_folder_that_cannot_be_written_is_refused(guest_folder, shut):
+def test_a_folder_that_cannot_be_written_is_refused(guest_folder, shut, refused):
     shut()
 
     for folder in (guest_folder, guest_folder / "run"):
-        with pytest.raises(RecordError, match=r"campaign\.sqlite: cannot be opened or written"):
+        with refused(RecordError):
             CampaignStore.create(folder, CampaignSettings(), Manifest())
 
 
-def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
+def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut, refused):
     with CampaignStore.create(guest_folder, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1,))])
     (guest_folder / "campaign.sqlite").chmod(0o444)
@@ -72,16 +70,15 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
 
     with CampaignStore.open(guest_folder) as store:
         assert tuple(store.evaluations()) == (evaluation(0, (1,)),)
-        with pytest.raises(RecordError, match="cannot be opened or written"):
+        with refused(RecordError):
             store.append([evaluation(1, (1,))])
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"),
+    "change",
     [
-        ("PRAGMA user_version = 5", "found a campaign of version 5; expected at most 4"),
         *(
-            (f"UPDATE evaluation SET {column} = '{text}'", DAMAGED)
+            f"UPDATE evaluation SET {column} = '{text}'"
             for column, text in (
                 ("specification", '[["f1",1]]'),
                 ("specification", "[3]"),
@@ -93,62 +90,51 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, shut):
                 ("samples", "[1,"),
             )
         ),
-        ("ALTER TABLE evaluation DROP COLUMN masked", DAMAGED),
-        ("DELETE FROM meta WHERE key = 'settings'", DAMAGED),
+        "ALTER TABLE evaluation DROP COLUMN masked",
+        "DELETE FROM meta WHERE key = 'settings'",
+    ],
+)
+def test_a_record_that_makes_no_sense_is_refused(tmp_path, change):
+    read_damaged(tmp_path, change, pytest.raises(RecordError))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "PRAGMA user_version = 5",
         *(
-            (f"UPDATE meta SET value = '{text}' WHERE key = 'settings'", f"{DAMAGED}: .*{reason}")
-            for text, reason in (
-                ('{"poplation":4}', "found unknown key 'poplation'"),
-                ('{"population":0}', "population: found 0; expected a whole number >= 1"),
-                ("[]", r"found \[\]; expected an object"),
-            )
+            f"UPDATE meta SET value = '{text}' WHERE key = 'settings'"
+            for text in ('{"poplation":4}', '{"population":0}', "[]")
         ),
     ],
 )
-def test_a_record_that_makes_no_sense_is_refused(tmp_path, change, reason):
-    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
-        store.append([evaluation(0, (1,))])
-    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other, other:
-        other.execute(change)
+def test_settings_and_versions_that_make_no_sense_are_named(tmp_path, change, refused):
+    read_damaged(tmp_path, change, refused(RecordError))
 
-    with pytest.raises(RecordError, match=reason), CampaignStore.open(tmp_path) as store:
+
+def read_damaged(folder, change, expected):
+    with CampaignStore.create(folder, CampaignSettings(), Manifest()) as store:
+        store.append([evaluation(0, (1,))])
+    execute(folder, change)
+
+    with expected, CampaignStore.open(folder) as store:
         tuple(store.evaluations())
 
 
 @pytest.mark.parametrize("version", [1, 2, 3])
-@pytest.mark.parametrize(
-    ("manifest", "writer"),
-    [
-        ('{"versions": {"mrsfi": "0.1.7"}}', "mrsfi 0.1.7"),
-        ("{}", "a mrsfi whose version is not recorded"),
-        ("", "a mrsfi whose version is not recorded"),
-    ],
-)
-def test_a_record_of_before_0_3_is_refused_with_who_wrote_it(tmp_path, version, manifest, writer):
-    path = tmp_path / "campaign.sqlite"
+@pytest.mark.parametrize("manifest", ['{"versions": {"mrsfi": "0.1.7"}}', "{}", ""])
+def test_a_record_of_before_0_3_is_refused_with_who_wrote_it(tmp_path, version, manifest, refused):
     CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     change = f"UPDATE meta SET value = '{manifest}' WHERE key = 'manifest'"
     execute(tmp_path, f"PRAGMA user_version = {version}", change)
 
-    with pytest.raises(RecordError) as caught:
+    with refused(RecordError):
         CampaignStore.open(tmp_path)
 
-    assert str(caught.value) == (
-        f"{path}: found a campaign of version {version}, written by {writer}; expected version 4 "
-        "or later, as mrsfi writes it from 0.3.0 on; open the campaign with the mrsfi that wrote "
-        "it, or fly it anew with `mrsfi evolve`"
-    )
 
-
-def test_a_record_of_other_semantics_is_not_flown_and_names_who_wrote_it(tmp_path):
+def test_a_record_of_other_semantics_is_not_flown_and_names_who_wrote_it(tmp_path, refused):
     later = replace(Manifest(versions={"mrsfi": "0.9.3"}), semantics=SEMANTICS + 1)
     store = CampaignStore.create(tmp_path, CampaignSettings(), later)
 
-    with store, pytest.raises(RecordError) as caught:
+    with store, refused(RecordError):
         store.require_flyable()
-
-    assert str(caught.value) == (
-        f"{tmp_path}: found semantics {SEMANTICS + 1}; expected semantics {SEMANTICS}, which this "
-        "mrsfi flies (docs/semantics.md); fly the campaign with mrsfi 0.9.3, read it with `mrsfi "
-        f"report {tmp_path}`, or begin a new one"
-    )

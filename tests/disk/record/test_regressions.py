@@ -64,25 +64,25 @@ def test_a_file_that_cannot_be_read_is_a_defect_of_its_own(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "message"),
+    ("key", "value"),
     [
-        ("found", "3", "found: found 3; expected a text"),
-        ("found", "", "found: found nothing; expected a text"),
-        ("accepted", "3", "accepted: found 3; expected a text"),
-        ("violations", '"seen"', "violations: found 'seen'; expected one of believed, true"),
-        ("mission_seeds", "[]", r"mission_seeds: found \[\]; expected a list of whole numbers"),
-        ("mission_seeds", "[-1]", r"mission_seeds: found \[-1\]; expected a list"),
-        ("mission_seeds", "[true]", r"mission_seeds: found \[True\]; expected a list"),
-        ("goals", "-1", "goals: found -1; expected a whole number"),
-        ("goals", "", "goals: found nothing; .*, that of the limits, kept from mrsfi 0.3.0 on"),
-        ("goals", "2", "max: found 1 limits; expected 2, as many as goals says"),
-        ("max", "{}", "max: found {}; expected a table"),
-        ("max", "{g1 = 0.5}", "max: found {'g1': 0.5}; expected a table"),
-        ("more", "1", "found unknown key 'more'; expected found, accepted"),
+        ("found", "3"),
+        ("found", ""),
+        ("accepted", "3"),
+        ("violations", '"seen"'),
+        ("mission_seeds", "[]"),
+        ("mission_seeds", "[-1]"),
+        ("mission_seeds", "[true]"),
+        ("goals", "-1"),
+        ("goals", ""),
+        ("goals", "2"),
+        ("max", "{}"),
+        ("max", "{g1 = 0.5}"),
+        ("more", "1"),
     ],
 )
-def test_limits_that_make_no_sense_are_refused(key, value, message, tmp_path):
+def test_limits_that_make_no_sense_are_refused(key, value, tmp_path, refused):
     path = written(tmp_path / "a.toml", **{key: value})
 
-    with pytest.raises(UsageError, match=message):
+    with refused(UsageError):
         Regression.load(path)

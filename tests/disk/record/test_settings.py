@@ -68,60 +68,55 @@ def test_settings_survive_json():
 
 
 @pytest.mark.parametrize(
-    ("line", "message"),
+    "line",
     [
-        ("poplation = 20", "case.toml: [search] found unknown key 'poplation'; expected one of al"),
-        ("population = 0", "[search] population: found 0; expected a whole number >= 1"),
-        ("population = true", "[search] population: found True; expected a whole number >= 1"),
-        ("population = 20.0", "[search] population: found 20.0; expected a whole number >= 1"),
-        ("generations = -1", "[search] generations: found -1; expected a whole number >= 0"),
-        ("crossover = 1.5", "[search] crossover: found 1.5; expected a number 0 … 1"),
-        ("mutation = nan", "[search] mutation: found nan; expected a number 0 … 1"),
-        ("mutation = true", "[search] mutation: found True; expected a number 0 … 1"),
-        ('mutation_share = "x"', "[search] mutation_share: found 'x'; expected a number 0 … 1"),
-        ("algorithm = 3", "[search] algorithm: found 3; expected a name"),
-        ('goals = "g1"', "[search] goals: found 'g1'; expected a list of different goal IDs"),
-        ('goals = ["g1", "g1"]', "expected a list of different goal IDs"),
-        ("goals = [1]", "expected a list of different goal IDs"),
-        ("seed = -1", "[search] seed: found -1; expected a whole number 0 … 9223372036854775807"),
-        ("evaluations = 0", "[search] evaluations: found 0; expected a whole number >= 1"),
-        ("max_failures = 0", "[search] max_failures: found 0; expected a whole number >= 1"),
-        ("seed = 1\nseed = 2", "case.toml: is not TOML: "),
-        ("[engine]", "case.toml: found 'engine'; expected one table, [search]"),
-        (
-            "violations = 'phantom'",
-            "violations: found 'phantom'; expected one of believed, true, masked, missed",
-        ),
-        ("violations = ['true']", "violations: found ['true']; expected one of believed,"),
-        ("minimise = 'ticks'", "minimise: found 'ticks'; expected one of faults, fault_ticks"),
-        ("replications = 0", "replications: found 0; expected a whole number 1 … 1000"),
-        ("offspring = 0", "offspring: found 0; expected a whole number >= 1"),
-        ("mutation_operator = ''", "mutation_operator: found ''; expected a name"),
+        "poplation = 20",
+        "population = 0",
+        "population = true",
+        "population = 20.0",
+        "generations = -1",
+        "crossover = 1.5",
+        "mutation = nan",
+        "mutation = true",
+        'mutation_share = "x"',
+        "algorithm = 3",
+        'goals = "g1"',
+        'goals = ["g1", "g1"]',
+        "goals = [1]",
+        "seed = -1",
+        "evaluations = 0",
+        "max_failures = 0",
+        "seed = 1\nseed = 2",
+        "[engine]",
+        "violations = 'phantom'",
+        "violations = ['true']",
+        "minimise = 'ticks'",
+        "replications = 0",
+        "offspring = 0",
+        "mutation_operator = ''",
     ],
 )
-def test_wrong_settings_name_file_key_found_and_expected(line, message):
-    with pytest.raises(UsageError) as caught:
+def test_wrong_settings_name_file_key_found_and_expected(line, refused):
+    with refused(UsageError):
         CampaignSettings.parse(f"[search]\n{line}\n", "case.toml")
-
-    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize("text", ["", "search = 3"])
-def test_a_file_without_its_table_is_refused(text):
-    with pytest.raises(UsageError, match=r"has no table \[search\]"):
+def test_a_file_without_its_table_is_refused(text, refused):
+    with refused(UsageError):
         CampaignSettings.parse(text, "case.toml")
 
 
-def test_a_wrong_override_is_refused():
-    with pytest.raises(UsageError, match="option seed: found 'x'"):
+def test_a_wrong_override_is_refused(refused):
+    with refused(UsageError):
         CampaignSettings.parse(CASE, "case.toml", seed="x")
 
 
-def test_a_missing_or_unreadable_file_is_refused(tmp_path):
+def test_a_missing_or_unreadable_file_is_refused(tmp_path, refused):
     (tmp_path / "latin.toml").write_bytes(b"[search]\n# \xe9\n")
 
     for name in ("none.toml", "latin.toml"):
-        with pytest.raises(UsageError, match="cannot be read"):
+        with refused(UsageError):
             CampaignSettings.load(tmp_path / name)
 
 
@@ -131,9 +126,9 @@ def test_replications_fly_on_the_mission_seeds_that_follow():
     assert settings.mission_seeds == (2**63 - 2, 2**63 - 1, 0)
 
 
-def test_a_number_of_things_is_at_least_one_and_a_mission_seed_at_least_zero():
+def test_a_number_of_things_is_at_least_one_and_a_mission_seed_at_least_zero(refused):
     assert (require_whole("workers", 1), require_seed(0)) == (1, 0)
-    with pytest.raises(UsageError, match="workers: found 0; expected"):
+    with refused(UsageError):
         require_whole("workers", 0)
-    with pytest.raises(UsageError, match="seed: found -1; expected"):
+    with refused(UsageError):
         require_seed(-1)

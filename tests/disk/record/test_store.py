@@ -117,30 +117,30 @@ def test_a_number_that_is_not_finite_is_refused_and_nothing_is_stored(store, val
 
 
 @pytest.mark.parametrize("index", [0, 3])
-def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(store, index):
+def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(store, index, refused):
     store.append([evaluation(0, (1,))])
 
-    with pytest.raises(ValueError, match=f"found evaluation {index}; expected 2 next"):
+    with refused(ValueError):
         store.append([evaluation(1, (1,)), evaluation(index, (1,))])
 
     assert store.n_evaluations == 1
 
 
-def test_a_generation_is_closed_once(store):
+def test_a_generation_is_closed_once(store, refused):
     generation = Generation(0, STATISTICS, (), "[]")
     store.append(generations=[generation])
 
-    with pytest.raises(ValueError, match="found generation 0; expected 1 next"):
+    with refused(ValueError):
         store.append(generations=[generation])
 
 
-def test_an_unknown_evaluation_is_named_with_those_there_are(store):
-    with pytest.raises(RecordError, match=r"found no evaluation 0; expected .* none yet"):
+def test_an_unknown_evaluation_is_named_with_those_there_are(store, refused):
+    with refused(RecordError):
         store.evaluation(0)
 
     store.append([evaluation(i, (1,)) for i in range(3)])
 
-    with pytest.raises(RecordError, match="found no evaluation 9; expected 0 to 2"):
+    with refused(RecordError):
         store.evaluation(9)
 
 

@@ -66,12 +66,12 @@ def test_an_error_of_the_result_names_the_line_of_the_published_file(file, folde
     assert str(caught.value).startswith(f"{file}:{line}: area 'a11' has radius '-30.0'")
 
 
-def test_an_existing_folder_is_refused(file, folder):
+def test_an_existing_folder_is_refused(file, folder, refused):
     import_published(file, folder)
     edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
     before = (folder / "mission.xmi").read_bytes()
 
-    with pytest.raises(UsageError, match="--force"):
+    with refused(UsageError):
         import_published(file, folder)
 
     assert (folder / "mission.xmi").read_bytes() == before
@@ -104,12 +104,12 @@ def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file, folder):
     assert [path.name for path in folder.parent.iterdir()] == [folder.name]
 
 
-def test_force_never_touches_a_folder_that_is_no_mission(file, tmp_path):
+def test_force_never_touches_a_folder_that_is_no_mission(file, tmp_path, refused):
     place = tmp_path / "home"
     place.mkdir()
     (place / "letter.txt").write_text("dear")
 
-    with pytest.raises(UsageError, match=r"holds no mission\.xmi"):
+    with refused(UsageError):
         import_published(file, place, is_forced=True)
 
     assert [path.name for path in place.iterdir()] == ["letter.txt"]

@@ -113,14 +113,14 @@ def test_a_damaged_row_is_refused(change):
     with store_of([evaluation(i, (1,) * 6) for i in range(3)]) as store:
         store._connection.execute(change)
 
-        with pytest.raises(RecordError, match="the record is damaged"):
+        with pytest.raises(RecordError):
             Columns.read(store, MEASURE, ("g1",))
 
 
-def test_a_fault_that_the_pool_does_not_have_is_refused():
+def test_a_fault_that_the_pool_does_not_have_is_refused(refused):
     odd = evaluation(0, (1,) * 6, specification=(TimedFault("f99", 0, 1),))
 
-    with store_of([odd]) as store, pytest.raises(SpecificationError, match="has no fault 'f99'"):
+    with store_of([odd]) as store, refused(SpecificationError):
         summarise(Path("run"), store, MISSION, pool_of(), None)
 
 

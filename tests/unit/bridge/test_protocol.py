@@ -179,19 +179,14 @@ def completed(collected, *told):
 
 
 @pytest.mark.parametrize(
-    ("number", "total", "reason"),
-    [
-        (2, 2, "fragment 2 of 2"),
-        (-1, 2, "fragment -1"),
-        (1, 3, "fragment 1 of 3, expected 1 of 2"),
-        (0, 2, "fragment 0 of 2, expected 1 of 2"),
-    ],
+    ("number", "total"),
+    [(2, 2), (-1, 2), (1, 3), (0, 2)],
 )
-def test_fragments_that_make_no_sense_are_refused_and_forgotten(number, total, reason):
+def test_fragments_that_make_no_sense_are_refused_and_forgotten(number, total, refused):
     collected = Fragments(10_000)
     collected.add({"id": "f", "data": "a", "num": 0, "total": 2})
 
-    with pytest.raises(ProtocolError, match=reason):
+    with refused(ProtocolError):
         collected.add({"id": "f", "data": "b", "num": number, "total": total})
 
     assert collected.n_bytes == 0
@@ -286,14 +281,14 @@ def test_what_is_put_together_was_sent_whole(messages):
     assert done == sent
 
 
-def test_unfinished_messages_are_bounded_in_number_and_size():
+def test_unfinished_messages_are_bounded_in_number_and_size(refused):
     collected = Fragments(5_000)
     for number in range(16):
         collected.add({"id": number, "data": "a", "num": 0, "total": 2})
 
-    with pytest.raises(ProtocolError, match="16 messages in fragments are unfinished"):
+    with refused(ProtocolError):
         collected.add({"id": 99, "data": "a", "num": 0, "total": 2})
-    with pytest.raises(ProtocolError, match="over 5000 bytes"):
+    with refused(ProtocolError):
         collected.add({"id": 0, "data": "a" * 6_000, "num": 1, "total": 2})
 
 

@@ -20,19 +20,19 @@ def test_addresses_of_this_machine_need_nothing_and_others_a_flag_and_a_token(se
 
 
 @pytest.mark.parametrize(
-    ("settings", "reason"),
+    "settings",
     [
-        (ServerSettings("0.0.0.0"), "add --public and --token"),
-        (ServerSettings("::"), "add --public and --token"),
-        (ServerSettings("robot.example"), "add --public and --token"),
-        (ServerSettings("0.0.0.0", token=TOKEN), "add --public and --token"),
-        (ServerSettings("0.0.0.0", is_public=True), "needs a token"),
-        (ServerSettings("0.0.0.0", is_public=True, token="short"), "at least 16 letters"),
-        (ServerSettings(token="0123456789abcde?"), "at least 16 letters"),
+        ServerSettings("0.0.0.0"),
+        ServerSettings("::"),
+        ServerSettings("robot.example"),
+        ServerSettings("0.0.0.0", token=TOKEN),
+        ServerSettings("0.0.0.0", is_public=True),
+        ServerSettings("0.0.0.0", is_public=True, token="short"),
+        ServerSettings(token="0123456789abcde?"),
     ],
 )
-def test_other_addresses_without_them_are_refused(settings, reason):
-    with pytest.raises(SettingsError, match=reason):
+def test_other_addresses_without_them_are_refused(settings, refused):
+    with refused(SettingsError):
         settings.check()
 
 

@@ -112,10 +112,10 @@ def test_counts_are_those_of_the_measure_and_the_true_ones_over_all_mission_seed
     assert flights(planted, "true").counts(faults("a")) == (8, 1)
 
 
-def test_a_flight_that_fails_is_told_with_its_faults(monkeypatch):
+def test_a_flight_that_fails_is_told_with_its_faults(monkeypatch, refused):
     flown = flights({"g1": lambda flown: (1, 1)})
     failed = FailedFlight("Traceback …\nmrsfi_runtime.errors.EvaluationError: a.py:7: division\n")
     monkeypatch.setattr(flown, "_evaluate_many", lambda many, _: [failed for _ in many])
 
-    with pytest.raises(EvaluationError, match=r"^a\.py:7: division \(flown with .* a 0 … 9, b 0"):
+    with refused(EvaluationError):
         flown.counts(faults("ab"))

@@ -124,29 +124,27 @@ def test_what_failed_breaks_nothing():
 
 
 @pytest.mark.parametrize("key", ["population", "generations"])
-def test_it_has_neither_populations_nor_generations(key):
+def test_it_has_neither_populations_nor_generations(key, refused):
     named = f'[search]\nalgorithm = "cover"\n{key} = 3\n'
-    with pytest.raises(UsageError, match=f"mine.toml: found {key} with algorithm 'cover'"):
+    with refused(UsageError):
         CampaignSettings.parse(named, "mine.toml")
-    with pytest.raises(UsageError, match=f"option: found {key} with algorithm 'cover'"):
+    with refused(UsageError):
         CampaignSettings.parse("[search]", "mine.toml", algorithm="cover", **{key: 3})
 
-    with pytest.raises(UsageError, match=f"option: found {key} with algorithm 'cover'"):
+    with refused(UsageError):
         CampaignSettings.parse('[search]\nalgorithm = "cover"\n', "mine.toml", **{key: 3})
 
     other = CampaignSettings.parse(f"[search]\n{key} = 3\n", "mine.toml", algorithm="cover")
     assert other.evaluations == 909
 
 
-def test_a_bound_to_end_at_is_of_it_alone_and_lets_it_go_on_for_long():
+def test_a_bound_to_end_at_is_of_it_alone_and_lets_it_go_on_for_long(refused):
     told = CampaignSettings.parse('[search]\nalgorithm = "cover"\nuntil = 0.1\n', "mine.toml")
 
     assert (told.until, told.evaluations) == (0.1, 100_000)
-    with pytest.raises(
-        UsageError, match=r"mine\.toml: found until with an algorithm that does not"
-    ):
+    with refused(UsageError):
         CampaignSettings.parse("[search]\nuntil = 0.1\n", "mine.toml")
-    with pytest.raises(UsageError, match="option: found until with an algorithm that does not"):
+    with refused(UsageError):
         CampaignSettings.parse("[search]\n", "mine.toml", until=0.1)
 
 

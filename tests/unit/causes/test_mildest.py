@@ -159,7 +159,7 @@ def test_the_sentence_names_the_strongest_form_that_kept_the_goal():
     assert int(told[3]) >= 4
 
 
-def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error():
+def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error(refused):
     known = Known(SPACE.gate.mission)
     known.learn((whole(STOP),), frozenset([G1]))
 
@@ -168,7 +168,7 @@ def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error():
 
     (found,) = mildest(SPACE, known, known.weaknesses(), failing, recorded, (1,))
     assert found.weakness.witness == (whole(STOP),)
-    with pytest.raises(EvaluationError, match="without faults, in mission seed 2: it failed"):
+    with refused(EvaluationError):
         mildest(SPACE, known, known.weaknesses(), failing, recorded, (1, 2))
 
 

@@ -43,12 +43,12 @@ def test_text_does_not_depend_on_the_order_of_entries():
     ],
 )
 def test_what_is_no_manifest_is_refused(text):
-    with pytest.raises(GenerationError, match=r"g/manifest\.json: is no manifest"):
+    with pytest.raises(GenerationError):
         loads(text, "g/manifest.json")
 
 
-def test_manifest_of_a_newer_version_is_refused():
+def test_manifest_of_a_newer_version_is_refused(refused):
     text = dumps({}, {}).replace('"schema": 1', '"schema": 2')
 
-    with pytest.raises(GenerationError, match="newer mrsfi"):
+    with refused(GenerationError):
         loads(text, "m")

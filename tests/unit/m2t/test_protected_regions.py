@@ -199,8 +199,8 @@ MINE = "# protected region mine on begin\nx = 1\n# protected region mine end\n"
         (GENERATED + MINE, {}, "'mine' holds hand-written code"),
     ],
 )
-def test_what_would_be_lost_stops_generation(existing, more, message):
-    with pytest.raises(ProtectedRegionError, match=message):
+def test_what_would_be_lost_stops_generation(existing, more, message, refused):
+    with refused(ProtectedRegionError):
         merged(existing, **more)
 
 

@@ -23,56 +23,50 @@ def f8(delay):
 
 
 @pytest.mark.parametrize(
-    ("specification", "message"),
+    "specification",
     [
-        ([TimedFault("f9", 100.5, 400, PLACE)], r"'f9' has window 100.5 … 400; expected whole"),
-        ([TimedFault("f9", 100.0, 400, PLACE)], "window 100.0 … 400"),
-        ([TimedFault("f9", True, 400, PLACE)], "window True … 400"),
-        ([TimedFault("f9", np.True_, 400, PLACE)], "window .*True.* … 400"),
-        ([TimedFault("f9", "3", 400, PLACE)], "window '3' … 400"),
-        ([TimedFault("f9", None, 400, PLACE)], "window None … 400"),
-        ([TimedFault("f9", 100, inf, PLACE)], "window 100 … inf"),
-        ([TimedFault("f9", nan, 100, PLACE)], "window nan … 100"),
-        ([TimedFault("f1", 9, 8)], "window 9 … 8; .* 0 <= start <= finish"),
-        ([TimedFault("f1", -1, 8)], "window -1 … 8"),
-        ([TimedFault("f1", 0, LAST + 1)], "finish <= 2147483647"),
-        (f8(2.7), r"'f8' has DELAY 2.7; expected a whole number from 0 to"),
-        (f8(-3), "DELAY -3.0; expected a whole number from 0"),
-        (f8(float(LAST + 1)), "DELAY 2147483648.0; expected a whole number"),
-        (f8("3"), r"'f8' has values \('3',\); expected numbers from -1000000000000 to"),
-        (f8(True), r"values \(True,\)"),
-        (f8(None), r"values \(None,\)"),
-        (f8(nan), r"values \(nan,\)"),
-        (f8(inf), r"values \(inf,\)"),
-        (f8(10**400), r"values \(1000"),
-        ([TimedFault("f10", 0, 9, (1.001 * MOST,))], "expected numbers from"),
-        ([TimedFault("f14", 0, 9, (-1e10,))], "FIXED_VAL -10000000000.0; expected a whole"),
-        (
-            [TimedFault("f14", 0, 9, (-LAST - 2.0,))],
-            "FIXED_VAL -2147483649.0; expected a whole number from -2147483648 to 2147483647",
-        ),
-        ([TimedFault("f24", 0, 9, (5.0, 4.0))], "LOWER_BOUND 5 .*; expected the lower one first"),
-        ([TimedFault("f4", 0, 9)], r"'f4' has 0 values; expected 1 values \(PERCENTAGE\)"),
-        ([TimedFault("f1", 0, 9, (1.0,))], r"1 values; expected 0 values \(it takes none\)"),
-        (
-            [TimedFault("f9", 0, 9, 1.0)],
-            "expected a timed fault: its ID, start, finish, values, and",
-        ),
-        ([("f1", 0, 9, (), "t", 1)], "expected a timed fault: its ID, start, finish, values, and"),
-        ([TimedFault("f1", 0, 9, (), 7)], "found trigger 7; expected its ID, as text"),
-        ([TimedFault("f1", 0, 9, (), "low")], "'f1' has trigger 'low'; expected one of .there is"),
-        ([("f9", 1)], r"found \('f9', 1\); expected a timed fault"),
-        ([TimedFault(3, 0, 9)], "found fault 3; expected its ID"),
-        ([TimedFault(["f1"], 0, 9)], "found fault .'f1'.; expected its ID"),
-        (7, "found 7; expected timed faults, in a list or tuple"),
-        (TimedFault("f1", 0, 9), "found 'f1'; expected a timed fault"),
-        ([TimedFault("f33", 0, 9)], r"has no fault 'f33'; expected one of f1, .*f30; did you mean"),
-        ([TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)], "both touch r. energy"),
-        ([TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)], "'f1' .5 … 12. overlap"),
+        [TimedFault("f9", 100.5, 400, PLACE)],
+        [TimedFault("f9", 100.0, 400, PLACE)],
+        [TimedFault("f9", True, 400, PLACE)],
+        [TimedFault("f9", np.True_, 400, PLACE)],
+        [TimedFault("f9", "3", 400, PLACE)],
+        [TimedFault("f9", None, 400, PLACE)],
+        [TimedFault("f9", 100, inf, PLACE)],
+        [TimedFault("f9", nan, 100, PLACE)],
+        [TimedFault("f1", 9, 8)],
+        [TimedFault("f1", -1, 8)],
+        [TimedFault("f1", 0, LAST + 1)],
+        f8(2.7),
+        f8(-3),
+        f8(float(LAST + 1)),
+        f8("3"),
+        f8(True),
+        f8(None),
+        f8(nan),
+        f8(inf),
+        f8(10**400),
+        [TimedFault("f10", 0, 9, (1.001 * MOST,))],
+        [TimedFault("f14", 0, 9, (-1e10,))],
+        [TimedFault("f14", 0, 9, (-LAST - 2.0,))],
+        [TimedFault("f24", 0, 9, (5.0, 4.0))],
+        [TimedFault("f4", 0, 9)],
+        [TimedFault("f1", 0, 9, (1.0,))],
+        [TimedFault("f9", 0, 9, 1.0)],
+        [("f1", 0, 9, (), "t", 1)],
+        [TimedFault("f1", 0, 9, (), 7)],
+        [TimedFault("f1", 0, 9, (), "low")],
+        [("f9", 1)],
+        [TimedFault(3, 0, 9)],
+        [TimedFault(["f1"], 0, 9)],
+        7,
+        TimedFault("f1", 0, 9),
+        [TimedFault("f33", 0, 9)],
+        [TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)],
+        [TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)],
     ],
 )
-def test_what_makes_no_sense_is_refused(specification, message):
-    with pytest.raises(SpecificationError, match=message):
+def test_what_makes_no_sense_is_refused(specification, refused):
+    with refused(SpecificationError):
         GATE.admitted(specification)
 
 
@@ -83,11 +77,11 @@ def copies(*names: str) -> FaultPool:
 
 
 @pytest.mark.parametrize("names", [("f7.1", "f7.2"), ("f7", "f7.1"), ("gone.1", "gone.2")])
-def test_written_copies_of_one_fault_never_overlap_even_if_they_touch_nothing(names):
+def test_written_copies_of_one_fault_never_overlap_even_if_they_touch_nothing(names, refused):
     written = copies(*names)
     gate = Gate(CODE.mission, written, CODE.pool.by_id)
 
-    with pytest.raises(SpecificationError, match=f"'{names[1]}' .0 … 9. overlap"):
+    with refused(SpecificationError):
         gate.admitted(written.written_specification())
 
 
@@ -136,20 +130,19 @@ def test_what_is_plain_already_stays_the_same_object():
     assert [*map(id, GATE.admitted(asked))] == [*map(id, asked)]
 
 
-def test_values_are_given_by_the_names_of_their_parameters():
+def test_values_are_given_by_the_names_of_their_parameters(refused):
     fault = CODE.pool["f9"]
 
     timed = at_work("f9", fault.kind, 1, 2, {"NEW_Z": 3, "NEW_X": 1, "NEW_Y": 2})
 
     assert timed == TimedFault("f9", 1, 2, PLACE)
-    message = r"has no parameter 'NEW_W'; expected one of NEW_X, NEW_Y, NEW_Z; did you mean 'NEW_"
-    with pytest.raises(SpecificationError, match=message):
+    with refused(SpecificationError):
         at_work("f9", fault.kind, 1, 2, {"NEW_W": 3})
 
 
 @pytest.mark.parametrize("row", [["f9", 15.08, 20, []], ["f9", 1, 2, ["3"]], ["f9", 1, 2, [2e12]]])
-def test_a_record_takes_and_gives_no_other_fault_than_it_was_given(row):
-    with pytest.raises(ValueError, match=r"'f9' has .*; expected"):
+def test_a_record_takes_and_gives_no_other_fault_than_it_was_given(row, refused):
+    with refused(ValueError):
         encoding.specification([row])
-    with pytest.raises(SpecificationError, match=r"'f9' has .*; expected"):
+    with refused(SpecificationError):
         encoding.specification_text([TimedFault(*row)])

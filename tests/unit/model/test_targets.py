@@ -64,13 +64,13 @@ def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
         ("FixedSpeed", "o1"),
     ],
 )
-def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target):
-    with pytest.raises(SpecificationError, match=f"'odd' .{type_name}. refers to '{target}'"):
+def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target, refused):
+    with refused(SpecificationError):
         touched(CODE.mission, Fault("odd", FAULT_TYPES[type_name], target))
 
 
-def test_a_pool_without_windows_is_no_written_specification():
-    with pytest.raises(SpecificationError, match="'f1' of 'fs' has no start and finish"):
+def test_a_pool_without_windows_is_no_written_specification(refused):
+    with refused(SpecificationError):
         CODE.pool.written_specification()
 
 

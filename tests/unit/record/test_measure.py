@@ -12,14 +12,11 @@ from tests.support.search import outcome_of, paper_mission
 
 
 @pytest.mark.parametrize(
-    ("settings", "goals", "message"),
-    [
-        (CampaignSettings(), ("g1", "g9"), "found goal 'g9'; .* g1, g2, g3, g4, g5, g6"),
-        (MEANS, ("g1", "g2"), "found goal 'g2'; .* mission seeds .* only: g1, g3"),
-    ],
+    ("settings", "goals"),
+    [(CampaignSettings(), ("g1", "g9")), (MEANS, ("g1", "g2"))],
 )
-def test_goals_that_a_record_says_nothing_of_are_refused(settings, goals, message):
-    with pytest.raises(UsageError, match=message):
+def test_goals_that_a_record_says_nothing_of_are_refused(settings, goals, refused):
+    with refused(UsageError):
         Measure.of(settings, paper_mission()).require(goals)
 
 

@@ -194,10 +194,10 @@ def test_the_guided_search_asks_for_nothing_twice():
     assert len(set(specifications)) == len(specifications)
 
 
-def test_a_comma_strategy_needs_as_many_offspring_as_individuals():
+def test_a_comma_strategy_needs_as_many_offspring_as_individuals(refused):
     settings = CampaignSettings(algorithm="eaMuCommaLambda", population=20, offspring=19)
 
-    with pytest.raises(UsageError, match="offspring: found 19; eaMuCommaLambda needs at least"):
+    with refused(UsageError):
         start(settings)
 
 

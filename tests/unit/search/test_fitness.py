@@ -115,28 +115,26 @@ def test_any_real_number_is_a_fitness_as_a_float(monkeypatch, value, expected):
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    "value",
     [
-        (10**400, "inf"),
-        (-(10**5000), "-inf"),
-        (Fraction(10**400), "inf"),
-        (Fraction(-(10**400), 3), "-inf"),
-        (float("nan"), "nan"),
-        (np.float32("-inf"), "-inf"),
-        (1.7e308, r"1.7e\+308"),
+        10**400,
+        -(10**5000),
+        Fraction(10**400),
+        Fraction(-(10**400), 3),
+        float("nan"),
+        np.float32("-inf"),
+        1.7e308,
     ],
     ids=["int", "negative int", "Fraction", "negative Fraction", "nan", "float32", "huge float"],
 )
-def test_a_fitness_that_is_no_finite_float_is_refused(monkeypatch, value, said):
-    message = rf"is {said} as a float; expected a finite number, -1e\+100 to 1e\+100"
-    with pytest.raises(EvaluationError, match=message):
+def test_a_fitness_that_is_no_finite_float_is_refused(monkeypatch, value, refused):
+    with refused(EvaluationError):
         judged_by(monkeypatch, value)
 
 
 @pytest.mark.parametrize("value", [None, "3", 1j, Decimal(3), np.array([3.0])], ids=repr)
-def test_what_is_no_real_number_is_no_fitness(monkeypatch, value):
-    message = f"the fitness function returned {type(value).__name__}; expected a number"
-    with pytest.raises(EvaluationError, match=message):
+def test_what_is_no_real_number_is_no_fitness(monkeypatch, value, refused):
+    with refused(EvaluationError):
         judged_by(monkeypatch, value)
 
 

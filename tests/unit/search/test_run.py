@@ -117,7 +117,7 @@ def test_a_failed_evaluation_is_recorded_and_the_run_goes_on():
         assert all(0 <= index < len(evaluations) for index in generation.population)
 
 
-def test_too_many_failures_end_the_run_with_the_last_reason_and_again_without_evaluating():
+def test_too_many_failures_end_the_run_with_the_last_reason_and_again_without_evaluating(refused):
     run = Run(
         CampaignSettings(max_failures=3),
         lambda specifications: (
@@ -126,9 +126,7 @@ def test_too_many_failures_end_the_run_with_the_last_reason_and_again_without_ev
     )
 
     for _ in range(2):
-        with pytest.raises(
-            EvaluationError, match=r"20 evaluations failed; max_failures is 3.*one: always$"
-        ):
+        with refused(EvaluationError):
             run.start()
         run.evaluate_many = Cut(0)
 
@@ -147,13 +145,13 @@ def test_large_populations_are_recorded_in_chunks():
     assert sizes == [100, 100, 30]
 
 
-def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch):
+def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch, refused):
     fitness = chain(map(float, range(15)), repeat(float("nan")))
     broken = SimpleNamespace(fitness=lambda _: next(fitness))
     monkeypatch.setitem(sys.modules, "broken_late", broken)
     run = Run(CampaignSettings(fitness="broken_late:fitness"))
 
-    with pytest.raises(EvaluationError, match="expected a finite number"):
+    with refused(EvaluationError):
         run.start()
 
     assert [each.fitness[0] for each in run.store.evaluations()] == list(range(15))
@@ -179,38 +177,20 @@ def test_a_result_too_few_is_noticed():
 
 
 @pytest.mark.parametrize(
-    ("settings", "message"),
+    "settings",
     [
-        (
-            CampaignSettings(algorithm="magic"),
-            "algorithm: found 'magic'; expected 'module:function' or one of paper,",
-        ),
-        (
-            CampaignSettings(selection="magic"),
-            "selection: found 'magic'; expected 'module:function' or one of roul",
-        ),
-        (
-            CampaignSettings(fitness="magic"),
-            "fitness: found 'magic'; expected 'module:function' or one of weighted,",
-        ),
-        (
-            CampaignSettings(mutation_operator="magic"),
-            "mutation_operator: found 'magic'; expected 'module:",
-        ),
-        (CampaignSettings(crossover_operator="x"), "operator: found 'x'; expected 'module:"),
-        (
-            CampaignSettings.parse("[search]", "case.toml", goals=["g9"]),
-            "option goals: found 'g9'; expected one of g1, g2",
-        ),
-        (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; expected one of g1, g2"),
-        (
-            CampaignSettings(minimise="faults"),
-            "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or 'guided'",
-        ),
+        CampaignSettings(algorithm="magic"),
+        CampaignSettings(selection="magic"),
+        CampaignSettings(fitness="magic"),
+        CampaignSettings(mutation_operator="magic"),
+        CampaignSettings(crossover_operator="x"),
+        CampaignSettings.parse("[search]", "case.toml", goals=["g9"]),
+        CampaignSettings(goals=("g1", "g9")),
+        CampaignSettings(minimise="faults"),
     ],
 )
-def test_settings_that_name_what_does_not_exist_are_refused(settings, message):
-    with pytest.raises(UsageError, match=message):
+def test_settings_that_name_what_does_not_exist_are_refused(settings, refused):
+    with refused(UsageError):
         Run(settings).start()
 
 
@@ -320,35 +300,29 @@ def test_replications_average_over_mission_seeds_and_resume(algorithm):
         assert evaluation.fitness[0] == pytest.approx(fitness)
 
 
-def test_a_record_that_another_fitness_function_wrote_is_refused():
+def test_a_record_that_another_fitness_function_wrote_is_refused(refused):
     run = Run(CampaignSettings(generations=1))
     run.start()
     run.settings = replace(run.settings, violations="masked")
 
-    with pytest.raises(RecordError, match="the fitness of specification 0 is another one"):
+    with refused(RecordError):
         run.start()
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    "change",
     [
-        (
-            """UPDATE evaluation SET specification =
+        """UPDATE evaluation SET specification =
             (SELECT specification FROM evaluation WHERE idx = 6) WHERE idx = 5""",
-            "specification 5 of the search is another",
-        ),
-        (
-            "UPDATE generation SET random_state = '[]' WHERE idx = 1",
-            "generation 1 is another one",
-        ),
+        "UPDATE generation SET random_state = '[]' WHERE idx = 1",
     ],
 )
-def test_a_record_that_does_not_follow_from_its_settings_is_refused(change, message):
+def test_a_record_that_does_not_follow_from_its_settings_is_refused(change, refused):
     run = Run(CampaignSettings(generations=3))
     run.start()
     run.store._connection.execute(change)
 
-    with pytest.raises(RecordError, match=message):
+    with refused(RecordError):
         run.start()
 
 

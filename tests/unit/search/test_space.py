@@ -48,8 +48,8 @@ def test_the_same_set_of_timed_faults_has_one_order():
     assert space.ordered(reversed(faults)) == space.ordered(faults)
 
 
-def test_an_empty_pool_is_refused():
-    with pytest.raises(SpecificationError, match="fault pool 'fs' is empty"):
+def test_an_empty_pool_is_refused(refused):
+    with refused(SpecificationError):
         SearchSpace.of(paper_mission(), FaultPool("fs", ()))
 
 
@@ -83,20 +83,17 @@ def test_fault_ticks_count_what_lies_inside_the_mission():
 
 
 @pytest.mark.parametrize(
-    ("timed", "message"),
+    "timed",
     [
-        (
-            TimedFault("f9", 15.08, 20, (1.0, 2.0, 3.0)),
-            "mine made: fault 'f9' has window 15.08 … 20",
-        ),
-        (TimedFault("f8", 15, 20, (2.5,)), "mine made: fault 'f8' has DELAY 2.5"),
-        (TimedFault("f99", 0, 1), "mine made: fault pool .* has no fault 'f99'"),
-        (TimedFault("f1", 0, 1000), "mine made .*; expected its window within 0 … 999"),
-        (TimedFault("f9", 0, 1, (1e9, 0.0, 0.0)), "its values within the bounds"),
+        TimedFault("f9", 15.08, 20, (1.0, 2.0, 3.0)),
+        TimedFault("f8", 15, 20, (2.5,)),
+        TimedFault("f99", 0, 1),
+        TimedFault("f1", 0, 1000),
+        TimedFault("f9", 0, 1, (1e9, 0.0, 0.0)),
     ],
 )
-def test_an_operators_offspring_passes_the_gate_and_stays_within_bounds(timed, message):
-    with pytest.raises(SpecificationError, match=message):
+def test_an_operators_offspring_passes_the_gate_and_stays_within_bounds(timed, refused):
+    with refused(SpecificationError):
         paper_space().require((timed,), "mine")
 
 

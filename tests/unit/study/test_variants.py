@@ -40,36 +40,36 @@ def test_the_papers_setting_is_added_unless_it_is_one_of_them(text, names):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("", "found ''; expected KEY=LOW:HIGH:N"),
-        ("0.3", "found '0.3'; expected KEY=LOW"),
-        ("crossover=", "found 'crossover='; expected KEY=LOW"),
-        ("crossover=high", "found 'crossover=high'; expected KEY=LOW"),
-        ("crossover=1/0", "found 'crossover=1/0'; expected KEY=LOW"),
-        ("crossover=0:1", "found 'crossover=0:1'; expected KEY=LOW"),
-        ("crossover=0:1:1", "found 'crossover=0:1:1'; expected KEY=LOW"),
-        ("crossover=0:1:2.5", "found 'crossover=0:1:2.5'; expected KEY=LOW"),
-        ("crossover=0:1:1000000000", "N from 2 to 100"),
-        ("population=10,,20", "found ''; expected KEY=LOW"),
-        ("crosover=0.5", "found 'crosover=0.5'; .* mean 'crossover'"),
-        ("seed=1,2", "found 'seed=1'; expected one of population, faults, crossover"),
-        ("crossover=0.5,crossover=0.6", "found 'crossover=0.6'; expected one of population, "),
+        "",
+        "0.3",
+        "crossover=",
+        "crossover=high",
+        "crossover=1/0",
+        "crossover=0:1",
+        "crossover=0:1:1",
+        "crossover=0:1:2.5",
+        "crossover=0:1:1000000000",
+        "population=10,,20",
+        "crosover=0.5",
+        "seed=1,2",
+        "crossover=0.5,crossover=0.6",
     ],
 )
-def test_what_is_no_sweep_is_refused(text, message):
-    with pytest.raises(UsageError, match=message):
+def test_what_is_no_sweep_is_refused(text, refused):
+    with refused(UsageError):
         Sweep.parse(text)
 
 
-def test_a_sweep_is_of_one_algorithm_and_a_variant_is_as_good_as_a_name():
+def test_a_sweep_is_of_one_algorithm_and_a_variant_is_as_good_as_a_name(refused):
     sweep, own = Sweep.parse("crossover=0.3"), Variant("own", {"mutation_operator": "free"})
 
     assert variants_of(["paper", own]) == (Variant("paper", {"algorithm": "paper"}), own)
     assert variants_of(["paper"], sweep) == sweep.variants("paper")
-    with pytest.raises(UsageError, match="expected one, whose settings are swept"):
+    with refused(UsageError):
         variants_of(["paper", "random"], sweep)
-    with pytest.raises(UsageError, match="expected a list of different ones of"):
+    with refused(UsageError):
         variants_of([own, own])
 
 

@@ -1,7 +1,5 @@
 """The in-process bus."""
 
-import pytest
-
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic
 
@@ -21,11 +19,11 @@ def test_every_subscriber_receives_every_message_in_order():
     assert first == second == [{"data": 1.0}, {"data": 2.0}]
 
 
-def test_a_topic_keeps_its_type():
+def test_a_topic_keeps_its_type(refused):
     bus = LocalBus()
     bus.advertise(SPEED)
 
-    with pytest.raises(ProtocolError, match="'/r1/speed' carries 'std_msgs/Float64'"):
+    with refused(ProtocolError):
         bus.subscribe(Topic("/r1/speed", "std_msgs/Int64"), print)
 
 

@@ -1,0 +1,115 @@
+"""Texts that a person approved, word for word: for each test file, one in ``tests/approved``.
+
+A test hands over what is printed, ``approved(text)``, or what fails, ``with refused(UsageError)``;
+its texts stand in that file under its name. ``pytest --approve FILE`` writes what they are now,
+and drops what a test that ran, or is gone, does not ask for.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from difflib import unified_diff
+from pathlib import Path
+from tempfile import gettempdir
+
+import pytest
+
+from tests.support.tree import ROOT
+
+Approved = Callable[[object], None]
+Refused = Callable[..., AbstractContextManager[pytest.ExceptionInfo[BaseException]]]
+_NEW = pytest.StashKey[dict[str, dict[str, str]]]()
+"""For each file of texts what its tests handed over in this run."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--approve", action="store_true", help="write tests/approved anew")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[_NEW] = {}
+
+
+@pytest.fixture
+def approved(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Approved:
+    """Compare a text with the approved one; folders of the test and of the tree may vary."""
+    roots = map(re.escape, (str(tmp_path_factory.getbasetemp()), gettempdir()))
+    folder = re.compile(f"({'|'.join(roots)})/[\\w-]+")
+    path = request.path.relative_to(ROOT / "tests").with_suffix(".txt")
+    new = request.config.stash[_NEW].setdefault(str(path), {})
+    old = _read(ROOT / "tests" / "approved" / path)
+    names = iter([request.node.name, *(f"{request.node.name} {k}" for k in range(2, 1_000))])
+
+    def compare(text: object) -> None:
+        name = next(names)
+        plain = folder.sub("TMP", str(text).replace(str(ROOT), "ROOT"))
+        new[name] = "\n".join(line.rstrip() for line in plain.strip("\n").splitlines())
+        if old.get(name) != new[name] and not request.config.getoption("--approve"):
+            lines = old.get(name, "").splitlines(), new[name].splitlines()
+            diff = "\n".join(unified_diff(*lines, "approved", "found", lineterm=""))
+            pytest.fail(f"{name}: see tests/approved/{path}\n{diff}", pytrace=False)
+
+    return compare
+
+
+@pytest.fixture
+def refused(approved: Approved) -> Refused:
+    """Expect an exception whose text is the approved one."""
+
+    @contextmanager
+    def expect(kind: type[BaseException]) -> Iterator[pytest.ExceptionInfo[BaseException]]:
+        with pytest.raises(kind) as caught:
+            yield caught
+        approved(caught.value)
+
+    return expect
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["approved"] = session.config.stash[_NEW]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: pytest.Item) -> None:
+    """Take over what a worker's tests handed over; those of one file run in several."""
+    for path, new in getattr(node, "workeroutput", {}).get("approved", {}).items():
+        node.config.stash[_NEW].setdefault(path, {}).update(new)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if not config.getoption("--approve") or hasattr(config, "workeroutput"):
+        return
+    for path, new in config.stash[_NEW].items():
+        file = ROOT / "tests" / "approved" / path
+        tests = (ROOT / "tests" / path).with_suffix(".py").read_text(encoding="utf-8")
+        ran = {_test(name) for name in new}
+        kept = {
+            name: text
+            for name, text in _read(file).items()
+            if _test(name) not in ran and f"def {_test(name)}(" in tests
+        }
+        file.parent.mkdir(parents=True, exist_ok=True)
+        entries = (
+            f"{name}\n" + "".join(f"    {line}".rstrip() + "\n" for line in text.splitlines())
+            for name, text in sorted((kept | new).items(), key=_place)
+        )
+        file.write_text("".join(entries), encoding="utf-8")
+
+
+def _test(name: str) -> str:
+    return re.split(r"[\[ ]", name, maxsplit=1)[0]
+
+
+def _place(entry: tuple[str, str]) -> list[object]:
+    """Return what entries are sorted by: the numbers in names are numbers."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", entry[0])]
+
+
+def _read(file: Path) -> dict[str, str]:
+    """Return the texts of a file by their names: a line that is not indented is a name."""
+    if not file.exists():
+        return {}
+    parts = re.split(r"^(?=\S)", file.read_text(encoding="utf-8"), flags=re.M)[1:]
+    found = (part.partition("\n") for part in parts)
+    return {name: re.sub("^    ", "", text, flags=re.M)[:-1] for name, _, text in found}
