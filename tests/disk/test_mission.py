@@ -36,18 +36,12 @@ def test_code_loaded_by_a_relative_path_knows_its_file(tmp_path, monkeypatch):
     assert module.speed.__code__.co_filename == str(tmp_path / "team.py")
 
 
-def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path):
+def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path, refused):
     path = tmp_path / "old.py"
     path.write_text("from mrsfi_runtime.api import reactions\n", encoding="utf-8")
 
-    with pytest.raises(EvaluationError) as caught:
+    with refused(EvaluationError):
         load_module("of_another_version", path)
-
-    assert str(caught.value) == (
-        f"{path}:1: cannot be imported: ImportError: cannot import name 'reactions' from "
-        "'mrsfi_runtime.api'; code of another version of mrsfi: run `mrsfi generate`, then correct "
-        "the regions"
-    )
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,11 @@ from tests.support.models.copies import FAULTS, MISSION, edit, line_of
 
 
 def _label(broken: Broken) -> str:
-    return f"{broken.constraint}-{broken.message[:30]}"
+    return f"{broken.constraint}-{broken.element}"
 
 
 @pytest.mark.parametrize("broken", BROKEN, ids=_label)
-def test_broken_model_is_reported_at_its_line(folder, broken):
+def test_broken_model_is_reported_at_its_line(folder, broken, approved):
     path = folder / broken.file
     edit(path, broken.old, broken.new)
 
@@ -25,7 +25,7 @@ def test_broken_model_is_reported_at_its_line(folder, broken):
     first = found[0]
     assert (first.path, first.line) == (path, line_of(path, broken.place))
     assert first.element.startswith(broken.element)
-    assert broken.message in first.message
+    approved(first.message)
     assert first.severity == CONSTRAINTS[broken.constraint].severity
     assert str(first) == f"{path}:{first.line}: {first.message} [{broken.constraint}]"
 
@@ -54,13 +54,11 @@ def test_warnings_do_not_stop_loading(folder):
     assert load_mission_folder(folder).mission.robots[0].position.x == 2000.0
 
 
-def test_missing_mission_is_reported(tmp_path):
+def test_missing_mission_is_reported(tmp_path, approved):
     (found,) = inspect_folder(tmp_path).diagnostics
 
     assert found.constraint == "ReadableFile"
-    assert str(found).startswith(
-        f"{tmp_path / MISSION}:1: mission.xmi cannot be read: No such file"
-    )
+    approved(found)
 
 
 def test_every_constraint_has_a_broken_model():

@@ -53,39 +53,36 @@ def test_document_types_are_refused_before_their_content_is_read(tmp_path, text)
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("<a>" * 100_000 + "</a>" * 100_000, "nests more than 100 elements"),
-        (f"<a>{'<b/>' * MAX_ELEMENTS}</a>", "has more than 500,000 elements"),
-    ],
+    "text",
+    ["<a>" * 100_000 + "</a>" * 100_000, f"<a>{'<b/>' * MAX_ELEMENTS}</a>"],
     ids=["deep", "long"],
 )
-def test_too_many_elements_are_refused(tmp_path, text, message):
+def test_too_many_elements_are_refused(tmp_path, text, approved):
     (tmp_path / MISSION).write_text(text, encoding="utf-8")
 
     found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "FileSize"
-    assert message in found.message
+    approved(found.message)
 
 
-def test_file_beyond_the_size_limit_is_refused(tmp_path):
+def test_file_beyond_the_size_limit_is_refused(tmp_path, approved):
     with (tmp_path / MISSION).open("wb") as stream:
         stream.truncate(MAX_BYTES + 1)
 
     found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "FileSize"
-    assert "more than 67,108,864 bytes" in found.message
+    approved(found.message)
 
 
-def test_name_of_ten_megabytes_is_a_short_error(folder):
+def test_name_of_ten_megabytes_is_a_short_error(folder, approved):
     edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 10_000_000}"')
 
     found = _only(inspect_folder(folder).diagnostics)
 
     assert found.constraint == "StringLength"
-    assert "has a name of 10,000,000 characters" in found.message
+    approved(found.message)
     assert len(str(found)) < 500 + len(str(folder))
 
 

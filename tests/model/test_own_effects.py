@@ -34,17 +34,11 @@ def test_a_mission_whose_pool_has_no_fault_of_the_type_stays_as_it_was(tmp_path,
     assert fresh == committed
 
 
-def test_a_fault_whose_effect_the_mission_has_not_does_not_fly(metamodels):
+def test_a_fault_whose_effect_the_mission_has_not_does_not_fly(metamodels, refused):
     code = load_code(ROOT / "generated" / MISSION)
     code = replace(code, mission=replace(code.mission, duration=5))
     stuck = Fault("stuck", read_metamodels(metamodels).fault_types["StuckSpeed"], "m8")
     engine = ReferenceEngine(code, 1)
 
-    with pytest.raises(SpecificationError) as caught:
+    with refused(SpecificationError):
         engine.evaluate((TimedFault("stuck", 1, 3),), pool=FaultPool("own", (stuck,)))
-
-    assert str(caught.value) == (
-        "fault 'stuck' is of type StuckSpeed, whose effect is a region that fault_effects.py has "
-        "only where the mission's pool has a fault of the type; add one to its faults.xmi and run "
-        "`mrsfi generate`"
-    )

@@ -116,14 +116,14 @@ def test_defect_of_a_part_is_reported_at_its_own_file_and_line(tmp_path):
     assert found[1].element == "sensors 's6'"
 
 
-def test_same_id_in_two_parts_is_reported(tmp_path):
+def test_same_id_in_two_parts_is_reported(tmp_path, approved):
     folder = split_folder(tmp_path, PARTS["one_robot"])
     edit(folder / "parts" / "r2.xmi", 'ID="b3"', 'ID="b1"')
 
     (found,) = inspect_folder(folder).diagnostics
 
     assert (found.path.name, found.constraint) == ("r2.xmi", "UniqueId")
-    assert "has the ID of batteries in line" in found.message
+    approved(found.message)
     assert "mission.xmi" in found.message
 
 
@@ -210,29 +210,29 @@ def test_platform_addresses_lead_into_the_project(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("href", "constraint", "message"),
+    ("href", "constraint"),
     [
-        ("/etc/passwd#r1", "LocalReference", "inside the mission's project"),
-        ("file:///etc/passwd#r1", "LocalReference", "inside the mission's project"),
-        ("http://example.org/r.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("//host/r.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("../outside.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("link.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("platform:/resource/Nowhere/r.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("platform:/resource/uuv/../../outside.xmi#r1", "LocalReference", "inside"),
-        ("platform:/plugin/uuv/r.xmi#r1", "LocalReference", "inside the mission's project"),
-        ("missing.xmi#r1", "ReadableFile", "missing.xmi cannot be read"),
-        ("robots.xmi#r9", "ContainedElement", "which is no root of that file"),
-        ("robots.xmi#", "ContainedElement", "which is no root of that file"),
-        ("robots.xmi#/7", "ContainedElement", "which is no root of that file"),
-        ("robots.xmi#r2", "ContainedElement", "which is contained already"),
-        ("mission.xmi#/", "ContainedElement", "a circle of files (mission.xmi > mission.xmi)"),
-        ("area.xmi#/", "ConcreteType", "which is a Area; expected one of Robot"),
-        ("r1", "ContainedElement", "expected the root of another file"),
-        ("", "ContainedElement", "expected the root of another file"),
+        ("/etc/passwd#r1", "LocalReference"),
+        ("file:///etc/passwd#r1", "LocalReference"),
+        ("http://example.org/r.xmi#r1", "LocalReference"),
+        ("//host/r.xmi#r1", "LocalReference"),
+        ("../outside.xmi#r1", "LocalReference"),
+        ("link.xmi#r1", "LocalReference"),
+        ("platform:/resource/Nowhere/r.xmi#r1", "LocalReference"),
+        ("platform:/resource/uuv/../../outside.xmi#r1", "LocalReference"),
+        ("platform:/plugin/uuv/r.xmi#r1", "LocalReference"),
+        ("missing.xmi#r1", "ReadableFile"),
+        ("robots.xmi#r9", "ContainedElement"),
+        ("robots.xmi#", "ContainedElement"),
+        ("robots.xmi#/7", "ContainedElement"),
+        ("robots.xmi#r2", "ContainedElement"),
+        ("mission.xmi#/", "ContainedElement"),
+        ("area.xmi#/", "ConcreteType"),
+        ("r1", "ContainedElement"),
+        ("", "ContainedElement"),
     ],
 )
-def test_part_that_cannot_be_used_is_an_error(tmp_path, href, constraint, message):
+def test_part_that_cannot_be_used_is_an_error(tmp_path, href, constraint, approved):
     folder = split_folder(tmp_path, PARTS["robots"])
     (folder / "area.xmi").write_text(
         '<mission:Area xmlns:mission="http://mrsfi.org/mission/1.0" radius="1"/>', encoding="ascii"
@@ -246,10 +246,10 @@ def test_part_that_cannot_be_used_is_an_error(tmp_path, href, constraint, messag
     ]
 
     assert found
-    assert message in found[0].message
+    approved(found[0].message)
 
 
-def test_circle_of_files_is_an_error(tmp_path):
+def test_circle_of_files_is_an_error(tmp_path, approved):
     folder = split_folder(tmp_path, PARTS["two_levels"])
     edit(folder / "robots" / "robots.xmi", "sensors/sensors.xmi#s1", "../mission.xmi#/")
 
@@ -258,10 +258,10 @@ def test_circle_of_files_is_an_error(tmp_path):
     assert [(entry.path.name, entry.constraint) for entry in found] == [
         ("robots.xmi", "ContainedElement")
     ]
-    assert "(mission.xmi > robots.xmi > mission.xmi)" in found[0].message
+    approved(found[0].message)
 
 
-def test_root_that_no_model_contains_is_an_error(tmp_path):
+def test_root_that_no_model_contains_is_an_error(tmp_path, approved):
     folder = split_folder(tmp_path, PARTS["robots"])
     edit(
         folder / "robots.xmi", "</xmi:XMI>", '  <mission:Server ID="sv9" name="spare"/>\n</xmi:XMI>'
@@ -270,4 +270,4 @@ def test_root_that_no_model_contains_is_an_error(tmp_path):
     (found,) = inspect_folder(folder).diagnostics
 
     assert (found.path.name, found.constraint) == ("robots.xmi", "ContainedElement")
-    assert "is a root of robots.xmi that no model contains" in found.message
+    approved(found.message)

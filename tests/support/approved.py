@@ -1,8 +1,8 @@
 """Texts that a person approved, word for word: for each test file, one in ``tests/approved``.
 
-A test hands over what is printed, ``approved(text)``, or what fails, ``with refused(UsageError)``;
-its texts stand in that file under its name. ``pytest --approve FILE`` writes what they are now,
-and drops what a test that ran, or is gone, does not ask for.
+A test hands over a text or a list of lines, ``approved(text)``, or what fails, ``with
+refused(UsageError)``; its texts stand in that file under its name. ``pytest --approve FILE``
+writes what they are now, and drops what no test asks for.
 """
 
 import re
@@ -42,11 +42,13 @@ def approved(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
     def compare(text: object) -> None:
         name = next(names)
-        plain = folder.sub("TMP", str(text).replace(str(ROOT), "ROOT"))
+        lines = map(str, text) if isinstance(text, list) else [str(text)]
+        plain = folder.sub("TMP", "\n".join(lines).replace(str(ROOT), "ROOT"))
+        plain = re.sub(r"ROOT/(src|m2t|tests)/[^:]+:\d+", "ROOT/SOURCE", plain)
         new[name] = "\n".join(line.rstrip() for line in plain.strip("\n").splitlines())
         if old.get(name) != new[name] and not request.config.getoption("--approve"):
-            lines = old.get(name, "").splitlines(), new[name].splitlines()
-            diff = "\n".join(unified_diff(*lines, "approved", "found", lineterm=""))
+            pair = old.get(name, "").splitlines(), new[name].splitlines()
+            diff = "\n".join(unified_diff(*pair, "approved", "found", lineterm=""))
             pytest.fail(f"{name}: see tests/approved/{path}\n{diff}", pytrace=False)
 
     return compare
@@ -83,12 +85,9 @@ def pytest_unconfigure(config: pytest.Config) -> None:
     for path, new in config.stash[_NEW].items():
         file = ROOT / "tests" / "approved" / path
         tests = (ROOT / "tests" / path).with_suffix(".py").read_text(encoding="utf-8")
-        ran = {_test(name) for name in new}
-        kept = {
-            name: text
-            for name, text in _read(file).items()
-            if _test(name) not in ran and f"def {_test(name)}(" in tests
-        }
+        asking = {*re.findall(r"^def (\w+)\([^)]*\b(?:approved|refused)\b", tests, flags=re.M)}
+        asking -= {_test(name) for name in new}
+        kept = {name: text for name, text in _read(file).items() if _test(name) in asking}
         file.parent.mkdir(parents=True, exist_ok=True)
         entries = (
             f"{name}\n" + "".join(f"    {line}".rstrip() + "\n" for line in text.splitlines())

@@ -1,4 +1,3 @@
-import re
 from pathlib import Path
 
 import pytest
@@ -47,7 +46,7 @@ def test_where_nothing_was_generated_there_is_nothing_to_warn_of(tmp_path):
     assert lint_regions(tmp_path) == ()
 
 
-def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path):
+def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path, approved):
     _write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math")
 
     (found,) = lint_regions(tmp_path)
@@ -57,10 +56,7 @@ def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path):
     assert found.place == "region 'g1.check'"
     assert found.constraint == COMPILES_ALIKE
     assert not found.is_error
-    assert found.message == (
-        "found `math.hypot`, which may differ in the last bit when compiled; "
-        "write math.sqrt(x * x + y * y)"
-    )
+    approved(found.message)
 
 
 def test_a_marked_function_of_the_helpers_is_looked_at(tmp_path):
@@ -136,7 +132,7 @@ def test_imports_are_found_without_running_them(tmp_path, monkeypatch):
     assert lint_regions(tmp_path) == ()
 
 
-def test_a_region_that_is_no_python_is_named(tmp_path):
+def test_a_region_that_is_no_python_is_named(tmp_path, approved):
     _write(tmp_path, "return (")
 
     (found,) = lint_regions(tmp_path)
@@ -144,7 +140,7 @@ def test_a_region_that_is_no_python_is_named(tmp_path):
     assert found.is_error
     assert found.line == _line(found.path, "    return (")
     assert found.place == "region 'g1.check'"
-    assert "no Python" in found.message
+    approved(found.message)
 
 
 @pytest.mark.parametrize(
@@ -171,11 +167,10 @@ def test_what_is_alike_on_every_engine_is_none_of_its_business(tmp_path, body, h
     assert _messages(tmp_path, body, helpers) == []
 
 
-def test_what_a_marked_helper_does_is_looked_at(tmp_path):
+def test_what_a_marked_helper_does_is_looked_at(tmp_path, approved):
     (message,) = _messages(tmp_path, "return squared(3) > 2", HELPED)
 
-    said = "`x ** 2`, which may differ in the last bit when compiled; write x * x"
-    assert message == f"found {said}"
+    approved(message)
 
 
 def _errors(folder: Path, body: str, imports: str = "", helpers: str = "") -> list[str]:
@@ -183,7 +178,9 @@ def _errors(folder: Path, body: str, imports: str = "", helpers: str = "") -> li
     return [found.message for found in lint_regions(folder) if found.is_error]
 
 
-def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(tmp_path):
+def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(
+    tmp_path, approved
+):
     _write(tmp_path, "if ci.mission.tick < 0:\n        return nowhere(ci)\n    return True")
 
     (found,) = lint_regions(tmp_path)
@@ -191,13 +188,10 @@ def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_i
     assert (found.constraint, found.is_error) == ("RegionRuns", True)
     assert (found.path, found.place) == (tmp_path / FILE, "region 'g1.check'")
     assert found.line == _line(found.path, "        return nowhere(ci)")
-    assert found.message == (
-        "found `nowhere`, which is not defined; import or define it in the region 'imports' or "
-        "'helpers'"
-    )
+    approved(found.message)
 
 
-def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path, monkeypatch):
+def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path, monkeypatch, approved):
     monkeypatch.syspath_prepend(tmp_path)
     _write(tmp_path, "return near()", "from team import near")
     (tmp_path / "team.py").write_text("def near():\n    return far()\n")
@@ -205,7 +199,7 @@ def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path, monkeypatch):
     (found,) = lint_regions(tmp_path)
 
     assert (found.path, found.line, found.place) == (tmp_path / "team.py", 2, "function 'near'")
-    assert found.message == "found `far`, which is not defined; import or define it"
+    approved(found.message)
 
 
 def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path):
@@ -219,56 +213,29 @@ FAR = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
 
 
 @pytest.mark.parametrize(
-    ("body", "more", "said"),
+    ("body", "more"),
     [
-        ("return '%d %d' % (1,)", {}, r".*2 placeholder\(s\) but 1 substitution\(s\)"),
-        ("return '{} {}'.format(1)", {}, r".*missing argument\(s\) for placeholder\(s\): 1"),
-        ("return True\n    raise NotImplemented", {}, ".*should be 'raise NotImplementedError'"),
-        ("break", {}, ".*is no Python: 'break' outside loop"),
-        ("return True\nreturn False", {}, ".*is no Python: 'return' outside function"),
-        *(
-            (body, {}, f"found `{re.escape(expression)}`, but a {record} has no ")
-            for body, expression, record in (
-                ("return ci.robots[0].heading > 0.0", "ci.robots[0].heading", "RobotState"),
-                (
-                    "robots = ci.robots\n    return robots[1].sped > 0",
-                    "robots[1].sped",
-                    "RobotState",
-                ),
-                ("for s in ci.sensors:\n        s.on = 1\n    return True", "s.on", "SensorState"),
-                ("return [r for r in ci.robots if r.on] == []", "r.on", "RobotState"),
-                (
-                    "q = [r.x for r in ci.robots]\n    return q == [r.on for r in ci.robots]",
-                    "r.on",
-                    "RobotState",
-                ),
-                ("return ci.robot[0].x > 0.0", "ci.robot", "State"),
-                ("return ci.mission.time > 0", "ci.mission.time", "MissionState"),
-            )
-        ),
-        (
-            "return ci.goals[0].zzz > 0",
-            {},
-            (
-                r".*; it has task, x, y, radius, first_member, n_members, first_hazard, n_hazards, "
-                r"first_waypoint, n_waypoints, sensor, target, …$"
-            ),
-        ),
-        ("return far(ci)", {"helpers": FAR}, r"found `state\.robots\[0\]\.far`, "),
-        (
-            "return goals.visit.violatd(ci, 0)",
-            {"imports": GOALS},
-            (
-                r"found `goals\.visit\.violatd`, but mrsfi_runtime\.api\.goal_tasks\.visit has no "
-                r"'violatd'; it has violated"
-            ),
-        ),
+        ("return '%d %d' % (1,)", {}),
+        ("return '{} {}'.format(1)", {}),
+        ("return True\n    raise NotImplemented", {}),
+        ("break", {}),
+        ("return True\nreturn False", {}),
+        ("return ci.robots[0].heading > 0.0", {}),
+        ("robots = ci.robots\n    return robots[1].sped > 0", {}),
+        ("for s in ci.sensors:\n        s.on = 1\n    return True", {}),
+        ("return [r for r in ci.robots if r.on] == []", {}),
+        ("q = [r.x for r in ci.robots]\n    return q == [r.on for r in ci.robots]", {}),
+        ("return ci.robot[0].x > 0.0", {}),
+        ("return ci.mission.time > 0", {}),
+        ("return ci.goals[0].zzz > 0", {}),
+        ("return far(ci)", {"helpers": FAR}),
+        ("return goals.visit.violatd(ci, 0)", {"imports": GOALS}),
     ],
 )
-def test_what_no_engine_can_run_is_an_error(tmp_path, body, more, said):
+def test_what_no_engine_can_run_is_an_error(tmp_path, body, more, approved):
     (message,) = _errors(tmp_path, body, **more)
 
-    assert re.match(said, message)
+    approved(message)
 
 
 def test_what_cannot_be_told_is_no_error(tmp_path):

@@ -47,7 +47,7 @@ def test_what_is_kept_is_read_by_name(tmp_path):
     assert found == tuple(sound)
 
 
-def test_a_file_that_cannot_be_read_is_a_defect_of_its_own(tmp_path):
+def test_a_file_that_cannot_be_read_is_a_defect_of_its_own(tmp_path, approved):
     folder = tmp_path / "regressions"
     folder.mkdir()
     os.mkfifo(folder / "pipe.toml")
@@ -57,9 +57,9 @@ def test_a_file_that_cannot_be_read_is_a_defect_of_its_own(tmp_path):
 
     said = {each.name: str(each.defect) for each in kept(tmp_path)}
 
-    assert said["pipe"] == f"{folder / 'pipe.toml'}: found no plain file; expected a kept weakness"
-    assert "folder.xmi: found no plain file" in said["folder"]
-    assert "lonely.xmi: found no limits; expected lonely.toml beside it" in said["lonely"]
+    approved(said["pipe"])
+    approved(said["folder"])
+    approved(said["lonely"])
     assert said["sound"] == "None"
 
 

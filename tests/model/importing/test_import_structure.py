@@ -172,13 +172,8 @@ def test_a_copied_area_takes_the_center_that_it_refers_to_itself(pond, tmp_path)
     ],
     ids=["attribute", "element"],
 )  # fmt: skip
-def test_a_file_of_an_older_metamodel_is_called_that(old, new, pond, tmp_path):
+def test_a_file_of_an_older_metamodel_is_called_that(old, new, pond, tmp_path, refused):
     edit(pond, old, new)
 
-    with pytest.raises(ModelError) as caught:
+    with refused(ModelError):
         import_published(pond, tmp_path / "imported")
-
-    assert str(caught.value) == (
-        f"{pond}:16: fixedObstacleCoordinates of faults 'f2' has affectedMessage, so that the file "
-        "is of an older metamodel; expected affectedObstacle; correct it [KnownFeature]"
-    )

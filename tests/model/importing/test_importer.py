@@ -47,7 +47,7 @@ def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_on
 
 
 def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_default(
-    tmp_path, folder
+    tmp_path, folder, approved
 ):
     original = write_mission(tmp_path, "all_tasks", ALL_TASKS)
     file = tmp_path / "published.xmi"
@@ -55,13 +55,7 @@ def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_defa
 
     imported = import_published(file, folder)
 
-    assert [str(change) for change in difference(original, folder)] == [
-        "goal patrol: task.period 50 → 10",
-        "goal visit: task.deadline 90 → 99",
-        "goal track: task.tolerance 500.0 → 10.0",
-        "goal distance: task.tolerance 5.0 → 1.0",
-        "fault specification faults added (0 elements)",
-    ]
+    approved([str(change) for change in difference(original, folder)])
     assert {"period", "deadline", "tolerance"} <= {
         feature for _, feature in notes(imported, "default")
     }
@@ -239,7 +233,7 @@ def test_every_further_specification_gets_a_file(file, folder):
     assert more.faults.faults[0].stopRobot.affectedRobot.ID == "r2"
 
 
-def test_a_file_without_specification_gets_an_empty_pool_and_says_so(file, folder):
+def test_a_file_without_specification_gets_an_empty_pool_and_says_so(file, folder, approved):
     text = file.read_text(encoding="ascii")
     begin, end = text.index("<specification"), text.index("</setup:Setup>")
     file.write_text(text[:begin] + text[end:], encoding="ascii")
@@ -247,9 +241,7 @@ def test_a_file_without_specification_gets_an_empty_pool_and_says_so(file, folde
     imported = import_published(file, folder)
 
     assert imported.files == ("mission.xmi", "faults.xmi", "case_a.toml", "case_b.toml")
-    assert [note.message for note in imported.notes if note.feature == "specification"] == [
-        "is absent; faults.xmi is an empty pool: it flies, a search needs faults in it"
-    ]
+    approved([note.message for note in imported.notes if note.feature == "specification"])
     pool = load_mission_folder(folder).faults
     assert (pool.ID, list(pool.faults)) == ("faults", [])
 

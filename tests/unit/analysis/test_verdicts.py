@@ -1,7 +1,6 @@
 """What is said of goals, and of what faults do, in names."""
 
 import math
-import re
 from dataclasses import replace
 
 import pytest
@@ -37,39 +36,36 @@ def said(fault, off=None):
 
 
 @pytest.mark.parametrize(
-    ("fault", "expected"),
+    "fault",
     [
-        ("f1", "LEN's pressure is switched on for 10 ticks"),
-        ("f2", "JEN's position is held back for 5 ticks"),
-        ("f3", "KAL's gps position is switched off for 10 ticks"),
-        ("f4", "KAL's energy is reported 10 % too low for 10 ticks"),
-        ("f5", "KAL's depth rate is reported 2 samples per tick too low for 10 ticks"),
-        ("f8", "JEN's temperature samples come 200 ticks late for 10 ticks"),
-        ("f9", "obstacle o5's place on the map sticks at (200, -450) for 10 ticks"),
-        ("f10", "KAL's energy sticks at 150 energy units for 10 ticks"),
-        (
-            "f12",
-            "KAL's gps position rate and depth rate stick at 120 samples per tick for 10 ticks",
-        ),
-        ("f15", "KAL's energy is reported 10 % too high for 10 ticks"),
-        ("f18", "JEN's speed is reported 10 units per tick too high for 10 ticks"),
-        ("f20", "KAL's energy is reported at random for 10 ticks"),
-        ("f25", "KAL is set going for 10 ticks"),
-        ("f26", "LEN is stopped for 10 ticks"),
-        ("f30", "LEN's speed is reported as 0 for 10 ticks"),
+        "f1",
+        "f2",
+        "f3",
+        "f4",
+        "f5",
+        "f8",
+        "f9",
+        "f10",
+        "f12",
+        "f15",
+        "f18",
+        "f20",
+        "f25",
+        "f26",
+        "f30",
     ],
 )
-def test_what_a_fault_does_is_said_in_names(fault, expected):
-    assert said(fault) == expected
+def test_what_a_fault_does_is_said_in_names(fault, approved):
+    approved(said(fault))
 
 
-def test_how_far_a_fixed_value_is_off_stands_in_the_place_of_the_value():
-    assert said("f11") == "KAL's position sticks at (1200, -800) for 10 ticks"
-    assert said("f11", "51 off") == "KAL's position sticks 51 off for 10 ticks"
-    assert said("f11", "") == "KAL's position sticks for 10 ticks"
+def test_how_far_a_fixed_value_is_off_stands_in_the_place_of_the_value(approved):
+    approved(said("f11"))
+    approved(said("f11", "51 off"))
+    approved(said("f11", ""))
 
 
-def test_what_a_fault_does_is_said_in_the_units_of_the_model():
+def test_what_a_fault_does_is_said_in_the_units_of_the_model(approved):
     mission = replace(CODE.mission, distance_unit="m", time_unit="s", energy_unit="J")
     told = []
     for fault in ("f8", "f9", "f10", "f18"):
@@ -77,12 +73,7 @@ def test_what_a_fault_does_is_said_in_the_units_of_the_model():
         (named,) = named_faults(mission, CODE.pool, (timed,))
         told.append(deed(mission, named))
 
-    assert told == [
-        "JEN's temperature samples come 200 s late for 10 s",
-        "obstacle o5's place on the map sticks at (200 m, -450 m) for 10 s",
-        "KAL's energy sticks at 150 J for 10 s",
-        "JEN's speed is reported 10 m per s too high for 10 s",
-    ]
+    approved(told)
 
 
 def test_every_mode_has_its_words():
@@ -117,38 +108,30 @@ def test_a_goal_whose_name_others_have_is_told_by_its_robots():
 
 
 @pytest.mark.parametrize(
-    ("measure", "late", "expected"),
+    ("measure", "late"),
     [
-        ("missed", (0, 1), "detected late in 1 of 2 variants, by up to 1 tick"),
-        ("true", (7, 60, 0), "detected late in 2 of 3 variants, by up to 60 ticks"),
-        ("true", (0,), "detected in time in 1 of 1 variant"),
-        ("missed", (0, 0), "detected in time in 2 of 2 variants"),
-        ("true", (0, 5, math.inf, math.inf), "undetected in 2 of 4 variants"),
-        ("true", (), "detection not recorded"),
-        ("believed", (), "a false alarm of the CI"),
+        ("missed", (0, 1)),
+        ("true", (7, 60, 0)),
+        ("true", (0,)),
+        ("missed", (0, 0)),
+        ("true", (0, 5, math.inf, math.inf)),
+        ("true", ()),
+        ("believed", ()),
     ],
 )
-def test_the_worst_of_all_variants_is_told_and_in_how_many_it_is_so(measure, late, expected):
+def test_the_worst_of_all_variants_is_told_and_in_how_many_it_is_so(measure, late, approved):
     found = Detection.of(dict(enumerate(late)))
 
     (way,) = ways([weakness("g1", measure, "f11", detection=found)])
 
-    assert detection(way, Units()) == expected
+    approved(detection(way, Units()))
 
 
 @pytest.mark.parametrize(
-    ("without", "measure", "expected"),
-    [
-        (
-            0,
-            "believed",
-            "is only believed broken if KAL's energy is reported 10 % too low for 81 ticks; .+",
-        ),
-        (3, "believed", "is violated without any fault"),
-        (3, "true", "is violated if KAL's energy is reported 10 % too low for 81 ticks; .+"),
-    ],
+    ("without", "measure"),
+    [(0, "believed"), (3, "believed"), (3, "true")],
 )
-def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without, measure, expected):
+def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without, measure, approved):
     found = (weakness("g3", measure, "f4"),)
     yardstick = Yardstick((Column("g3", "true"),), (without,))
     known = Harvest(Known(CODE.mission), found, 0, {}, yardstick)
@@ -156,7 +139,7 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
     told = verdicts(CODE.mission, CODE.pool, known)
 
     (said,) = (each.sentence for each in told if each.goal == "g3")
-    assert re.fullmatch(f"SufficientEnergy g3 {expected}", said)
+    approved(said)
     assert {each.unknown for each in told} == {"unknown: no bound"}  # nothing was drawn
 
 
@@ -172,21 +155,21 @@ VIOLATED = verdict("g3", State.VIOLATED, "f3")
 
 
 @pytest.mark.parametrize(
-    ("found", "expected"),
+    "found",
     [
-        ([HOLDS], "Nothing was found that breaks a goal"),
-        ([ALONE, HOLDS], "One of two goals fails, under one single fault"),
-        ([ALONE] * 3, "All three goals fail, each under one single fault"),
-        ([ALONE, JOINTLY, HOLDS], "Two of three goals fail, one of them under one single fault"),
-        ([ALONE, VIOLATED, HOLDS], "Two of three goals break, each under one single fault"),
-        ([JOINTLY, HOLDS], "One of two goals fails, under several faults together"),
+        [HOLDS],
+        [ALONE, HOLDS],
+        [ALONE] * 3,
+        [ALONE, JOINTLY, HOLDS],
+        [ALONE, VIOLATED, HOLDS],
+        [JOINTLY, HOLDS],
     ],
 )
-def test_the_headline_says_how_many_goals_break_and_under_how_many_faults(found, expected):
-    assert headline(found) == expected
+def test_the_headline_says_how_many_goals_break_and_under_how_many_faults(found, approved):
+    approved(headline(found))
 
 
-def test_what_held_was_neither_violated_nor_missed_and_has_a_margin():
+def test_what_held_was_neither_violated_nor_missed_and_has_a_margin(approved):
     outcome = replace(
         outcome_of(*(0,) * 6),
         true=(0, 3, 0, 0, 0, 0),
@@ -196,5 +179,5 @@ def test_what_held_was_neither_violated_nor_missed_and_has_a_margin():
 
     told = nearest_in_words(CODE.mission, outcome)
 
-    assert told == "Held: g1 by 1.5 at tick 7, g5 by 30 ticks at tick 99"
-    assert nearest_in_words(CODE.mission, replace(outcome, margins=None)) == "Held: not recorded"
+    approved(told)
+    approved(nearest_in_words(CODE.mission, replace(outcome, margins=None)))

@@ -11,24 +11,15 @@ POOL = pool_of("f2", "f3", "f7", "f9")
 
 
 @pytest.mark.parametrize(
-    ("found", "expected"),
+    "found",
     [
-        ((), "4 of 4 faults break no goal in any form tried, alone or together: f2, f3, f7, f9"),
-        (
-            (weakness("g1", "believed", "f9"), weakness("g2", "true", "f3", "f9")),
-            "2 of 4 faults break no goal in any form tried, alone or together: f2, f7",
-        ),
-        (
-            (weakness("g1", "missed", "f9"), weakness("g2", "true", "f2", "f3")),
-            "1 of 4 faults breaks no goal in any form tried, alone or together: f7",
-        ),
-        (
-            (weakness("g1", "true", "f2", "f3"), weakness("g2", "true", "f7", "f9")),
-            "Each of 4 faults breaks a goal in some form, alone or together with others",
-        ),
+        (),
+        (weakness("g1", "believed", "f9"), weakness("g2", "true", "f3", "f9")),
+        (weakness("g1", "missed", "f9"), weakness("g2", "true", "f2", "f3")),
+        (weakness("g1", "true", "f2", "f3"), weakness("g2", "true", "f7", "f9")),
     ],
 )
 def test_faults_that_are_in_no_way_to_break_a_goal_are_named_in_the_order_of_the_pool(
-    found, expected
+    found, approved
 ):
-    assert harmless(POOL, ways(found)) == expected
+    approved(harmless(POOL, ways(found)))

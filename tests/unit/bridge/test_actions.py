@@ -96,12 +96,12 @@ def test_feedback_comes_to_who_asked_for_it(provider, caller):
     assert caller.take() == []
 
 
-def test_a_goal_is_cancelled_by_its_caller_only(hub, provider, caller):
+def test_a_goal_is_cancelled_by_its_caller_only(hub, provider, caller, approved):
     send(caller, order=3)
     goal = asked(provider)
     stranger = Peer(hub, "warning")
     stranger.tell(op="cancel_action_goal", action=NAME, id="g")
-    assert "no such goal of yours" in stranger.take()[0]["msg"]
+    approved(stranger.take()[0]["msg"])
     assert provider.take() == []
 
     caller.tell(op="cancel_action_goal", action=NAME, id="g")
@@ -124,10 +124,10 @@ def test_rosapi_names_actions(provider, caller):
     assert caller.call("/rosapi/action_servers") == {"action_servers": [NAME]}
 
 
-def test_nobody_who_provides_is_told(hub, caller):
+def test_nobody_who_provides_is_told(hub, caller, approved):
     send(caller, order=3)
 
-    assert result(caller) == (False, 6, f"Action {NAME} does not exist")
+    approved(result(caller))
 
 
 @pytest.mark.parametrize("op", ["leave", "unadvertise"])
@@ -143,9 +143,9 @@ def test_a_provider_that_goes_is_told(provider, caller, op):
     assert "its provider" in reason
 
 
-def test_what_does_not_fit_the_type_is_told_to_both(provider, caller):
+def test_what_does_not_fit_the_type_is_told_to_both(provider, caller, approved):
     send(caller, orders=3)
-    assert "has no field 'orders'" in result(caller)[2]
+    approved(result(caller)[2])
     assert provider.take() == []
 
     send(caller, order=3)

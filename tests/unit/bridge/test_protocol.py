@@ -38,11 +38,11 @@ def test_several_objects_may_share_a_frame(peer):
     assert peer.messages() == [{"data": 1.0}]
 
 
-def test_what_precedes_bad_json_is_carried_out(told):
+def test_what_precedes_bad_json_is_carried_out(told, approved):
     told.session.receive('{"op":"advertise","topic":"/t","type":"std_msgs/Bool"}{"op":')
 
     (status,) = told.take()
-    assert "bad JSON at letter 55 of 60: Expecting value" in status["msg"]
+    approved(status["msg"])
     told.tell(op="unadvertise", topic="/t")
     assert told.take() == []
 
@@ -305,10 +305,10 @@ def test_a_fragment_within_fragments_does_not_recurse_without_end(peer):
     assert peer.take() == []
 
 
-def test_limits_of_a_client_bound_its_fragments():
+def test_limits_of_a_client_bound_its_fragments(approved):
     hub, _ = new_hub(Limits(frame_bytes=1000))
     peer = Peer(hub, "error")
 
     peer.tell(op="fragment", id="f", data="x" * 3000, num=0, total=2)
 
-    assert "unfinished messages take over 2000 bytes" in peer.take()[0]["msg"]
+    approved(peer.take()[0]["msg"])

@@ -117,14 +117,14 @@ def test_of_a_topic_that_nobody_uses_nothing_is_kept(hub, clock):
 
 
 @pytest.mark.parametrize("n_listeners", [0, 1])
-def test_a_loss_is_logged_once_where_somebody_listens(hub, caplog, n_listeners):
+def test_a_loss_is_logged_once_where_somebody_listens(hub, caplog, n_listeners, approved):
     publisher = joined(hub, "advertise", "/t")
     for _ in range(n_listeners):
         joined(hub, "subscribe", "/t")
     publish(publisher, range(DEPTH + 5))
 
     told = [record.getMessage() for record in caplog.records]
-    assert told == n_listeners * [f"/t: lost a message, the oldest of {DEPTH + 1}"]
+    approved(told)
 
 
 def test_what_is_latched_is_heard_later_and_once(hub, clock):

@@ -83,24 +83,24 @@ def test_details_of_a_message_include_the_types_that_it_holds(peer):
 
 
 @pytest.mark.parametrize(
-    ("service", "arguments", "reason"),
+    ("service", "arguments"),
     [
-        ("message_details", {"type": "x/Y"}, "unknown message type 'x/Y'"),
-        ("set_param", setting("/big", "x" * 2000), "2002 bytes, the limit is 1000"),
-        ("set_param", setting("/many", dict.fromkeys("abcd", 1)), "3 parameters, the limit"),
-        ("set_param", setting("/", 1), "is no parameter name"),
-        ("set_param", setting("/a", {"b/c": 1}), "'b/c' is no parameter name"),
-        ("set_param", {"name": "/p", "value": '{"a":' * 40 + "1" + "}" * 40}, "than 32 levels"),
+        ("message_details", {"type": "x/Y"}),
+        ("set_param", setting("/big", "x" * 2000)),
+        ("set_param", setting("/many", dict.fromkeys("abcd", 1))),
+        ("set_param", setting("/", 1)),
+        ("set_param", setting("/a", {"b/c": 1})),
+        ("set_param", {"name": "/p", "value": '{"a":' * 40 + "1" + "}" * 40}),
     ],
 )
-def test_what_is_unknown_or_too_much_is_refused(service, arguments, reason):
+def test_what_is_unknown_or_too_much_is_refused(service, arguments, approved):
     peer = Peer(new_hub(Limits(parameters=3, parameter_bytes=1000))[0])
 
     peer.tell(op="call_service", service=f"/rosapi/{service}", args=arguments)
 
     (answer,) = peer.take()
     assert answer["result"] is False
-    assert reason in answer["values"]
+    approved(answer["values"])
 
 
 def test_details_of_services(peer):

@@ -92,14 +92,14 @@ def test_values_count_for_more_than_result_as_with_the_genuine_server(hub):
 
 
 @pytest.mark.parametrize(
-    ("response", "reason"),
+    "response",
     [
-        ({"result": False, "values": "out of paper"}, "out of paper"),
-        ({"result": False}, "the provider reported a failure"),
-        ({"result": True, "values": {"sum": "a"}}, "response of service /add: field 'sum': found"),
+        {"result": False, "values": "out of paper"},
+        {"result": False},
+        {"result": True, "values": {"sum": "a"}},
     ],
 )
-def test_a_caller_is_told_that_and_why_a_provider_failed(hub, response, reason):
+def test_a_caller_is_told_that_and_why_a_provider_failed(hub, response, approved):
     provider = provider_of(hub)
     caller = called(hub)
 
@@ -107,28 +107,24 @@ def test_a_caller_is_told_that_and_why_a_provider_failed(hub, response, reason):
 
     is_ok, values = answer_of(caller)
     assert is_ok is False
-    assert reason in values
+    approved(values)
 
 
 @pytest.mark.parametrize(
-    ("name", "args", "reason"),
-    [
-        ("/nothing", {}, "Service /nothing does not exist"),
-        ("/add", {"a": "x"}, "request of service /add: field 'a': found 'x', expected int64"),
-        ("/add", [1, 2, 3], "3 arguments, expected at most 2"),
-    ],
+    ("name", "args"),
+    [("/nothing", {}), ("/add", {"a": "x"}), ("/add", [1, 2, 3])],
 )
-def test_a_call_that_makes_no_sense_is_answered_at_once(hub, name, args, reason):
+def test_a_call_that_makes_no_sense_is_answered_at_once(hub, name, args, approved):
     provider = provider_of(hub)
 
     is_ok, values = answer_of(called(hub, name, args))
 
     assert is_ok is False
-    assert reason in values
+    approved(values)
     assert provider.take() == []
 
 
-def test_a_provider_that_does_not_answer_is_not_waited_for(hub, clock):
+def test_a_provider_that_does_not_answer_is_not_waited_for(hub, clock, approved):
     provider = provider_of(hub)
     caller = called(hub)
 
@@ -137,13 +133,13 @@ def test_a_provider_that_does_not_answer_is_not_waited_for(hub, clock):
     clock.advance(0.2)
 
     assert before == []
-    assert answer_of(caller) == (False, "Service /add: no answer within 30 s")
+    approved(answer_of(caller))
     respond(provider, values={"sum": 1}, result=True)
     assert caller.take() == []
-    assert "waits for your answer" in provider.take()[0]["msg"]
+    approved(provider.take()[0]["msg"])
 
 
-def test_a_caller_may_choose_the_time_it_waits(hub, clock):
+def test_a_caller_may_choose_the_time_it_waits(hub, clock, approved):
     provider_of(hub)
     patient, hasty = called(hub, timeout=100), called(hub, timeout=0.5)
 
@@ -151,12 +147,12 @@ def test_a_caller_may_choose_the_time_it_waits(hub, clock):
     early = answer_of(hasty)
     clock.advance(98)
 
-    assert early == (False, "Service /add: no answer within 0.5 s")
+    approved(early)
     assert patient.take() == []
 
 
 @pytest.mark.parametrize("way", ["leaves", "gives up"])
-def test_a_provider_that_ends_answers_its_callers(hub, way):
+def test_a_provider_that_ends_answers_its_callers(hub, way, approved):
     provider = provider_of(hub)
     caller = called(hub)
 
@@ -167,25 +163,25 @@ def test_a_provider_that_ends_answers_its_callers(hub, way):
 
     is_ok, values = answer_of(caller)
     assert is_ok is False
-    assert values.startswith("Service /add: its provider")
-    assert answer_of(called(hub)) == (False, "Service /add does not exist")
+    approved(values)
+    approved(answer_of(called(hub)))
 
 
-def test_a_new_provider_takes_the_place_of_the_old_one_and_its_callers_are_answered(hub):
+def test_a_new_provider_takes_the_place_of_the_old_one_and_its_callers_are_answered(hub, approved):
     old = provider_of(hub)
     caller = called(hub)
 
     new = provider_of(hub)
 
     assert answer_of(caller)[0] is False
-    assert "had another provider" in new.take()[0]["msg"]
+    approved(new.take()[0]["msg"])
     old.take()
     second = called(hub)
     respond(new, values={"sum": 3}, result=True)
     assert answer_of(second) == (True, {"sum": 3})
 
 
-def test_nobody_answers_for_another_or_twice(hub):
+def test_nobody_answers_for_another_or_twice(hub, approved):
     provider, stranger = provider_of(hub), provider_of(hub, "/other")
     caller = called(hub)
     call_id = provider.take()[0]["id"]
@@ -199,8 +195,8 @@ def test_nobody_answers_for_another_or_twice(hub):
 
     assert nothing == []
     assert answer_of(caller) == (True, {"sum": 2})
-    assert "waits for your answer" in stranger.take()[0]["msg"]
-    assert "waits for your answer" in provider.take()[0]["msg"]
+    approved(stranger.take()[0]["msg"])
+    approved(provider.take()[0]["msg"])
 
 
 def test_the_answer_to_a_client_that_left_is_dropped(hub):

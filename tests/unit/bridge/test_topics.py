@@ -101,7 +101,7 @@ def test_a_latched_message_is_gone_with_its_publisher(hub):
     assert subscribed(hub).take() == []
 
 
-def test_latched_messages_are_bounded():
+def test_latched_messages_are_bounded(approved):
     hub, _ = new_hub(Limits(latched_bytes=300))
     publisher, other = (
         advertised(hub, "/a", TEXT, latch=True),
@@ -112,40 +112,37 @@ def test_latched_messages_are_bounded():
     publish(other, "z" * 100, topic="/b")
 
     assert publisher.take() == []
-    assert "latched messages take 300 bytes" in other.take()[0]["msg"]
+    approved(other.take()[0]["msg"])
     assert values(subscribed(hub, "/a", TEXT)) == ["y" * 100]
 
 
 @pytest.mark.parametrize(
-    ("operation", "reason"),
+    "operation",
     [
-        ({"op": "publish", "topic": "/nowhere", "msg": {}}, "topic '/nowhere' is not advertised"),
-        ({"op": "publish", "topic": "/t", "msg": {"data": "a"}}, "expected a number"),
-        ({"op": "publish", "topic": "/t", "msg": 1}, "'msg' is 1, expected dict"),
-        ({"op": "advertise", "topic": "/t", "type": TEXT}, "'/t' carries std_msgs/Float64, not"),
-        ({"op": "subscribe", "topic": "/t", "type": TEXT}, "'/t' carries std_msgs/Float64, not"),
-        ({"op": "advertise", "topic": "/u", "type": "x/Y"}, "unknown message type 'x/Y'"),
-        ({"op": "advertise", "topic": "/u"}, "advertise: field 'type' is missing"),
-        ({"op": "advertise", "topic": "/u v", "type": TEXT}, "'/u v' is no topic name"),
-        ({"op": "advertise", "topic": "/", "type": TEXT}, "'/' is no topic name"),
-        ({"op": "subscribe", "topic": "/u"}, "topic '/u' has no type yet"),
-        ({"op": "subscribe", "topic": "/t", "throttle_rate": -1}, "throttle_rate: expected"),
-        ({"op": "subscribe", "topic": "/t", "throttle_rate": 10**400}, "throttle_rate: expected"),
-        ({"op": "subscribe", "topic": "/t", "queue_length": -1}, "queue_length: expected"),
-        ({"op": "subscribe", "topic": "/t", "fragment_size": 0}, "fragment_size: expected"),
-        ({"op": "unsubscribe", "topic": "/t"}, "'/t' is not one that you subscribe to"),
-        ({"op": "unadvertise", "topic": "/u"}, "'/u' is not one that you advertise"),
-        ({"op": "advertise_service", "service": "/a", "type": "x/Y"}, "unknown service type 'x/Y'"),
-        (
-            {"op": "advertise_service", "service": "/rosapi/topics", "type": "std_srvs/Empty"},
-            "the server's own",
-        ),
-        ({"op": "unadvertise_service", "service": "/a"}, "'/a' is not one that you advertised"),
-        ({"op": "service_response", "service": "/a", "values": {}}, "no call 'mine' waits"),
-        ({"op": "call_service", "service": 5}, "'service' is 5, expected str"),
+        {"op": "publish", "topic": "/nowhere", "msg": {}},
+        {"op": "publish", "topic": "/t", "msg": {"data": "a"}},
+        {"op": "publish", "topic": "/t", "msg": 1},
+        {"op": "advertise", "topic": "/t", "type": TEXT},
+        {"op": "subscribe", "topic": "/t", "type": TEXT},
+        {"op": "advertise", "topic": "/u", "type": "x/Y"},
+        {"op": "advertise", "topic": "/u"},
+        {"op": "advertise", "topic": "/u v", "type": TEXT},
+        {"op": "advertise", "topic": "/", "type": TEXT},
+        {"op": "subscribe", "topic": "/u"},
+        {"op": "subscribe", "topic": "/t", "throttle_rate": -1},
+        {"op": "subscribe", "topic": "/t", "throttle_rate": 10**400},
+        {"op": "subscribe", "topic": "/t", "queue_length": -1},
+        {"op": "subscribe", "topic": "/t", "fragment_size": 0},
+        {"op": "unsubscribe", "topic": "/t"},
+        {"op": "unadvertise", "topic": "/u"},
+        {"op": "advertise_service", "service": "/a", "type": "x/Y"},
+        {"op": "advertise_service", "service": "/rosapi/topics", "type": "std_srvs/Empty"},
+        {"op": "unadvertise_service", "service": "/a"},
+        {"op": "service_response", "service": "/a", "values": {}},
+        {"op": "call_service", "service": 5},
     ],
 )
-def test_what_is_wrong_is_dropped_counted_and_told_to_those_who_ask(hub, operation, reason):
+def test_what_is_wrong_is_dropped_counted_and_told_to_those_who_ask(hub, operation, approved):
     told, quiet = advertised(hub), Peer(hub)
 
     told.tell(**operation, id="mine")
@@ -153,7 +150,7 @@ def test_what_is_wrong_is_dropped_counted_and_told_to_those_who_ask(hub, operati
 
     (status,) = told.take()
     assert status | {"msg": ""} == {"op": "status", "level": "error", "id": "mine", "msg": ""}
-    assert reason in status["msg"]
+    approved(status["msg"])
     assert hub.counts.dropped >= 1
     assert quiet.take() == []
 
@@ -215,13 +212,13 @@ def test_a_client_that_leaves_takes_everything_with_it(hub):
     assert set(hub.broker.topics) == names
 
 
-def test_topics_are_limited():
+def test_topics_are_limited(approved):
     hub, _ = new_hub(Limits(topics=5))
     peer = advertised(hub)  # beside the server's four
 
     peer.tell(op="advertise", topic="/u", type=FLOAT)
 
-    assert "there are 5 topics, the limit" in peer.take()[0]["msg"]
+    approved(peer.take()[0]["msg"])
 
 
 def test_messages_that_come_too_early_are_lost_without_a_queue(hub, clock):

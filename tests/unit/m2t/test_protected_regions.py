@@ -104,28 +104,23 @@ DOUBLED = """# protected region a on begin
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "message"),
+    ("text", "line"),
     [
-        ("# protected region a on begin\n", 1, "'a' has no end"),
-        ("x\n# protected region a end\n", 2, "'a' ends here, no end was expected"),
-        (NESTED, 2, "'b' begins inside 'a' of line 1"),
-        (
-            "# protected region a on begin\n# protected region b end\n",
-            2,
-            "'b' ends here, the end of 'a' was expected",
-        ),
-        (DOUBLED, 3, "second time, first in line 1"),
-        ("x\ny\n# protected region a begin\n", 3, "expected '# protected region ID on begin'"),
-        ("#protected  region a on begin\n", 1, "expected '# protected region ID on begin'"),
-        ("# Protected Region a end\n", 1, "expected '# protected region ID on begin'"),
+        ("# protected region a on begin\n", 1),
+        ("x\n# protected region a end\n", 2),
+        (NESTED, 2),
+        ("# protected region a on begin\n# protected region b end\n", 2),
+        (DOUBLED, 3),
+        ("x\ny\n# protected region a begin\n", 3),
+        ("#protected  region a on begin\n", 1),
+        ("# Protected Region a end\n", 1),
     ],
 )
-def test_broken_markers_are_errors_with_file_and_line(text, line, message):
-    with pytest.raises(ProtectedRegionError) as caught:
+def test_broken_markers_are_errors_with_file_and_line(text, line, refused):
+    with refused(ProtectedRegionError) as caught:
         parse(text, "g/ci.py")
 
     assert str(caught.value).startswith(f"g/ci.py:{line}: ")
-    assert message in str(caught.value)
 
 
 def test_marker_inside_a_line_of_code_is_no_marker():

@@ -21,15 +21,15 @@ def test_goals_that_a_record_says_nothing_of_are_refused(settings, goals, refuse
 
 
 @pytest.mark.parametrize(
-    ("settings", "words"),
+    "settings",
     [
-        (CampaignSettings(), "believed violations"),
-        (CampaignSettings(violations="missed"), "time missed"),
-        (replace(MEANS, violations="true"), "true violations, mean of 2 mission seeds"),
+        CampaignSettings(),
+        CampaignSettings(violations="missed"),
+        replace(MEANS, violations="true"),
     ],
 )
-def test_a_measure_says_what_it_counts(settings, words):
-    assert str(Measure.of(settings, paper_mission())) == words
+def test_a_measure_says_what_it_counts(settings, approved):
+    approved(Measure.of(settings, paper_mission()))
 
 
 @pytest.mark.parametrize(("missed", "told"), [((0, 3), ("–", "7")), ((10, 1), ("0", "9"))])
