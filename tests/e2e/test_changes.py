@@ -58,16 +58,16 @@ def test_a_weakness_whose_fault_is_gone_from_the_pool_cannot_be_flown(before_and
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "expected"),
+    ("words", "code"),
     [
-        (("runs/before", "runs/before", "--seeds", "3"), 2, "--seeds 3: is of a search"),
-        (("runs/before", "runs/before", "runs/before"), 2, "found 3 campaigns; expected two"),
-        (("runs/before", "runs/none"), 9, "runs/none"),
-        ((NAME, "--markdown", "x.md"), 2, "need two campaigns"),
+        (("runs/before", "runs/before", "--seeds", "3"), 2),
+        (("runs/before", "runs/before", "runs/before"), 2),
+        (("runs/before", "runs/none"), 9),
+        ((NAME, "--markdown", "x.md"), 2),
     ],
 )
-def test_what_makes_no_sense_beside_two_campaigns_is_refused(words, code, expected, small):
+def test_what_makes_no_sense_beside_two_campaigns_is_refused(words, code, small, approved):
     (small / "cover.toml").write_text("[search]\n", encoding="utf-8")
     mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/before", cwd=small)
 
-    assert expected in mrsfi("compare", *words, cwd=small, expected=code).stderr
+    approved(mrsfi("compare", *words, cwd=small, expected=code).stderr)

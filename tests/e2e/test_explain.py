@@ -183,28 +183,28 @@ def test_a_record_that_flies_otherwise_is_not_explained(campaign, place):
 
 
 @pytest.mark.parametrize("option", ["--best", "--top=3"])
-def test_a_campaign_without_evaluations_is_answered(option, campaign, place):
+def test_a_campaign_without_evaluations_is_answered(option, campaign, place, approved):
     execute(campaign, "DELETE FROM evaluation")
 
     error = mrsfi("explain", campaign, option, cwd=place, expected=9).stderr
 
-    assert "holds no evaluation yet" in error
+    approved(error)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "expected"),
+    ("arguments", "code"),
     [
-        (("RUN", "--best", "--top", "2"), 2, "--best and --top exclude each other"),
-        (("RUN", "--seed", "3"), 2, "--seed needs --faults"),
-        ((MISSION,), 2, "--faults FILE"),
-        ((MISSION, "--faults", "FILE", "--top", "2"), 2, "--top is about a campaign"),
-        ((MISSION, "--faults", "nowhere.xmi"), 2, "nowhere.xmi: no such file"),
-        (("RUN", "--evaluation", "9999"), 9, "found no evaluation 9999"),
-        (("RUN", "--keep", "0"), 2, "--keep"),
-        ((MISSION, "--faults", "KEPT"), 2, "is a kept weakness, and its cause sets would stand"),
+        (("RUN", "--best", "--top", "2"), 2),
+        (("RUN", "--seed", "3"), 2),
+        ((MISSION,), 2),
+        ((MISSION, "--faults", "FILE", "--top", "2"), 2),
+        ((MISSION, "--faults", "nowhere.xmi"), 2),
+        (("RUN", "--evaluation", "9999"), 9),
+        (("RUN", "--keep", "0"), 2),
+        ((MISSION, "--faults", "KEPT"), 2),
     ],
 )
-def test_wrong_use_is_answered(arguments, code, expected, flown, place):
+def test_wrong_use_is_answered(arguments, code, flown, place, approved):
     named = {
         "RUN": flown,
         "KEPT": f"models/{MISSION}/regressions/case_a_1.xmi",
@@ -212,4 +212,4 @@ def test_wrong_use_is_answered(arguments, code, expected, flown, place):
     }
     words = [named.get(word, word) for word in arguments]
 
-    assert expected in mrsfi("explain", *words, cwd=place, expected=code).stderr
+    approved(mrsfi("explain", *words, cwd=place, expected=code).stderr)

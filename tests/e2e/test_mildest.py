@@ -87,16 +87,13 @@ def test_values_and_windows_that_break_a_goal_are_written_as_a_table_or_drawn(fo
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("99", "map.csv"), ": found no weakness 99; expected one of 1, "),
-        (("1", "map.pdf"), "found the ending '.pdf'; expected a name that ends in .csv or .png"),
-    ],
+    "words",
+    [("99", "map.csv"), ("1", "map.pdf")],
 )
-def test_a_map_of_what_there_is_not_is_refused(found, tmp_path, words, said):
+def test_a_map_of_what_there_is_not_is_refused(found, tmp_path, words, approved):
     number, name = words
 
     refused = mrsfi(*MILDEST[:2], "--map", number, str(tmp_path / name), cwd=found, expected=2)
 
-    assert said in refused.stderr
+    approved(refused.stderr)
     assert not [*tmp_path.iterdir()]

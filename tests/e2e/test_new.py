@@ -132,22 +132,22 @@ def test_it_may_begin_with_a_mission_that_there_is(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    "words",
     [
-        (("9lives",), "found the name '9lives'; expected letters, digits and _"),
-        (("a/b",), "found the name 'a/b'"),
-        (("there",), "there: exists; expected a name that is free here"),
-        (("new", "--from", "nowhere"), "found no mission 'nowhere'"),
-        (("new", "--from", "x", "--import", "there/file"), "exclude each other"),
+        ("9lives",),
+        ("a/b",),
+        ("there",),
+        ("new", "--from", "nowhere"),
+        ("new", "--from", "x", "--import", "there/file"),
     ],
 )
-def test_what_cannot_be_begun_leaves_nothing(words, message, tmp_path):
+def test_what_cannot_be_begun_leaves_nothing(words, tmp_path, approved):
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "file").write_text("", encoding="utf-8")
 
     done = mrsfi("new", *words, cwd=tmp_path, expected=2)
 
-    assert message in done.stderr
+    approved(done.stderr)
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 

@@ -97,20 +97,20 @@ WORDS = (("evolve", "--resume"), ("replay",), ("explain",))
 
 
 @pytest.mark.parametrize("words", WORDS)
-def test_an_edited_copy_is_refused_and_named(place, words):
+def test_an_edited_copy_is_refused_and_named(place, words, approved):
     edit(place / "runs" / "it" / "generated" / "imported" / "team.py", "> 60", "> 61")
 
     error = mrsfi(*words, "runs/it", cwd=place, expected=9).stderr
 
-    assert "copy of imported/team.py is another one than it was begun on" in error
+    approved(error)
 
 
-@pytest.mark.parametrize(("name", "what"), [("own.py", "gone"), ("more.py", "another one")])
-def test_a_lost_copy_and_one_too_many_are_refused(place, name, what):
+@pytest.mark.parametrize("name", ["own.py", "more.py"])
+def test_a_lost_copy_and_one_too_many_are_refused(place, name, approved):
     copy = place / "runs" / "it" / "generated" / "imported" / name
     copy.unlink() if copy.exists() else copy.touch()
 
-    assert f"{name} is {what}" in mrsfi("replay", "runs/it", cwd=place, expected=9).stderr
+    approved(mrsfi("replay", "runs/it", cwd=place, expected=9).stderr)
 
 
 @pytest.mark.parametrize("models", ["some/models", "some"])
@@ -147,10 +147,10 @@ def test_a_weakness_is_kept_where_its_mission_lies(found, tmp_path):
     assert f"mrsfi keep some/{NAME} --update" in again
 
 
-def test_another_mission_of_the_same_folder_name_is_refused(found, tmp_path):
+def test_another_mission_of_the_same_folder_name_is_refused(found, tmp_path, approved):
     place = Path(shutil.copytree(found, tmp_path / "place"))
     edit(place / "models" / NAME / "mission.xmi", 'name="rendezvous"', 'name="parade"')
 
     error = mrsfi("keep", "runs/it", "--weakness", "1", cwd=place, expected=2).stderr
 
-    assert f"models/{NAME}: found mission 'parade'; runs/it searched 'rendezvous'" in error
+    approved(error)

@@ -38,7 +38,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @slow
-def test_team_adds_features_subclasses_and_parts(project):
+def test_team_adds_features_subclasses_and_parts(project, approved):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
     add_feature(mission, "Robot", attribute("colour") + attribute("tags", more='upperBound="-1"'))
@@ -77,21 +77,8 @@ def test_team_adds_features_subclasses_and_parts(project):
 
     done = mrsfi_process("diff", ROOT / "models" / MISSION, models, cwd=project)
     told = done.stdout.splitlines()
-    assert [line for line in told if not re.search("goal g[456]|: note", line)] == [
-        "robot r1: class none → Glider",
-        "robot r1: colour none → 'red'",
-        "robot r1: tags none → 'a' 'b'",
-        "goal g1: start none → 'dawn'",
-        "goal g1: period none → 'day'",
-        "zone z added",
-        "fault f24: remark none → 'x'",
-        "fault f24: wild none → 'very'",
-        "fault f24: weight 0.0 → 2.0",
-    ]
-    assert [line for line in told if "goal g4" in line] == [
-        "goal g4: task GatherSamples → DeepSamples",
-        "goal g4: task.area none → 'reef'",
-    ]
+    approved([line for line in told if not re.search("goal g[456]|: note", line)])
+    approved([line for line in told if "goal g4" in line])
     generated = project / "generated" / MISSION
     loader = (generated / "fault_loader.py").read_text(encoding="utf-8")
     (own,) = re.findall(r'own=\{\s+("weight": 2.0,[^=]*"wild": "very")', loader)

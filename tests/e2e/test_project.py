@@ -80,30 +80,30 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("[project]\nmodel = 'x'\n", "found 'model'; expected one of metamodels, models"),
-        ("[project]\nmodels = 3\n", "found models = 3; expected the name of a folder"),
-        ("[project]\nros = 3\n", "found ros = 3; expected 1 or 2"),
-        ("[project]\nros = true\n", "found ros = True; expected 1 or 2"),
-        ("[other]\n", "found 'other'; expected the tables [project] and [node]"),
-        ("[project\n", "cannot be read"),
-        ("[project]\nmetamodels = 'none'\n", "expected a folder that has mission.ecore"),
+        "[project]\nmodel = 'x'\n",
+        "[project]\nmodels = 3\n",
+        "[project]\nros = 3\n",
+        "[project]\nros = true\n",
+        "[other]\n",
+        "[project\n",
+        "[project]\nmetamodels = 'none'\n",
     ],
 )
-def test_settings_that_mean_nothing_are_refused_with_their_file(team, text, message):
+def test_settings_that_mean_nothing_are_refused_with_their_file(team, text, approved):
     (team / "mrsfi.toml").write_text(text, encoding="utf-8")
 
     done = mrsfi("validate", MISSION, cwd=team, expected=2)
 
     assert str(team / "mrsfi.toml") in done.stderr
-    assert message in done.stderr
+    approved(done.stderr)
 
 
-def test_a_mission_that_there_is_not_is_sought_where_the_settings_say(team):
+def test_a_mission_that_there_is_not_is_sought_where_the_settings_say(team, approved):
     done = mrsfi("validate", "nowhere", cwd=team, expected=2)
 
-    assert f"the name of one in src/missions/: {MISSION}" in done.stderr
+    approved(done.stderr)
 
 
 def _own_metamodels(place):

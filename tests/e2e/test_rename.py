@@ -39,12 +39,13 @@ def _text(path):
     return path.read_text(encoding="utf-8")
 
 
-def _refused(place, *names, told, expected=2):
+def _refused(place, *names, expected=2):
     before = contents(place)
 
-    assert told in mrsfi("rename", MISSION, *names, cwd=place, expected=expected).stderr
+    done = mrsfi("rename", MISSION, *names, cwd=place, expected=expected)
 
     assert contents(place) == before
+    return done.stderr
 
 
 def test_regions_follow_with_their_markers_and_names_but_not_with_text(place):
@@ -110,52 +111,45 @@ def test_what_is_not_as_eclipse_writes_it_is_told(place):
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("r11=x", "found 'r11', an ID that nothing has; expected one of a15, r1, s1,"),
-        ("r1=r2", "so have the name of what was"),
-        ("r1=R2", "expected an ID that no other element has"),
-        ("r1=1st", "r1=1st: has ID '1st'; expected a letter"),
-        ("r1=class", "a name that Python or generated code uses itself"),
-        ("f1=f2", "f2 would be f2 and so have the name of what was f1"),
-        ("r1", "found 'r1'; expected OLD=NEW"),
-        ("r1=", "found 'r1='; expected OLD=NEW"),
-    ],
+    "name", ["r11=x", "r1=r2", "r1=R2", "r1=1st", "r1=class", "f1=f2", "r1", "r1="]
 )
-def test_ids_that_cannot_be_are_refused(name, told, place):
-    _refused(place, name, told=told)
+def test_ids_that_cannot_be_are_refused(name, place, approved):
+    approved(_refused(place, name))
 
 
-def test_a_name_that_a_region_uses_is_refused_with_its_line(place):
+def test_a_name_that_a_region_uses_is_refused_with_its_line(place, approved):
     line = write_body(place / COLLECTIVE, "g1.check", BODY.replace("r1", "LEADER"))
 
-    _refused(
-        place, "r1=leader", told=f"{COLLECTIVE}:{line}: found the name LEADER in region g1.check"
-    )
+    told = _refused(place, "r1=leader")
+
+    assert f"{COLLECTIVE}:{line}: " in told
+    approved(told)
 
 
-def test_stale_code_and_regions_that_are_not_python_are_refused(place):
-    body = write_body(place / COLLECTIVE, "g1.check", "    return (\n")
-    _refused(place, "r1=leader", told=f"{COLLECTIVE}:{body}: is not Python", expected=4)
+def test_stale_code_and_regions_that_are_not_python_are_refused(place, approved):
+    write_body(place / COLLECTIVE, "g1.check", "    return (\n")
+    approved(_refused(place, "r1=leader", expected=4))
 
     edit(place / MODELS / "mission.xmi", 'name="LEN"', 'name="LENA"')
-    _refused(place, "r1=leader", told="stale, because the models", expected=4)
+    _refused(place, "r1=leader", expected=4)
 
 
 @pytest.mark.parametrize(
-    ("name", "old", "new", "told"),
+    ("name", "old", "new"),
     [
-        ("case_b.toml", "goals = [", "goals = [[", "cannot be read: "),
-        ("case_b.toml", "[search]\n", "", "cannot be edited"),
-        ("regressions/case_a_1.toml", "g3 = ", "  g3 = ", "cannot be edited"),
+        ("case_b.toml", "goals = [", "goals = [["),
+        ("case_b.toml", "[search]\n", ""),
+        ("regressions/case_a_1.toml", "g3 = ", "  g3 = "),
     ],
 )
-def test_a_file_that_cannot_be_edited_is_named_and_nothing_is_written(name, old, new, told, place):
+def test_a_file_that_cannot_be_edited_is_named_and_nothing_is_written(
+    name, old, new, place, approved
+):
     edit(place / MODELS / name, old, new)
     if not new:
         edit(place / MODELS / name, "goals = ", "search.goals = ")
 
-    _refused(place, "g3=power", "g1=first", told=told)
+    approved(_refused(place, "g3=power", "g1=first"))
 
 
 def test_where_the_disk_is_full_all_stay_as_they_were(place):

@@ -122,27 +122,27 @@ def test_the_command_of_a_finished_campaign_repeated_with_resume_only_writes_the
 
 
 @pytest.mark.parametrize(
-    ("options", "named"),
+    "options",
     [
-        (("--seed", "8"), "--seed: found 8; "),
-        (("--case", "b"), "--case: found b; "),
-        (("--population", "9"), "--population: found 9; "),
-        (("--evaluations", "9"), "--evaluations: found 9; "),
-        (("--algorithm", "drift"), "--algorithm: found drift; "),
-        (("--mission-seed", "2"), "--mission-seed: found 2; "),
-        (("uuv_sampling",), "MISSION: found uuv_sampling; "),
-        (("--out", "elsewhere"), "--out elsewhere: makes no sense with --resume"),
-        (("--generated", "here"), "--generated here: makes no sense with --resume"),
+        ("--seed", "8"),
+        ("--case", "b"),
+        ("--population", "9"),
+        ("--evaluations", "9"),
+        ("--algorithm", "drift"),
+        ("--mission-seed", "2"),
+        ("uuv_sampling",),
+        ("--out", "elsewhere"),
+        ("--generated", "here"),
     ],
 )
 def test_an_option_that_contradicts_the_campaign_ends_with_2_and_is_named(
-    campaign, tmp_path, options, named
+    campaign, tmp_path, options, approved
 ):
     before = contents(campaign)
 
     error = mrsfi("evolve", "--resume", campaign, *options, cwd=tmp_path, expected=2).stderr
 
-    assert named in error
+    approved(error)
     assert contents(campaign) == before
 
 

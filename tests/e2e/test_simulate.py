@@ -47,29 +47,23 @@ def test_a_window_that_ends_beyond_the_mission_and_faults_of_no_pool_are_told(pl
 
 @pytest.mark.parametrize("command", ["simulate", "explain"])
 @pytest.mark.parametrize(
-    ("windows", "told"),
-    [
-        (
-            [(100, 200), (150, 300)],
-            "3, 8: faults 'h1' (100 … 200) and 'h2' (150 … 300) overlap and both touch r1 motion",
-        ),
-        ([None], "3: fault 'h1' of 'byhand' has no start and finish"),
-    ],
+    "windows",
+    [[(100, 200), (150, 300)], [None]],
     ids=["overlap", "no window"],
 )
-def test_a_specification_that_cannot_be_flown_ends_with_5(windows, told, command, place):
+def test_a_specification_that_cannot_be_flown_ends_with_5(windows, command, place, approved):
     path = stop_specification(place / "models" / MISSION / "bad.xmi", windows)
 
     error = mrsfi(command, MISSION, "--faults", path, cwd=place, expected=5).stderr
 
-    assert f"{path}:{told}" in error
+    approved(error)
 
 
 COPY = """<faults ID="f7.{n}" name="f7" start="{start}" finish="50"><decrementSpeed VAL="1">
 <affectedMessage href="mission.xmi#m1"/></decrementSpeed></faults>"""
 
 
-def test_overlapping_copies_of_one_fault_end_with_5_even_if_they_touch_nothing(place):
+def test_overlapping_copies_of_one_fault_end_with_5_even_if_they_touch_nothing(place, approved):
     path = place / "models" / MISSION / "twice.xmi"
     copies = "".join(COPY.format(n=n, start=start) for n, start in ((1, 29), (2, 30)))
     path.write_text(
@@ -79,7 +73,7 @@ def test_overlapping_copies_of_one_fault_end_with_5_even_if_they_touch_nothing(p
 
     error = mrsfi("simulate", MISSION, "--faults", path, cwd=place, expected=5).stderr
 
-    assert f"{path}:1, 2: faults 'f7.1' (29 … 50) and 'f7.2' (30 … 50) overlap" in error
+    approved(error)
 
 
 def test_log_and_trace_have_every_tick(place):

@@ -41,9 +41,9 @@ def test_validate_warns_of_a_region_that_compiles_to_something_else(place):
     }
 
 
-def test_validate_warns_of_a_region_that_reads_what_cannot_be_listed(place):
+def test_validate_warns_of_a_region_that_reads_what_cannot_be_listed(place, approved):
     (place / "team.py").write_text("def __getattr__(name):\n    return {'LIMIT': 9.0}[name]\n")
-    code, line = _edited(place, "return ci.robots[R1].speed > team.LIMIT")
+    code, _ = _edited(place, "return ci.robots[R1].speed > team.LIMIT")
     edit(
         code,
         "# protected region imports on begin\n",
@@ -52,13 +52,7 @@ def test_validate_warns_of_a_region_that_reads_what_cannot_be_listed(place):
 
     warned, counted = mrsfi_process("validate", MISSION, cwd=place).stdout.splitlines()
 
-    path = f"generated/{MISSION}/collective_intelligence.py"
-    assert warned == (
-        f"{path}:{line - 6}: warning: check_g1 cannot be compiled: it reads a module that "
-        "computes its attributes (__getattr__) by the name 'team', whose change would not be seen; "
-        "expected numbers, texts, tuples, arrays, enums, or functions marked @kernel "
-        "[RegionCompiles]"
-    )
+    approved(warned)
     assert counted.endswith("1 warning")
 
 
@@ -123,14 +117,11 @@ def test_regions_are_read_although_an_error_of_the_models_decides(place, body, f
     assert f"[Region{found}]" in text
 
 
-def test_a_file_that_cannot_be_imported_is_named_with_its_line(place):
+def test_a_file_that_cannot_be_imported_is_named_with_its_line(place, approved):
     code = place / "generated" / MISSION / "collective_intelligence.py"
     begin = "# protected region imports on begin\n"
     edit(code, begin, f"{begin}from nowhere import near\n")
 
     text = mrsfi("validate", MISSION, cwd=place, expected=6).stdout
 
-    line = code.read_text(encoding="utf-8").splitlines().index("from nowhere import near") + 1
-    assert (
-        f"collective_intelligence.py:{line}: error: cannot be imported: ModuleNotFoundError" in text
-    )
+    approved(text)

@@ -60,11 +60,11 @@ def test_every_witness_breaks_its_goal_and_no_part_of_it_does(place, told, monke
         assert 0.0 < one["share"] <= 1.0
 
 
-def test_bounds_of_what_was_not_found_are_told_for_every_goal_and_measure(place, told):
+def test_bounds_of_what_was_not_found_are_told_for_every_goal_and_measure(place, told, approved):
     bounds = mrsfi_json("weaknesses", "runs/cover", "--bounds", cwd=place)
     refused = mrsfi("weaknesses", "runs/cover", "--bounds", cwd=place, expected=2)
 
-    assert "--bounds needs --json" in refused.stderr
+    approved(refused.stderr)
     assert len(bounds) == 7 * 3
     assert {(one["goal"], one["measure"]) for one in told} <= {
         (one["goal"], one["measure"]) for one in bounds
@@ -184,27 +184,27 @@ def test_a_fault_tree_is_of_what_truly_happens(place, told, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("option", "expected"),
-    [("--fmea", ".csv or .md"), ("--fault-tree", ".xml or .txt or .pft")],
+    "option",
+    ["--fmea", "--fault-tree"],
 )
 @pytest.mark.parametrize("name", ["x.xlsx", "x"])
 def test_a_file_of_another_kind_is_refused_with_those_that_there_are(
-    place, tmp_path, option, expected, name
+    place, tmp_path, option, name, approved
 ):
     refused = mrsfi("weaknesses", "runs/cover", option, tmp_path / name, cwd=place, expected=2)
 
     assert f"{name}: found" in refused.stderr
-    assert f"expected a name that ends in {expected}" in refused.stderr
+    approved(refused.stderr)
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_file_that_two_options_name_is_of_the_kind_of_both(place, tmp_path):
+def test_a_file_that_two_options_name_is_of_the_kind_of_both(place, tmp_path, approved):
     path = tmp_path / "x.xml"
     both = ("--fmea", path, "--fault-tree", path)
 
     refused = mrsfi("weaknesses", "runs/cover", *both, cwd=place, expected=2)
 
-    assert "expected a name that ends in .csv or .md" in refused.stderr
+    approved(refused.stderr)
     assert not path.exists()
 
 

@@ -188,10 +188,10 @@ def test_split_mission_keeps_its_files(copied):
     assert save(typed) == (copied / "b1.xmi",)
 
 
-def test_models_of_other_packages_are_refused():
+def test_models_of_other_packages_are_refused(refused):
     models = load_mission_folder(MODELS)
 
-    with pytest.raises(ModelError, match=r"FaultSpecification of .* is no static class"):
+    with refused(ModelError):
         with_classes(models, mission)
 
 
@@ -203,31 +203,31 @@ def test_whole_numbers_are_accepted_for_doubles():
     assert repr(robot.speed) == "6.0"
 
 
-def test_misspelt_features_are_refused():
+def test_misspelt_features_are_refused(refused):
     robot = mission.Robot()
 
-    with pytest.raises(AttributeError, match=r"Robot has no feature 'spede'; .* mean 'speed'"):
+    with refused(AttributeError):
         robot.spede = 6.0
-    with pytest.raises(TypeError, match="Robot has no feature 'eClass'; expected one of ID, batt"):
+    with refused(TypeError):
         mission.Robot(eClass=None)
 
 
 @pytest.mark.parametrize(
-    ("made", "message"),
+    "made",
     [
-        (lambda: mission.Sensor(type="TEMP"), "Sensor.type: found 'TEMP'; expected one of GPS_PO"),
-        (lambda: mission.Sensor(type="DEPHT"), "PRESSURE; did you mean 'DEPTH'"),
-        (lambda: mission.Robot(speed="5"), "Robot.speed: found '5'; expected a number"),
-        (lambda: mission.Robot(ID=5), "Robot.ID: found 5; expected text"),
-        (lambda: mission.Mission(duration=True), "duration: found True; expected a whole number"),
-        (lambda: mission.Mission(duration=1.5), "duration: found 1.5; expected a whole number"),
-        (lambda: mission.Mission(robots=mission.Robot(ID="r")), "Mission.robots: found Robot r; "),
-        (lambda: mission.Mission().robots.append("r1"), "found 'r1'; expected elements of class R"),
-        (lambda: faults.StopRobot(affectedRobot=mission.Goal()), "affectedRobot: found Goal; exp"),
+        lambda: mission.Sensor(type="TEMP"),
+        lambda: mission.Sensor(type="DEPHT"),
+        lambda: mission.Robot(speed="5"),
+        lambda: mission.Robot(ID=5),
+        lambda: mission.Mission(duration=True),
+        lambda: mission.Mission(duration=1.5),
+        lambda: mission.Mission(robots=mission.Robot(ID="r")),
+        lambda: mission.Mission().robots.append("r1"),
+        lambda: faults.StopRobot(affectedRobot=mission.Goal()),
     ],
 )
-def test_values_of_another_kind_are_refused(made, message):
-    with pytest.raises(TypeError, match=message):
+def test_values_of_another_kind_are_refused(made, refused):
+    with refused(TypeError):
         made()
 
 
@@ -235,8 +235,8 @@ def test_a_literal_may_be_given_by_its_name():
     assert mission.Sensor(type="DEPTH").type is mission.SensorType.DEPTH
 
 
-def test_abstract_classes_have_no_objects():
-    with pytest.raises(TypeError, match="abstract"):
+def test_abstract_classes_have_no_objects(refused):
+    with refused(TypeError):
         mission.GoalTask()
 
 
@@ -344,18 +344,17 @@ def test_hostile_documentation_stays_text(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("packages", "expected"),
+    "packages",
     [
-        ((package("p", metaclass("lambda")),), "'lambda' is a name that Python"),
-        ((package("p", metaclass("Element")),), "'Element' is a name that Python"),
-        ((package("p", metaclass("A", EAttribute("ecore", EString))),), "a feature of 'A'"),
+        (package("p", metaclass("lambda")),),
+        (package("p", metaclass("Element")),),
+        (package("p", metaclass("A", EAttribute("ecore", EString))),),
     ],
-    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_names_that_classes_use_themselves_are_refused_and_pyecore_stays(packages, expected):
+def test_names_that_classes_use_themselves_are_refused_and_pyecore_stays(packages, refused):
     before = ENamedElement.__getattribute__
 
-    with pytest.raises(ModelError, match=expected):
+    with refused(ModelError):
         class_files(packages)
 
     assert ENamedElement.__getattribute__ is before

@@ -58,15 +58,11 @@ def test_addresses_that_eclipse_writes_mean_the_same_metamodels(file, old, new, 
         (MISSION_FILE, f"{ECORE}EDouble", "platform:/plugin/org.eclipse.emf.ecore/model/XML.ecore"),
     ],
 )
-def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, folder):
+def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, folder, refused):
     edit(folder / file, old, f"{uri}#//{old.rpartition('/')[2]}")
 
-    with pytest.raises(ModelError) as caught:
+    with refused(ModelError):
         read_metamodels(folder)
-
-    (line,) = str(caught.value).splitlines()
-    known = KNOWN[: 4 if file == MISSION_FILE else 6]
-    assert f": found the URI '{uri}'; expected one of {', '.join(known)}; correct" in line
 
 
 def test_a_name_that_no_metamodel_has_is_told_from_an_address(folder, refused):

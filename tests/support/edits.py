@@ -45,9 +45,6 @@ def _numbers(last: float) -> str:
     return f"import numpy as np\nTABLE = np.arange(5000) * 0.1\nTABLE[2500] = {last}\n"
 
 
-_COMPUTED = "it reads a module that computes its attributes (__getattr__) by the name"
-_REPLACED = "it reads what edit_names.compiled replaces when compiled by the name"
-
 EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     "alias of an import": _edit(
         "policy(x)",
@@ -279,26 +276,24 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         "value = 2.0",
     ),
 }
-REFUSED = {
-    "a partial function": "it reads an object of functools.partial by the name 'by'",
-    "an object": "it reads an object of edit_names.Limit by the name 'LIMIT'",
-    "an attribute that a module computes": f"{_COMPUTED} 'edit_other'",
-    "an attribute that the class of a module computes": f"{_COMPUTED} 'edit_other'",
-    "an attribute that a module of a module computes": f"{_COMPUTED} 'names'",
-    "an overload of a function": f"{_REPLACED} 'near'",
-    "an overload of a function behind another name": f"{_REPLACED} 'by'",
-    "an overload of a marked function": f"{_REPLACED} 'near'",
-    "an overload of a library's function": f"{_REPLACED} 'floor'",
-    "an overload of a function of numpy": f"{_REPLACED} 'numpy'",
-    "a function that numba is to compile": (
-        "it reads what edit_names.near replaces when compiled by the name 'near'"
-    ),
-    "an intrinsic": "it reads what edit_names.near replaces when compiled by the name 'near'",
-    "an overload of a method": "edit_names.compiled replaces 'conjugate'",
-    "an overload of an attribute": "edit_names.compiled replaces 'real'",
-    "an overload of an operator": "edit_names.compiled replaces 'operators'",
-}
-"""Kinds of which no text tells the value, and what is said of it."""
+REFUSED = (
+    "a partial function",
+    "an object",
+    "an attribute that a module computes",
+    "an attribute that the class of a module computes",
+    "an attribute that a module of a module computes",
+    "an overload of a function",
+    "an overload of a function behind another name",
+    "an overload of a marked function",
+    "an overload of a library's function",
+    "an overload of a function of numpy",
+    "a function that numba is to compile",
+    "an intrinsic",
+    "an overload of a method",
+    "an overload of an attribute",
+    "an overload of an operator",
+)
+"""Kinds of which no text tells the value."""
 
 NUMBA_REFUSES = ("default of a keyword", "a tuple of functions", "an attribute of a function")
 

@@ -34,93 +34,38 @@ def types_figure() -> Figure:
     )
 
 
-FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
-    "map": (
-        lambda: mission_plots.mission_map(paper_mission()),
-        {
-            "Mission uuv_sampling: working area",
-            "Whole mission area",
-            "LEN",
-            "JEN",
-            "KAL",
-            "o1",
-            "o8",
-            "g4 GatherSamples",
-            "start of LEN (r1)",
-            "obstacle",
-            "mission area, radius 2000",
-            "x (distance units)",
-            "y (distance units)",
-        },
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "map": lambda: mission_plots.mission_map(paper_mission()),
+    "mean": lambda: plots.mean_fitness(TREND, "fitness (ticks)"),
+    "best": lambda: plots.best_fitness(TREND, "fitness (ticks)"),
+    "by_generation": lambda: plots.generation_fronts(
+        {0: FRONT, 7: Front(FRONT.goals, FRONT.points[:1])}
     ),
-    "mean": (
-        lambda: plots.mean_fitness(TREND, "fitness (ticks)"),
-        {
-            "Mean fitness of each generation",
-            "generation",
-            "fitness (ticks)",
-            "mean",
-            "± 1 std",
-            "trend: +10 per generation",
-        },
-    ),
-    "best": (
-        lambda: plots.best_fitness(TREND, "fitness (ticks)"),
-        {"Best fitness of each generation", "best so far", "best of the generation"},
-    ),
-    "by_generation": (
-        lambda: plots.generation_fronts({0: FRONT, 7: Front(FRONT.goals, FRONT.points[:1])}),
-        {
-            "Pareto points of some generations",
-            "g1: violations (ticks)",
-            "g3: violations (ticks)",
-            "generation 0 (5 points)",
-            "generation 7 (1 point)",
-        },
-    ),
-    "front": (
-        lambda: plots.whole_front(FRONT, CLOUD, PICK),
-        {
-            "Non-dominated specifications of the campaign",
-            "evaluated",
-            "non-dominated (5)",
-            "g3:g1=2:1",
-            "nearest to it: evaluation 4, which is 1.85:1",
-        },
-    ),
-    "types": (
-        types_figure,
-        {
-            "Fault types in the 3 most critical specifications",
-            "occurrences (timed faults)",
-            "IncrementRemainingEnergyCapacityReport",
-            "expected from share in pool",
-            "expected from share in campaign",
-        },
-    ),
+    "front": lambda: plots.whole_front(FRONT, CLOUD, PICK),
+    "types": types_figure,
 }
 
 
 @pytest.fixture(scope="module", params=FIGURES)
 def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> "Drawn":
     """Name, figure and files of each kind of figure."""
-    figure = FIGURES[request.param][0]()
+    figure = FIGURES[request.param]()
     return request.param, figure, save(figure, tmp_path_factory.mktemp("drawn") / "figure")
 
 
 Drawn = tuple[str, Figure, tuple[Path, Path]]
 
 
-def test_a_figure_says_what_it_shows(drawn):
-    name, _, (_, svg) = drawn
+def test_a_figure_says_what_it_shows(drawn, approved):
+    _, _, (_, svg) = drawn
 
-    assert FIGURES[name][1] - set(texts(svg)) == set()
+    approved([text for text in texts(svg) if re.search("[a-z]{2}", text)])
 
 
 def test_the_same_input_gives_the_same_bytes_without_dates(drawn, tmp_path):
     name, _, first = drawn
 
-    second = save(FIGURES[name][0](), tmp_path / "second")
+    second = save(FIGURES[name](), tmp_path / "second")
 
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
     assert not re.search(rb"dc:date|Matplotlib v", first[1].read_bytes())

@@ -1,3 +1,4 @@
+import re
 from dataclasses import asdict
 
 import pytest
@@ -34,25 +35,13 @@ def compared(volume: float | None = 0.2) -> Comparison:
     )
 
 
-WORDS = {
-    "results": {"Best fitness", "Hypervolume", "median", "quartiles", "guided", "random"},
-    "course": {"Best fitness so far: median and quartiles of the runs", "evaluations", "paper"},
-    "goals": {
-        "Evaluations to break several goals by one specification",
-        "evaluations (top: never)",
-        "guided",
-        "100",
-    },
-}
-
-
-@pytest.mark.parametrize("name", WORDS)
-def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
+@pytest.mark.parametrize("name", ["results", "course", "goals"])
+def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path, approved):
     figure = dict(study_plots.illustrate(compared()))[name]
 
     _, svg = save(figure, tmp_path / name)
 
-    assert WORDS[name] <= {*texts(svg)}
+    approved([text for text in texts(svg) if re.search("[a-z]{2}", text)])
     require_inside(figure)
 
 
