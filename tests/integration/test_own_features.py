@@ -165,59 +165,36 @@ def test_an_enumeration_becomes_the_name_of_its_literal(models, own_metamodels):
 
 
 REFUSED = {
-    "one name": (
-        lambda own: own.extend("Robot", attribute("gps")),
-        ("", ""),
-        (
-            "mission.xmi:4: robots 'a' holds a value that code would know as A_GPS, which is "
-            "another's name already; rename the feature or the other element"
-        ),
-    ),
+    "one name": (lambda own: own.extend("Robot", attribute("gps")), ("", "")),
     "no index": (
         lambda own: own.extend("Robot", reference("spare", "Battery")),
         ('<robots ID="a"', '<robots ID="a" spare="a_battery"'),
-        (
-            "mission.xmi:4: robots 'a' refers to batteries 'a_battery' as spare, which has no "
-            "index in code; expected a robot, a sensor, an obstacle, a goal, a server or a part "
-            "that the mission lists"
-        ),
     ),
     "different classes": (
         lambda own: own.add(a_class("Note", "#//Mark")),
         ('<marks depth="2.0"/>', '<marks xsi:type="mission:Note"/>'),
-        (
-            "mission.xmi:25: marks of task of goals 'near' is of class Note, beside others of "
-            "Mark; no constants can hold both; expected parts of one class"
-        ),
     ),
     "one of many": (
         lambda own: own.extend("Mark", part("place", "Coordinates")),
         ('<marks depth="2.0"/>', '<marks depth="2.0"><place/></marks>'),
-        (
-            "mission.xmi:24: marks of task of goals 'near' has no place; code knows those of all "
-            "its neighbours as one constant, in which every one needs a value; add it"
-        ),
     ),
 }
 
 
 @pytest.mark.parametrize("why", REFUSED)
-def test_what_code_cannot_know_is_refused(models, own_metamodels, why):
-    add, (found, replaced), told = REFUSED[why]
+def test_what_code_cannot_know_is_refused(models, own_metamodels, why, refused):
+    add, (found, replaced) = REFUSED[why]
     add(own_metamodels)
     edit(mission(models), found, replaced)
 
-    with pytest.raises(ModelError) as caught:
+    with refused(ModelError):
         constants(models)
 
-    assert str(caught.value) == f"{models}/{told}"
 
-
-def test_a_class_that_extends_two_that_code_reads_is_refused(models, own_metamodels):
+def test_a_class_that_extends_two_that_code_reads_is_refused(models, own_metamodels, refused):
     own_metamodels.add(a_class("Both", "#//Loiter #//Patrol #//SufficientEnergy"))
 
-    known = "'Both' inherits from Patrol and SufficientEnergy, and mrsfi can know it as one of them"
-    with pytest.raises(ModelError, match=known):
+    with refused(ModelError):
         constants(models)
 
 

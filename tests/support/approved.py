@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from difflib import unified_diff
+from itertools import count, groupby
 from pathlib import Path
 from tempfile import gettempdir
 
@@ -38,7 +39,9 @@ def approved(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     path = request.path.relative_to(ROOT / "tests").with_suffix(".txt")
     new = request.config.stash[_NEW].setdefault(str(path), {})
     old = _read(ROOT / "tests" / "approved" / path)
-    names = iter([request.node.name, *(f"{request.node.name} {k}" for k in range(2, 1_000))])
+    test, bracket, values = request.node.name.partition("[")
+    case = f" [{values}" if bracket else ""
+    names = (f"{test}{case}{f' {k}' if k > 1 or not case else ''}" for k in count(1))
 
     def compare(text: object) -> None:
         name = next(names)
@@ -86,29 +89,30 @@ def pytest_unconfigure(config: pytest.Config) -> None:
         file = ROOT / "tests" / "approved" / path
         tests = (ROOT / "tests" / path).with_suffix(".py").read_text(encoding="utf-8")
         asking = {*re.findall(r"^def (\w+)\([^)]*\b(?:approved|refused)\b", tests, flags=re.M)}
-        asking -= {_test(name) for name in new}
-        kept = {name: text for name, text in _read(file).items() if _test(name) in asking}
+        asking -= {name.split()[0] for name in new}
+        kept = {name: text for name, text in _read(file).items() if name.split()[0] in asking}
         file.parent.mkdir(parents=True, exist_ok=True)
-        entries = (
-            f"{name}\n" + "".join(f"    {line}".rstrip() + "\n" for line in text.splitlines())
-            for name, text in sorted((kept | new).items(), key=_place)
-        )
-        file.write_text("".join(entries), encoding="utf-8")
+        file.write_text(_written(kept | new), encoding="utf-8")
 
 
-def _test(name: str) -> str:
-    return re.split(r"[\[ ]", name, maxsplit=1)[0]
-
-
-def _place(entry: tuple[str, str]) -> list[object]:
-    """Return what entries are sorted by: the numbers in names are numbers."""
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", entry[0])]
+def _written(texts: dict[str, str]) -> str:
+    """Return texts as in a file: a line for each test, and indented its cases and their texts."""
+    order = sorted(texts, key=lambda name: re.sub(r"\d+", lambda n: n[0].zfill(9), name))
+    lines = []
+    for test, names in groupby(order, key=lambda name: name.split()[0]):
+        lines.append(test)
+        for name in names:
+            case, text = name.removeprefix(f"{test} "), texts[name].replace("\n", "\n        ")
+            lines += [line.rstrip() for line in f"    {case}: {text}".split("\n")]
+    return "\n".join([*lines, ""])
 
 
 def _read(file: Path) -> dict[str, str]:
-    """Return the texts of a file by their names: a line that is not indented is a name."""
-    if not file.exists():
-        return {}
-    parts = re.split(r"^(?=\S)", file.read_text(encoding="utf-8"), flags=re.M)[1:]
-    found = (part.partition("\n") for part in parts)
-    return {name: re.sub("^    ", "", text, flags=re.M)[:-1] for name, _, text in found}
+    """Return the texts of a file by their names."""
+    texts = {}
+    written = file.read_text(encoding="utf-8") if file.exists() else ""
+    for test, entries in re.findall(r"^(\w+)\n((?:(?: .*)?\n)*)", written, flags=re.M):
+        for entry in re.split(r"^    (?=\S)", entries, flags=re.M)[1:]:
+            case, text = re.findall(r"^(\d+|\[.*?\](?: \d+)?): ?(.*)", entry[:-1], flags=re.S)[0]
+            texts[f"{test} {case}"] = re.sub("^        ", "", text, flags=re.M)
+    return texts

@@ -68,14 +68,11 @@ def test_a_falsified_position_is_believed_at_once_and_moves_robots_a_tick_later(
     assert believed.otherwise != believed.found
 
 
-def test_a_fault_that_touches_nothing_in_its_window_makes_no_difference():
-    code, fault, timed, chain = alone("StopRobot", 300, 310)
+def test_a_fault_that_touches_nothing_in_its_window_makes_no_difference(approved):
+    code, _, timed, chain = alone("StopRobot", 300, 310)
 
     assert (chain.belief, chain.command, chain.truth, chain.verdicts) == (None, None, None, ())
-    assert sentence(named(code, timed, "x.1"), chain) == (
-        f"x.1 (StopRobot) forged {fault.target} motion from tick 300 to 310: "
-        "nothing differs at any tick."
-    )
+    approved(sentence(named(code, timed, "x.1"), chain))
 
 
 def test_a_chain_begins_where_the_rest_of_the_specification_leaves_off():

@@ -103,12 +103,12 @@ def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
         assert each.since == judged[:, place].tolist().index(True)
 
 
-def test_what_a_record_says_of_a_goal_that_there_is_not_is_refused(store, space, engine):
+def test_what_a_record_says_of_a_goal_that_there_is_not_is_refused(store, space, engine, refused):
     harvest(space, store, engine.evaluate_many, engine.record)
     text = store.kept("weaknesses", str)
     store.keep("weaknesses", text.replace('"goal":"', '"goal":"no'))
 
-    with pytest.raises(RecordError, match="expected a goal of the mission"):
+    with refused(RecordError):
         known_by(space, store)
 
 
@@ -186,6 +186,6 @@ def test_there_are_no_more_flights_than_those_of_the_search(
     assert {each.n_seeds for each in found.weaknesses} <= {*range(n_seeds, N_SEEDS + 1)}
 
 
-def test_a_mission_that_fails_without_faults_has_no_yardstick(store, space, engine):
-    with pytest.raises(EvaluationError, match="without faults, in mission seed 1: late"):
+def test_a_mission_that_fails_without_faults_has_no_yardstick(store, space, engine, refused):
+    with refused(EvaluationError):
         harvest(space, store, lambda some, _: [FailedFlight("late")] * len(some), engine.record)

@@ -36,33 +36,14 @@ def said(fault, off=None):
 
 
 @pytest.mark.parametrize(
-    "fault",
-    [
-        "f1",
-        "f2",
-        "f3",
-        "f4",
-        "f5",
-        "f8",
-        "f9",
-        "f10",
-        "f12",
-        "f15",
-        "f18",
-        "f20",
-        "f25",
-        "f26",
-        "f30",
-    ],
+    "fault", [f"f{number}" for number in (1, 2, 3, 4, 5, 8, 9, 10, 12, 15, 18, 20, 25, 26, 30)]
 )
 def test_what_a_fault_does_is_said_in_names(fault, approved):
     approved(said(fault))
 
 
 def test_how_far_a_fixed_value_is_off_stands_in_the_place_of_the_value(approved):
-    approved(said("f11"))
-    approved(said("f11", "51 off"))
-    approved(said("f11", ""))
+    approved([said("f11"), said("f11", "51 off"), said("f11", "")])
 
 
 def test_what_a_fault_does_is_said_in_the_units_of_the_model(approved):
