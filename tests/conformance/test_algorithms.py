@@ -1,7 +1,6 @@
-"""Every algorithm on a mission that really flies: exact budget, legal, repeatable, resumable."""
+"""Every algorithm on a mission that really flies: exact budget, legal specifications."""
 
 from itertools import product
-from pathlib import Path
 
 import pytest
 
@@ -11,23 +10,23 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
-from tests.support.cli import workspace
-from tests.support.interrupted import MISSION, SEARCH, begin, digest, evaluations, killed_after
-from tests.tiers import seeds
+from tests.support.campaigns import store_of
+from tests.support.tree import ROOT
+from tests.tiers import slow
 
 N_EVALUATIONS = 40
 
 
-@pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with models and generated code of the small mission."""
-    return workspace(tmp_path_factory.mktemp("place"), MISSION)
-
-
-def begin_search(place: Path, name: str, algorithm: str, minimise: str | None) -> Path:
+@slow
+@pytest.mark.parametrize(
+    ("algorithm", "minimise"), [*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)]
+)
+def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(
+    algorithm, minimise
+):
+    code = load_code(ROOT / "generated" / "tight_margins")
     settings = CampaignSettings(
         algorithm=algorithm,
         population=8,
@@ -36,65 +35,16 @@ def begin_search(place: Path, name: str, algorithm: str, minimise: str | None) -
         minimise=minimise,
         seed=3,
     )
-    return begin(place / f"{name}-{algorithm}-{minimise}", place / "models" / MISSION, settings)
-
-
-def search(campaign: Path) -> int:
-    """Search a campaign to its end, and return how many specifications were evaluated."""
-    code = load_code(campaign / "generated")
-    with CampaignStore.open(campaign) as store:
-        n_before = store.n_evaluations
-        settings = store.settings
-        engine = ReferenceEngine(code, settings.mission_seed)
-        run_campaign(
-            settings,
-            code.mission,
-            code.pool,
-            lambda specifications: map(engine.evaluate, specifications),
-            store,
-            algorithms=ALGORITHMS,
-        )
-        return store.n_evaluations - n_before
-
-
-@pytest.fixture(
-    scope="module",
-    params=seeds([*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)], 0, 7),
-    ids=lambda search: "-".join(filter(None, search)),
-)
-def whole(place: Path, request: pytest.FixtureRequest) -> Path:
-    """Folder of a campaign of one algorithm that was never interrupted."""
-    path = begin_search(place, "whole", *request.param)
-    search(path)
-    return path
-
-
-def search_of(campaign: Path) -> tuple[str, str | None]:
-    with CampaignStore.open(campaign) as store:
-        return store.settings.algorithm, store.settings.minimise
-
-
-def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(whole):
-    code = load_code(whole / "generated")
+    engine, store = ReferenceEngine(code, settings.mission_seed), store_of(settings=settings)
     space = SearchSpace.of(code.mission, code.pool)
 
-    flown = [evaluation.specification for evaluation in evaluations(whole)]
+    evaluate = engine.evaluate_many
+    run_campaign(settings, code.mission, code.pool, evaluate, store, algorithms=ALGORITHMS)
 
+    flown = [evaluation.specification for evaluation in store.evaluations()]
     assert len(flown) == N_EVALUATIONS
     for specification in flown:
         Gate(code.mission, code.pool).admitted(specification)
         assert space.require(specification, "record") == specification
         assert len(specification) <= 6
     assert all(flown[1:])  # only who covers flies without faults, once, before all others
-
-
-def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
-    path = begin_search(place, "killed", *search_of(whole))
-
-    is_killed = killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
-    n_kept = len(evaluations(path))
-    n_after = search(path)
-
-    assert is_killed
-    assert n_kept + n_after == N_EVALUATIONS
-    assert digest(path) == digest(whole)

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from tests.support.cli import disturbed, interrupted, mrsfi, mrsfi_json, workspace
+from tests.support.cli import disturbed, mrsfi, mrsfi_json, workspace
 from tests.support.cluster import require_dask, scheduler
 from tests.support.interrupted import MISSION, evaluations
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
 EVOLVE_SOME = (*EVOLVE, "--generations", "6")
@@ -64,44 +64,6 @@ def test_a_worker_killed_in_mid_campaign_changes_nothing(place, tmp_path, whole)
 
 
 @slow
-def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(place, tmp_path, whole):
-    out = place / "runs" / "lost"
-
-    with scheduler(tmp_path, 1) as cluster:
-        done = disturbed(
-            *EVOLVE_SOME,
-            *("--dask", cluster.address, "--out", out),
-            cwd=place,
-            sign="generation 2/",
-            disturb=lambda _: cluster.process.kill(),
-        )
-    n_before = len(evaluations(out))
-    resumed = mrsfi_json("evolve", "--resume", out, "--workers", "1", cwd=place)
-
-    assert done.returncode == 8, done.stderr
-    assert "the connection to the scheduler is lost" in done.stderr.splitlines()[-1]
-    assert f"go on with: mrsfi evolve --resume {out}" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert 0 < n_before < whole["n_evaluations"]
-    assert resumed["digest"] == whole["digest"]
-
-
-@night
-def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place, whole):
-    out = place / "runs" / "stopped"
-    local = ("--dask", "local", "--workers", "2")
-
-    done = interrupted(*EVOLVE_SOME, *local, "--out", str(out), cwd=place, sign="generation 2/")
-    resumed = mrsfi("evolve", "--resume", out, *local, cwd=place)
-
-    assert done.returncode == 130, done.stderr
-    told = [line for line in done.stderr.splitlines() if not line.startswith("generation ")]
-    assert [line.split()[0] for line in told] == [*("campaign", "beyond", "what", "go", "mrsfi:")]
-    assert "2 workers of local" in resumed.stderr
-    assert f"digest    {whole['digest']}" in resumed.stdout.splitlines()
-
-
-@night
 def test_a_comparison_finds_the_same_on_a_local_cluster(place):
     here, there = (
         mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)

@@ -1,17 +1,13 @@
 """What ``mrsfi evolve`` finds out about weaknesses by itself, held to what other commands say."""
 
 import json
-import os
 import shutil
-import sqlite3
-from contextlib import closing
 from pathlib import Path
-from signal import SIGKILL, SIGTERM
 
 import pytest
 
-from tests.support.cli import disturbed, edit, execute, interrupted, mrsfi, mrsfi_json
-from tests.support.processes import children
+from tests.support.cli import edit, execute, mrsfi, mrsfi_json
+from tests.support.interrupted import is_equal, rows
 from tests.support.rendezvous import (
     N_SEARCHED,
     NAME,
@@ -40,20 +36,6 @@ def summary(run):
 
 def found_in(run):
     return summary(run)["weaknesses"]["found"]
-
-
-def rows(run):
-    """Return the table of flights, as it is stored."""
-    with closing(sqlite3.connect(run / "campaign.sqlite")) as record:
-        return record.execute("SELECT * FROM flight ORDER BY idx").fetchall()
-
-
-def is_equal(run, other):
-    """Return whether two campaigns keep and say the same of weaknesses."""
-    files = ("summary.json", "report.md", "weaknesses/01.xmi", "tables/figure_12_weaknesses.csv")
-    return rows(run) == rows(other) and all(
-        (run / name).read_bytes() == (other / name).read_bytes() for name in files
-    )
 
 
 def test_it_ends_with_what_weaknesses_lists(ended):
@@ -186,55 +168,6 @@ def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
     assert before["weaknesses"] is None
     assert explained.stdout == mrsfi("weaknesses", run, cwd=run.parent).stdout
     assert rows(tmp_path / campaign) == rows(run)
-
-
-@slow
-@pytest.mark.parametrize("sign", ["SIGKILL", "SIGINT"])
-def test_a_run_that_is_ended_while_it_harvests_goes_on_to_the_same(ended, small, sign):
-    run, done = ended
-    out = small / "runs" / "it"
-    words = (*searched(small), *ONE, "--out", "runs/it")
-    if sign == "SIGKILL":
-        cut = disturbed(*words, cwd=small, sign="harvest ", disturb=kill)
-    else:
-        cut = interrupted(*words, cwd=small, sign="harvest ")
-    kept = rows(out)
-
-    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
-    again = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
-
-    assert cut.returncode == (-SIGKILL if sign == "SIGKILL" else 130), cut.stderr
-    assert 1 <= len(kept) < len(rows(run))
-    assert rows(run)[: len(kept)] == kept
-    assert resumed.stdout == again.stdout == done.stdout
-    assert "was finished already" in again.stderr
-    assert is_equal(out, run)
-
-
-def kill(process):
-
-    os.kill(process, SIGKILL)
-
-
-@slow
-def test_a_worker_that_is_lost_ends_it_and_it_goes_on_to_the_same(ended, small):
-    run, done = ended
-    words = (*searched(small), "--workers", "2", "--out", "runs/it")
-
-    cut = disturbed(*words, cwd=small, sign="harvest ", disturb=end_a_worker)
-    kept = rows(small / "runs" / "it")
-    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
-
-    assert cut.returncode == 6, cut.stderr
-    assert "a worker process died; resume the campaign" in cut.stderr
-    assert "go on with: mrsfi evolve --resume runs/it" in cut.stderr
-    assert {*kept} < {*rows(run)}
-    assert resumed.stdout == done.stdout
-
-
-def end_a_worker(process):
-
-    os.kill(children(process, b"spawn_main")[0], SIGTERM)
 
 
 @pytest.mark.parametrize("command", seeds([("report",), ("evolve", "--resume")], 1))

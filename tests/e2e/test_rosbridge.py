@@ -4,9 +4,6 @@ import json
 import os
 import re
 import signal
-import sqlite3
-import time
-from contextlib import closing
 
 import pytest
 
@@ -14,7 +11,6 @@ from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.cli import (
     MISSION,
-    SMALL,
     edit,
     mrsfi_json,
     mrsfi_process,
@@ -22,14 +18,13 @@ from tests.support.cli import (
     workspace,
 )
 from tests.support.interrupted import MISSION as QUICK
-from tests.support.processes import children, is_running
+from tests.support.processes import children, require_end, wait_for
 from tests.support.rosbridge import process
 from tests.tiers import night, seeds, slow
 
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
 REFERENCE = ("--engine", "reference")
-RESUMED = (*REFERENCE, "--workers", "1")
 
 
 @pytest.fixture
@@ -41,13 +36,6 @@ def quick(tmp_path):
 def bus_json(*arguments, cwd):
     """Run ``mrsfi … --json`` in a process: roslibpy has one kind of transport in each."""
     return json.loads(mrsfi_process(*arguments, "--json", cwd=cwd).stdout)
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + 30
-    while not condition():
-        assert time.monotonic() < deadline, "not within 30 s"
-        time.sleep(0.05)
 
 
 def has_lines(path, n):
@@ -153,67 +141,7 @@ def test_a_ci_that_is_killed_leaves_no_process_behind(place):
         orphan = children(flight.pid)[0]
         flight.kill()
         flight.wait()
-        wait_for(lambda: not is_running(orphan))
-
-
-@slow
-def test_a_flight_that_is_interrupted_leaves_no_process_behind(place):
-    with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
-        wait_for(lambda: has_lines(place / "t.csv", 100))
-        simulation = children(flight.pid)[0]
-        os.kill(flight.pid, signal.SIGINT)
-        code, told = ended(flight)
-
-    assert (code, told.splitlines()[-1]) == (130, "mrsfi: interrupted")
-    wait_for(lambda: not is_running(simulation))
-
-
-@slow
-def test_a_campaign_that_loses_its_simulation_goes_on_to_the_same_end(place):
-    whole = mrsfi_json("evolve", MISSION, *SMALL, "--out", "runs/whole", cwd=place)
-    words = ("evolve", MISSION, *SMALL, *ROSBRIDGE, "--out", "runs/cut")
-    with process(*words, cwd=place) as campaign:
-        wait_for(lambda: n_evaluations(place / "runs" / "cut") >= 2)
-        (simulation,) = children(campaign.pid, b"simulation_process")
-        os.kill(simulation, signal.SIGKILL)
-        code, told = ended(campaign)
-    kept = n_evaluations(place / "runs" / "cut")
-
-    resumed = mrsfi_json("evolve", "--resume", "runs/cut", *RESUMED, cwd=place)
-
-    assert code == 8
-    assert "SIGKILL" in told
-    assert 2 <= kept < n_evaluations(place / "runs" / "cut")
-    assert resumed["digest"] == whole["digest"]
-
-
-def n_evaluations(folder):
-    """Return how many evaluations a campaign that may still run has recorded."""
-    path = folder / "campaign.sqlite"
-    if not path.is_file():
-        return 0
-    with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as database:
-        try:
-            return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
-        except sqlite3.OperationalError:  # not made yet
-            return 0
-
-
-@night
-def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
-    few = ("--population", "4", "--workers", "2", "--out", "runs/w")
-    words = ("evolve", MISSION, *ROSBRIDGE, *few)
-    with process(*words, cwd=place) as campaign:
-        wait_for(lambda: len(descendants(campaign.pid)) >= 5)  # 2 workers, 2 simulations, a tracker
-        started = descendants(campaign.pid)
-        campaign.kill()
-        campaign.wait()
-        wait_for(lambda: not any(is_running(pid) for pid in started))
-
-
-def descendants(pid):
-    found = children(pid)
-    return found + [each for child in found for each in descendants(child)]
+        require_end([orphan])
 
 
 def test_a_server_that_is_not_there_ends_with_exit_code_8(place):

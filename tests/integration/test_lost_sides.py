@@ -3,25 +3,12 @@
 import re
 import signal
 import subprocess
-from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.settings import CampaignSettings
 from tests.integration.network import Witness, bridge, wait_for_tick
-from tests.support.cli import ROOT, mrsfi
-from tests.support.interrupted import (
-    MISSION,
-    SEARCH,
-    are_gone,
-    begin,
-    digest,
-    evaluations,
-    finished,
-)
-from tests.support.processes import children
 from tests.support.rosbridge import process
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
 WITHIN = 15.0
@@ -84,42 +71,3 @@ def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(side, silent
         assert f"{silent} was silent for 2 s" in errors
         with Witness(server.url) as witness:
             assert witness.is_served()
-
-
-@slow
-def test_a_killed_command_leaves_no_simulation_behind():
-    with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
-        wait_for_tick(server.url, 1, 100)
-        (simulation,) = children(command.pid)
-        command.kill()
-
-        assert are_gone([simulation], within=WITHIN)
-
-
-def uninterrupted(path: Path) -> None:
-    """Search a campaign of four individuals and two generations in process, to its end."""
-    models = ROOT / "models" / MISSION
-    settings = CampaignSettings.load(models / "case_a.toml", population=4, generations=2, seed=3)
-    finished(SEARCH, begin(path, models, settings), 1)
-
-
-@night
-def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(tmp_path):
-    whole, path = tmp_path / "whole", tmp_path / "killed"
-    uninterrupted(whole)
-    words = ("evolve", MISSION, "--population", "4", "--generations", "2", "--seed", "3")
-    bus = ("--engine", "rosbridge", "--timeout", "5", "--workers", "1", "--out", path)
-
-    with bridge() as server, process(*words, *bus, "--url", server.url) as command:
-        wait_for_tick(server.url, 7, 20)
-        server.process.kill()
-        errors = ended_with_8(command)
-    before = evaluations(path)
-    with bridge() as server:
-        mrsfi("evolve", "--resume", path, "--workers", "1", "--url", server.url, cwd=ROOT)
-
-    assert f"mrsfi evolve --resume {path}" in errors
-    assert 4 <= len(before) < len(evaluations(whole))
-    assert evaluations(path)[: len(before)] == before
-    assert evaluations(path) == evaluations(whole)
-    assert digest(path) == digest(whole)

@@ -1,6 +1,8 @@
 """Processes that others have started, as the kernel tells of them."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from time import monotonic, sleep
 
 
 def is_running(pid: int) -> bool:
@@ -22,6 +24,25 @@ def children(pid: int, word: bytes = b"") -> list[int]:
         except (FileNotFoundError, ProcessLookupError):
             continue
     return found
+
+
+def descendants(pid: int) -> list[int]:
+    """Return the processes that a process has started, and those that they have started."""
+    found = children(pid)
+    return found + [each for child in found for each in descendants(child)]
+
+
+def wait_for(condition: Callable[[], object], within: float = 30.0) -> None:
+    """Wait until a condition holds, at most so many seconds."""
+    limit = monotonic() + within
+    while not condition():
+        assert monotonic() < limit, f"not within {within} s"
+        sleep(0.01)
+
+
+def require_end(processes: Iterable[int], within: float = 20.0) -> None:
+    """Require that processes end, within so many seconds."""
+    wait_for(lambda: not any(map(is_running, processes)), within)
 
 
 def _state(stat: Path) -> list[str]:

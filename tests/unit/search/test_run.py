@@ -2,20 +2,21 @@ import random
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import chain, repeat
+from itertools import chain, product, repeat
+from random import Random
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
-from mrsfi_runtime.model.faults import Specification, fault_ticks
+from mrsfi_runtime.model.faults import COSTS, FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, run_campaign
 from tests.support.campaigns import content, store_of
 from tests.support.search import (
@@ -25,6 +26,7 @@ from tests.support.search import (
     pool_of,
     stand_in_outcome,
 )
+from tests.support.triggers import drawn_triggers
 from tests.tiers import slow
 
 
@@ -37,6 +39,7 @@ class Failed:
 class Run:
     settings: CampaignSettings
     evaluate_many: EvaluateMany = evaluate_stand_in
+    pool: FaultPool = field(default_factory=pool_of)
 
     def __post_init__(self) -> None:
         self.store = store_of(settings=self.settings)
@@ -46,10 +49,11 @@ class Run:
         run_campaign(
             self.settings,
             paper_mission(),
-            pool_of(),
+            self.pool,
             self.evaluate_many,
             self.store,
             self.progress.append,
+            algorithms=ALGORITHMS,
         )
 
 
@@ -221,34 +225,39 @@ class Cut:
 def failing_if_rare(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
     return [
         Failed("Traceback: rare start")
-        if specification[0].start % 10 == 0
+        if specification and specification[0].start % 10 == 0
         else stand_in_outcome(specification)
         for specification in specifications
     ]
 
 
+def with_triggers() -> FaultPool:
+    return replace(pool_of(), triggers=drawn_triggers(Random(1), paper_mission(), pool_of()))
+
+
 @slow
 @pytest.mark.parametrize(
-    ("algorithm", "minimise"),
-    [*((name, None) for name in ALGORITHMS), ("nsga2", "fault_ticks"), ("guided", "faults")],
+    ("algorithm", "minimise"), [*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)]
 )
-@pytest.mark.parametrize("evaluations", [None, 150])
+@pytest.mark.parametrize(
+    ("evaluations", "pool"), [(None, pool_of), (150, pool_of), (150, with_triggers)]
+)
 def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
-    algorithm, minimise, evaluations
+    algorithm, minimise, evaluations, pool
 ):
     settings = CampaignSettings(
         algorithm=algorithm,
         minimise=minimise,
         generations=6,
-        evaluations=evaluations,
+        evaluations=150 if algorithm == "cover" else evaluations,  # it knows no generations
         max_failures=1000,
     )
-    whole = Run(settings, failing_if_rare)
+    whole = Run(settings, failing_if_rare, pool())
     whole.start()
     n_all = whole.store.n_evaluations + whole.store.n_failures
 
     for n_before in (0, 1, 19, 20, 21, 50, n_all - 1, n_all):
-        run = Run(settings, Cut(n_before))
+        run = Run(settings, Cut(n_before), pool())
         with suppress(KeyboardInterrupt):
             run.start()
         assert run.store.n_evaluations + run.store.n_failures == n_before
