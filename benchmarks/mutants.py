@@ -47,7 +47,7 @@ ROOMS = {
     """,
     "cosimulation": """
         unit/cosimulation unit/transport integration/test_lost_sides.py
-        integration/test_reordering_server.py integration/test_rosbridge.py
+        integration/test_mutilated_simulators.py integration/test_rosbridge.py
     """,
     "record": """
         unit/record unit/mrsfi/test_engines.py disk/record integration/record

@@ -11,15 +11,11 @@ from tests.support.cli import MISSION, ROOT, edit, mrsfi_process, workspace
 from tests.support.own_metamodels import (
     a_class,
     add_classes,
-    add_fault_type,
-    add_faults,
     add_feature,
     attribute,
-    meaning,
-    parameter,
     part,
 )
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 AT_START = '<position x="250.0" y="-250.0"'
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
@@ -85,30 +81,3 @@ def test_team_adds_features_subclasses_and_parts(project, approved):
     assert '"remark": "x"' in own
     shipped = ROOT / "generated" / MISSION / "mission_loader.py"
     assert (generated / "mission_loader.py").read_bytes() == shipped.read_bytes()
-
-
-@night
-def test_team_writes_an_effect_of_its_own_in_two_files(project):
-    content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
-    add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)
-    stuck = '<stuckSpeed OFFSET="0.5"><affectedRobot href="mission.xmi#r3"/></stuckSpeed>'
-    add_faults(project / "models" / MISSION / "faults.xmi", {"stuck": stuck})
-    effects = project / "generated" / MISSION / "fault_effects.py"
-    end = "    # protected region StuckSpeed.apply end\n"
-    body = (
-        "    if fault.age == 0:\n"
-        "        fault.memory[0] = ci.robots[fault.target].speed\n"
-        "    ci.robots[fault.target].speed = fault.memory[0] + fault.values[STUCK_SPEED_OFFSET]\n"
-    )
-    small = ("--population", "2", "--generations", "1", "--out", "runs/own")
-
-    for command, expected in (("generate", 4), ("validate", 6), ("simulate", 6), ("evolve", 6)):
-        done = mrsfi_process(command, MISSION, cwd=project, expected=expected)
-        assert "region 'StuckSpeed.apply'" in done.stdout + done.stderr
-    edit(effects, end, body + end)
-    mrsfi_process("generate", MISSION, cwd=project)
-    mrsfi_process("validate", MISSION, cwd=project)
-    mrsfi_process("evolve", MISSION, *small, cwd=project)
-
-    (kept,) = (project / "runs" / "own").rglob("fault_effects.py")
-    assert kept.read_bytes() == effects.read_bytes()

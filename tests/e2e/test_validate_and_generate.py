@@ -65,27 +65,6 @@ def test_validate_checks_a_written_specification(place):
     assert "r77" in mrsfi("validate", broken, cwd=place, expected=3).stdout
 
 
-def test_generate_into_an_empty_folder_gives_the_committed_code(place):
-    text = mrsfi("generate", MISSION, "--generated", "fresh", cwd=place).stdout
-
-    committed = contents(place / "generated" / MISSION)
-    fresh = contents(place / "fresh")
-    assert {name: content for name, (content, _) in fresh.items()} == {
-        name: content for name, (content, _) in committed.items()
-    }
-    assert "written    fresh/simulation.py" in text
-
-
-def test_a_second_generation_writes_nothing(place):
-    before = contents(place)
-
-    text = mrsfi("generate", MISSION, cwd=place).stdout
-
-    assert contents(place) == before
-    assert "written" not in text
-    assert "unchanged  generated/uuv_sampling/mission_loader.py" in text
-
-
 def test_generate_check_and_diff_show_what_a_changed_model_means_and_write_nothing(place):
     assert "fresh" in mrsfi("generate", MISSION, "--check", cwd=place).stdout
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')

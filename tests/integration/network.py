@@ -2,7 +2,6 @@
 
 import base64
 import json
-import re
 import socket
 import subprocess
 import tempfile
@@ -192,12 +191,3 @@ def wait_for_tick(url: str, run: int, tick: int) -> None:
             flown, at, *_ = client.receive()["msg"]["data"]
             if (flown % 1_000_000, at) >= (run, tick):
                 return
-
-
-def dropped(server: Server) -> int:
-    """End a server and return how many operations it says it has dropped."""
-    server.process.terminate()
-    server.process.wait(PATIENCE)
-    server.log.seek(0)
-    (count,) = re.findall(r"ended: .* (\d+) dropped", server.log.read())
-    return int(count)

@@ -1,10 +1,6 @@
 """A robot's greatest speed: what the model says reaches the code, what it omits stays so."""
 
-import pytest
-
 from m2t.generate import diff, generate
-from m2t.load import load_mission_folder
-from m2t.saving import save
 from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import MISSION, edit
 
@@ -33,31 +29,3 @@ def test_a_robot_that_never_moves_is_not_one_without_a_greatest_speed(models, tm
     generate(models, target)
 
     assert [robot.max_speed for robot in load_code(target).mission.robots] == [None, 0.0, None]
-
-
-@pytest.mark.parametrize("given", [NOMINAL, BOUNDED])
-def test_saving_keeps_it_as_it_is(models, given):
-    edit(models / MISSION, NOMINAL, given)
-    before = (models / MISSION).read_bytes()
-    loaded = load_mission_folder(models)
-
-    assert save(loaded) == ()
-
-    jen = loaded.mission.robots[1]
-    assert jen.eIsSet("maxSpeed") == (given == BOUNDED)
-    assert (models / MISSION).read_bytes() == before
-
-
-def test_a_script_gives_it_and_takes_it_back(models):
-    before = (models / MISSION).read_text(encoding="ascii")
-    loaded = load_mission_folder(models)
-    jen = loaded.mission.robots[1]
-
-    jen.maxSpeed = 4.5
-    save(loaded)
-    bounded = (models / MISSION).read_text(encoding="ascii")
-    jen.maxSpeed = None
-    save(loaded)
-
-    assert bounded == before.replace(NOMINAL, BOUNDED)
-    assert (models / MISSION).read_text(encoding="ascii") == before

@@ -1,8 +1,8 @@
 """A side of a flight, or its server, vanishes: who is left ends, and tells at which tick."""
 
 import re
-import signal
 import subprocess
+from signal import SIGKILL, SIGSTOP
 
 import pytest
 
@@ -31,43 +31,27 @@ def tick_of(errors: str) -> int:
 
 @slow
 @pytest.mark.parametrize(
-    ("sign", "problem"),
+    ("lost", "sign", "problem"),
     [
-        (signal.SIGKILL, "was lost"),
-        pytest.param(signal.SIGSTOP, "was silent for 2 s", marks=slow),
+        ("server", SIGKILL, "was lost"),
+        ("server", SIGSTOP, "was silent for 2 s"),  # its sockets are half open
+        ("simulation", SIGKILL, "the simulation was silent for 2 s"),
+        ("ci", SIGKILL, "the collective intelligence was silent for 2 s"),
     ],
-    ids=["killed", "stopped: its sockets are half open"],
 )
-def test_a_server_lost_in_mid_run_ends_both_sides_with_8(sign, problem):
+def test_what_is_lost_in_mid_run_ends_the_others_with_8(lost, sign, problem):
     with (
         bridge() as server,
         process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
         process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
     ):
+        parts = {"server": server.process, "simulation": simulation, "ci": ci}
         wait_for_tick(server.url, 1, 100)
-        server.process.send_signal(sign)
-        told = [ended_with_8(ci), ended_with_8(simulation)]
+        parts[lost].send_signal(sign)
+        told = [ended_with_8(parts[side]) for side in ("ci", "simulation") if side != lost]
+        if lost != "server":
+            with Witness(server.url) as witness:
+                assert witness.is_served()
 
     assert all(100 <= tick_of(errors) < 1000 for errors in told)
     assert all(problem in errors for errors in told)
-
-
-@slow
-@pytest.mark.parametrize(
-    ("side", "silent"), [("ci", "the simulation"), ("simulation", "the collective intelligence")]
-)
-def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(side, silent):
-    with (
-        bridge() as server,
-        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
-        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
-    ):
-        sides = [ci, simulation] if side == "ci" else [simulation, ci]
-        wait_for_tick(server.url, 1, 100)
-        sides[1].kill()
-        errors = ended_with_8(sides[0])
-
-        assert 100 <= tick_of(errors) < 1000
-        assert f"{silent} was silent for 2 s" in errors
-        with Witness(server.url) as witness:
-            assert witness.is_served()

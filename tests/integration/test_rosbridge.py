@@ -169,50 +169,29 @@ def test_one_simulation_answers_messages_and_bundles(server, simulation):
     assert flown == [reference_digests(SHORT, range(2))] * 3
 
 
-def killer(opened, tick, pid):
+@pytest.mark.parametrize(
+    ("sign", "has_server", "problem"),
+    [
+        (signal.SIGKILL, False, "SIGKILL"),
+        (signal.SIGKILL, True, "SIGKILL"),
+        pytest.param(signal.SIGSTOP, False, "the simulation was silent for 3", marks=slow),
+    ],
+)
+def test_a_simulation_that_is_lost_is_told_at_once_with_its_tick(server, sign, has_server, problem):
     def observe(world, belief, verdicts):
-        if world.mission.tick == tick:
-            os.kill(pid, signal.SIGKILL)
+        if world.mission.tick == 20:
+            os.kill(opened.simulation.pid, sign)
 
-    return observe
-
-
-def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
     started = time.monotonic()
-    with engine(SHORT) as opened:
-        observe = killer(opened, 20, opened.simulation.pid)
-        with pytest.raises(TransportClosed, match=r"run 1, tick 2\d: .*SIGKILL"):
+    with engine(SHORT, url=server.url if has_server else None) as opened:
+        with pytest.raises(TransportError, match=rf"run 1, tick 2\d: .*{problem}") as told:
             opened.evaluate((), observer=observe)
         with pytest.raises(TransportError, match="run 2, before tick 0"):
             opened.evaluate(())
 
-    assert time.monotonic() - started < 20
-
-
-def test_a_simulation_that_is_killed_on_a_server_is_told_at_once(server):
-    patient = EngineSettings(url=server.url, timeout=60.0)
-    started = time.monotonic()
-    with RosbridgeEngine(SHORT, FLIGHT_SEED, patient) as opened:
-        observe = killer(opened, 20, opened.simulation.pid)
-        with pytest.raises(TransportClosed, match=r"run 1, tick 2\d: .*SIGKILL"):
-            opened.evaluate((), observer=observe)
-
-    assert time.monotonic() - started < 20
-
-
-@slow
-def test_a_stopped_simulation_times_out():
-    def observe(world, belief, verdicts):
-        if world.mission.tick == 20:
-            os.kill(opened.simulation.pid, signal.SIGSTOP)
-
-    with (
-        engine(SHORT) as opened,
-        pytest.raises(TransportTimeout, match=r"run 1, tick 2\d: the simulation was silent for 3"),
-    ):
-        opened.evaluate((), observer=observe)
-
+    assert type(told.value) is (TransportClosed if problem == "SIGKILL" else TransportTimeout)
     assert not is_running(opened.simulation.pid)
+    assert time.monotonic() - started < 20
 
 
 def test_an_observer_that_raises_ends_its_run_only():

@@ -4,12 +4,12 @@ import json
 import keyword
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -31,7 +31,6 @@ from tests.interop.evl import (
     require_same_fixes,
     stated_fixes,
 )
-from tests.interop.mutations import Mutator
 from tests.interop.recorder import INDEX
 from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
@@ -213,16 +212,27 @@ def _broken_parts(folder: Path, entry: Broken, parts: Parts) -> Path | None:
 
 
 def _mutated(folder: Path) -> list[Path]:
-    """Return mutants of the committed missions, and of as many drawn ones."""
-    mutator = Mutator(3)
-    folders = [folder / str(number) for number in range(N_MUTANTS)]
-    for number, mutant in enumerate(folders):
-        if number % 2:
-            _drawn(mutant, N_DRAWN + number)
-        else:
-            shutil.copytree((MODELS, TIGHT)[number // 2 % 2], mutant)
-        mutator.mutate(mutant)
+    """Return models with several defects: of the table, and exchanged values in drawn ones."""
+    rng, folders = Random(3), []
+    for number in range(N_MUTANTS // 2):
+        broken = copy_models(folder / f"broken-{number}")
+        for entry in rng.sample(_BROKEN_TWINS, 3):
+            if entry.old in (broken / entry.file).read_text(encoding="utf-8"):
+                edit(broken / entry.file, entry.old, entry.new)
+        drawn = _drawn(folder / f"drawn-{number}", N_DRAWN + number)
+        for path in folder_files(drawn):
+            path.write_text(_exchanged(path.read_text(encoding="utf-8"), rng), encoding="utf-8")
+        folders += [broken, drawn]
     return folders
+
+
+def _exchanged(text: str, rng: Random) -> str:
+    """Give a few attributes the value that another element has there, or one below 0."""
+    for _ in range(3):
+        found = rng.choice([*re.finditer(r' (?!ID|xmlns)(\w+)="([^"]*)"', text)])
+        others = [*re.findall(rf' {found[1]}="([^"]*)"', text), "-1"]
+        text = f"{text[: found.start(2)]}{rng.choice(others)}{text[found.end(2) :]}"
+    return text
 
 
 def _drawn(folder: Path, seed: int) -> Path:
