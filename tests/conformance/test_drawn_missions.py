@@ -19,11 +19,9 @@ from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.shapes import (
     TASKS,
-    draw_mission,
-    draw_pool,
     draw_specification,
     shape,
-    write,
+    write_drawn,
 )
 from tests.tiers import seeds
 
@@ -104,7 +102,7 @@ def fly_alike(folders, of, longest, n_missions):
     def flies_alike(rng, seed):
         folder = folders.mktemp("drawn")
         note(f"models and code: {folder}")
-        models = write(folder / "models", draw_mission(rng, of, longest), draw_pool(rng, of))
+        models = write_drawn(folder / "models", rng, of, longest)
         generate(models, folder / "generated")
         code = load_code(folder / "generated")
         some = [draw_specification(rng, code) for _ in range(N_SPECIFICATIONS)]

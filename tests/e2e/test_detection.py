@@ -19,6 +19,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import Workers
 from tests.independent.crowd import draw_crowd
 from tests.support.cli import mrsfi, mrsfi_json, workspace
+from tests.support.models import builder
 from tests.support.nodes import PYTHON, SERVICE, yard
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
@@ -43,11 +44,9 @@ def of_the_tree(name):
 
 def drawn(seed, n_robots):
     def write(place):
-        models = place / "models" / "crowd"
-        models.mkdir(parents=True)
-        texts = draw_crowd(Random(seed), n_robots, 12.0)
-        for name, text in zip(("mission.xmi", "faults.xmi"), texts, strict=True):
-            (models / name).write_text(text, encoding="ascii")
+        models = builder.write(
+            place / "models" / "crowd", *draw_crowd(Random(seed), n_robots, 12.0)
+        )
         generate(models, place / "generated" / "crowd")
         return "crowd", ("--evaluations", "100")
 

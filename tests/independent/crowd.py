@@ -6,24 +6,12 @@ What a look-up leaves out that is near, or puts where it is not, shows in a crow
 from itertools import cycle
 from random import Random
 
-_XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
-MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
-<mission:Mission {_XMI} xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
-xmlns:mission="http://mrsfi.org/mission/1.0" name="crowd" duration="{{duration}}">
-<missionArea ID="whole" radius="{{radius}}"><center x="{{x}}" y="{{y}}"/></missionArea>
-{{content}}</mission:Mission>
-"""
-FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
-<faults:FaultSpecification {_XMI} xmlns:faults="http://mrsfi.org/faults/1.0" ID="pool">
-{{content}}</faults:FaultSpecification>
-"""
-_GOAL = (
-    '<goals ID="{id}" name="" members="{members}"><task xsi:type="mission:{task}"{more}/>'
-    "{messages}</goals>\n"
-)
+from generated.metamodel import faults as f
+from generated.metamodel import mission as m
+from tests.support.models.builder import area, fault, goal, message, point, pool, robot
 
 
-def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[str, str]:
+def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[m.Mission, f.FaultSpecification]:
     """Draw a mission, and faults that move all of it in belief; each robot has so much room.
 
     Members of AvoidCollision are shuffled, so that none stands at its own number. A second goal
@@ -31,57 +19,48 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[str, str]:
     """
     side = room * n_robots**0.5 / 2
 
-    def place() -> str:
+    def place() -> m.Coordinates:
         x, y = (rng.uniform(-side, side) for _ in "xy")
-        return f'x="{x - 40:.3f}" y="{y + 25:.3f}"'
+        return point(round(x - 40, 3), round(y + 25, 3))
 
-    robots, hazards = [f"r{n}" for n in range(n_robots)], [f"o{n}" for n in range(20)]
-    turns = cycle((' turnRate="12.5" positionNoise="0.8"', "", ' turnRate="90.0"', ""))
-    text = "".join(
-        f'<robots ID="{robot}" name="" speed="{rng.choice((0.0, 1.0, 2.5, 4.0))}" maxSpeed="6.0"'
-        f"{next(turns)}>"
-        f'<position {place()}/><batteries ID="{robot}b" name="" totalEnergy="900.0"/>'
-        f'<motionSources ID="{robot}d" name="" energyPerDistanceUnit="1.0"/></robots>\n'
-        for robot in robots
-    )
-    text += '<servers ID="base" name=""/>\n'
-    text += "".join(
-        f'<obstacles ID="{hazard}"><area ID="{hazard}a" radius="{rng.choice((0.5, 2.0, 7.0))}">'
-        f"<center {place()}/></area></obstacles>\n"
-        for hazard in hazards
-    )
-    messages = "".join(
-        f'<messages ID="m{robot}" sender="{robot}" receiver="base">'
-        '<body name="POSITION" type="Coordinates"/><body name="SPEED" type="Double"/></messages>'
-        for robot in robots
-    )
-    for n, share in enumerate((1.0, 0.9, 0.3)):
-        some = [rng.sample(each, round(share * len(each))) for each in (robots, hazards)]
-        more = f' robots="{" ".join(some[0])}" obstacles="{" ".join(some[1])}"'
-        text += _GOAL.format(
-            id=f"clear{n}", members=" ".join(robots), task="AvoidCollision", more=more,
-            messages="" if n else messages,
-        )  # fmt: skip
-    for task in ("StayWithinMissionArea", "SufficientEnergy"):
-        text += _GOAL.format(id=task, members=" ".join(robots), task=task, more="", messages="")
-    mission = MISSION.format(x=-40.0, y=25.0, duration=40, radius=1.2 * side, content=text)
-
-    kinds = ["randomRobotCoordinates", "zeroSpeed", 'blockMessage BLOCK_DURATION="8.0"']
-    kinds += ['delayMessage DELAY="3.0"', *(f"fixedRobotCoordinates {place()}" for _ in range(3))]
-    struck = [(f"{kind}", "Message", f"m{rng.choice(robots)}") for kind in kinds]
-    kinds = [
-        "randomObstacleCoordinates",
-        *(f"fixedObstacleCoordinates {place()}" for _ in range(4)),
+    turns = cycle(({"turnRate": 12.5, "positionNoise": 0.8}, {}, {"turnRate": 90.0}, {}))
+    robots = []
+    for n in range(n_robots):
+        speed = rng.choice((0.0, 1.0, 2.5, 4.0))
+        robots.append(robot(f"r{n}", place(), speed, 900.0, 1.0, maxSpeed=6.0, **next(turns)))
+    base = m.Server(ID="base", name="")
+    hazards = [
+        m.Obstacle(ID=f"o{n}", area=area(f"o{n}a", rng.choice((0.5, 2.0, 7.0)), place()))
+        for n in range(20)
     ]
-    struck += [(kind, "Obstacle", rng.choice(hazards)) for kind in (*kinds, kinds[0])]
-    pool = "".join(
-        f'<faults ID="f{n}" name=""><{_upper(kind)}><affected{what} href="mission.xmi#{target}"/>'
-        f"</{kind.split()[0]}></faults>\n"
-        for n, (kind, what, target) in enumerate(struck)
+    reports = [message(f"m{r.ID}", r, base, POSITION="Coordinates", SPEED="Double") for r in robots]
+    goals = []
+    for n, share in enumerate((1.0, 0.9, 0.3)):
+        some, near = (rng.sample(each, round(share * len(each))) for each in (robots, hazards))
+        task = m.AvoidCollision(robots=some, obstacles=near)
+        goals.append(goal(f"clear{n}", task, robots, messages=[] if n else reports))
+    goals += [goal("inside", m.StayWithinMissionArea(), robots)]
+    goals += [goal("energy", m.SufficientEnergy(), robots)]
+    mission = m.Mission(
+        name="crowd",
+        duration=40,
+        missionArea=area("whole", 1.2 * side, point(-40.0, 25.0)),
+        robots=robots,
+        servers=[base],
+        obstacles=hazards,
+        goals=goals,
     )
-    return mission, FAULTS.format(content=pool)
 
+    def moved() -> dict[str, float]:
+        at = place()
+        return {"NEW_X": at.x, "NEW_Y": at.y}
 
-def _upper(kind: str) -> str:
-    """Return the start of an element, its place in the words of faults."""
-    return kind.replace(' x="', ' NEW_X="').replace(' y="', ' NEW_Y="')
+    false = [("RandomRobotCoordinates", {}), ("ZeroSpeed", {})]
+    false += [("BlockMessage", {"BLOCK_DURATION": 8.0}), ("DelayMessage", {"DELAY": 3.0})]
+    false += [("FixedRobotCoordinates", moved()) for _ in range(3)]
+    struck = [(kind, rng.choice(reports), values) for kind, values in false]
+    false = [("RandomObstacleCoordinates", {})]
+    false += [("FixedObstacleCoordinates", moved()) for _ in range(4)]
+    struck += [(kind, rng.choice(hazards), values) for kind, values in (*false, false[0])]
+    faults = (fault(f"f{n}", kind, at, **values) for n, (kind, at, values) in enumerate(struck))
+    return mission, pool(faults)

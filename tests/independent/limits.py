@@ -1,26 +1,15 @@
 """A mission in which everything stands at a limit, or a hair's breadth from it."""
 
-from tests.independent.crowd import FAULTS, MISSION
+from typing import Any
 
-_ROBOTS = """
-<robots ID="{id}" name="" speed="{speed}"><position x="{x!r}" y="{y!r}"/>
-<sensors ID="{id}_sensor" name="" type="DEPTH" energyPerSample="1.0" samplesPerSecond="1"/>
-<batteries ID="{id}_battery" name="" totalEnergy="{energy!r}"/></robots>
-"""
-_GOAL = """
-<goals ID="{id}" name="" members="{members}">{area}
-<task xsi:type="mission:{task}"{more}>{content}</task>
-<messages ID="m_{id}" sender="{sender}" receiver="base">
-<body name="POSITION" type="Coordinates"/></messages></goals>
-"""
-_FALSE = """
-<faults ID="f_{id}" name=""><fixedRobotCoordinates NEW_X="{x!r}" NEW_Y="{y!r}">
-<affectedMessage href="mission.xmi#m_{id}"/></fixedRobotCoordinates></faults>
-"""
+from generated.metamodel import faults as f
+from generated.metamodel import mission as m
+from tests.support.models.builder import area, fault, goal, message, point, pool, robot, sensor
+
 DURATION = 12
 
 
-def limits(off: float) -> tuple[str, str]:
+def limits(off: float) -> tuple[m.Mission, f.FaultSpecification]:
     """Write a mission of robots that stand still, and a pool that moves some in belief.
 
     Parameters
@@ -28,76 +17,86 @@ def limits(off: float) -> tuple[str, str]:
     off
         How far everything is beyond its limit: a share of the limit, below 0 if short of it.
     """
-    f = 1 + off
+    by = 1 + off
     places = {
-        "near": (0.0, 0.0), "nearer": (2 * f, 0.0),  # discs that touch
-        "beside": (-50.0, 6 * f),  # an obstacle of radius 5
-        "edge": (0.0, 100 * f), "brink": (99.9 * f, 0.0),  # the mission area, and well inside
-        "guard": (30 + 10 * f, 30.0), "warden": (30.0, 30 + 9.99 * f),
-        "guest": (60.0, 2 * f), "still": (70.0, 1e-9 * f),
+        "near": (0.0, 0.0), "nearer": (2 * by, 0.0),  # discs that touch
+        "beside": (-50.0, 6 * by),  # an obstacle of radius 5
+        "edge": (0.0, 100 * by), "brink": (99.9 * by, 0.0),  # the mission area, and well inside
+        "guard": (30 + 10 * by, 30.0), "warden": (30.0, 30 + 9.99 * by),
+        "guest": (60.0, 2 * by), "still": (70.0, 1e-9 * by),
         "walker": (-30.0, -30.0), "dweller": (30.0, -30.0),
-        "left": (-80.0, 40.0), "right": (-60 + 5 * f, 40.0),
-        "over": (-80.0, 50.0), "under": (-60 + 2.5 * f, 50.0), "short": (-80.0, 68 + off - 0.5 * f),
-        "diver": (-60 + 10 * f, -60.0), "drained": (20.0, -70.0), "mover": (0.0, -40.0),
+        "left": (-80.0, 40.0), "right": (-60 + 5 * by, 40.0),
+        "over": (-80.0, 50.0), "under": (-60 + 2.5 * by, 50.0),
+        "short": (-80.0, 68 + off - 0.5 * by),
+        "diver": (-60 + 10 * by, -60.0), "drained": (20.0, -70.0), "mover": (0.0, -40.0),
         "calm": (0.0, 60.0), "wary": (3.0 + off, 60.0),
         "star": (-20.0, 0.0),
     }  # fmt: skip
     speeds = {"mover": 1.0, "star": 1.0}
-    robots = "".join(
-        _ROBOTS.format(
-            id=name, x=x, y=y, speed=speeds.get(name, 0.0),
-            energy=DURATION * f if name == "drained" else 1000.0,
+    robots = {
+        name: robot(
+            name, point(x, y), speeds.get(name, 0.0),
+            DURATION * by if name == "drained" else 1000.0,
+            sensors=[sensor(f"{name}_sensor", "DEPTH")],
         )
         for name, (x, y) in places.items()
-    )  # fmt: skip
+    }  # fmt: skip
     rocks = {"rock": (-50.0, 0.0, 5.0)} | {
         f"ray{n}": (-20.0 + dx, dy, 2.0)
-        for n, (dx, dy) in enumerate(((7, 0), (0, 7), (-7, 0), (0, -7)))
+        for n, (dx, dy) in enumerate(((7.0, 0.0), (0.0, 7.0), (-7.0, 0.0), (0.0, -7.0)))
     }
-    obstacles = "".join(
-        f'<obstacles ID="{name}"><area ID="{name}_area" radius="{radius}">'
-        f'<center x="{x}" y="{y}"/></area></obstacles>'
+    obstacles = {
+        name: m.Obstacle(ID=name, area=area(f"{name}_area", radius, point(x, y)))
         for name, (x, y, radius) in rocks.items()
-    )
+    }
 
-    def area(x: float, y: float, radius: float, name: str) -> str:
-        return f'<area ID="{name}" radius="{radius}"><center x="{x}" y="{y}"/></area>'
+    def near(names: str, *hazards: str) -> m.AvoidCollision:
+        some = [robots[name] for name in names.split()]
+        return m.AvoidCollision(robots=some, obstacles=[obstacles[name] for name in hazards])
 
-    goals = [
-        ("touch", "AvoidCollision", "near nearer", ' robots="near nearer"', "", ""),
-        ("graze", "AvoidCollision", "beside", ' robots="beside" obstacles="rock"', "", ""),
-        ("shy", "AvoidCollision", "calm wary", ' robots="calm wary"', "", ""),
-        ("rays", "AvoidCollision", "star",
-         ' robots="star" obstacles="ray0 ray1 ray2 ray3"', "", ""),
-        ("inside", "StayWithinMissionArea", "edge brink", "", "", ""),
-        ("round", "Patrol", "guard warden", ' period="3"', area(30, 30, 10, "beat"), ""),
-        ("call", "Visit", "guest", ' tolerance="2.0" deadline="4"', '<coordinates x="60.0"/>', ""),
-        ("dot", "Visit", "still",
-         ' tolerance="1e-12" deadline="12"', '<coordinates x="70.0"/>', ""),
-        ("path", "Track", "walker", ' tolerance="3.0"',
-         '<trajectory x="-30.0" y="-30.0"/><trajectory x="-10.0" y="-30.0"/>', ""),
-        ("home", "Stay", "dweller", "", area(30, -30, 10, "hearth"), ""),
-        ("rod", "FixedDistanceBetweenRobots", "left right",
-         ' fixedDistance="20.0" tolerance="5.0"', "", ""),
-        ("rods", "FixedDistanceBetweenRobots", "over under",
-         ' fixedDistance="20.0" tolerance="5.0"', "", ""),
-        ("rodlet", "FixedDistanceBetweenRobots", "over short",
-         ' fixedDistance="20.0" tolerance="5.0"', "", ""),
-        ("sound", "GatherSamples", "diver", ' targetSampleNumber="1" sensor="diver_sensor"', "",
-         area(-60, -60, 10, "deep")),
-        ("all", "GatherSamples", "mover",
-         f' targetSampleNumber="{DURATION}" sensor="mover_sensor"', "", area(0, -40, 50, "wide")),
-        ("fuel", "SufficientEnergy", "drained near", "", "", ""),
+    def keep(tolerance: float = 5.0) -> m.FixedDistanceBetweenRobots:
+        return m.FixedDistanceBetweenRobots(fixedDistance=20.0, tolerance=tolerance)
+
+    def sampled(name: str, number: int) -> m.GatherSamples:
+        return m.GatherSamples(targetSampleNumber=number, sensor=robots[name].sensors[0])
+
+    goals: list[tuple[str, str, Any, m.Area | None]] = [
+        ("touch", "near nearer", near("near nearer"), None),
+        ("graze", "beside", near("beside", "rock"), None),
+        ("shy", "calm wary", near("calm wary"), None),
+        ("rays", "star", near("star", "ray0", "ray1", "ray2", "ray3"), None),
+        ("inside", "edge brink", m.StayWithinMissionArea(), None),
+        ("round", "guard warden", m.Patrol(period=3, area=area("beat", 10.0, point(30.0, 30.0))),
+         None),
+        ("call", "guest", m.Visit(tolerance=2.0, deadline=4, coordinates=point(60.0)), None),
+        ("dot", "still", m.Visit(tolerance=1e-12, deadline=12, coordinates=point(70.0)), None),
+        ("path", "walker",
+         m.Track(tolerance=3.0, trajectory=[point(-30.0, -30.0), point(-10.0, -30.0)]), None),
+        ("home", "dweller", m.Stay(area=area("hearth", 10.0, point(30.0, -30.0))), None),
+        ("rod", "left right", keep(), None),
+        ("rods", "over under", keep(), None),
+        ("rodlet", "over short", keep(), None),
+        ("sound", "diver", sampled("diver", 1), area("deep", 10.0, point(-60.0, -60.0))),
+        ("all", "mover", sampled("mover", DURATION), area("wide", 50.0, point(0.0, -40.0))),
+        ("fuel", "drained near", m.SufficientEnergy(), None),
     ]  # fmt: skip
-    text = "".join(
-        _GOAL.format(
-            id=name, task=task, members=members, more=more, content=content, area=place,
-            sender=members.split()[0],
-        )
-        for name, task, members, more, content, place in goals
-    )  # fmt: skip
-    content = f'{robots}<servers ID="base" name=""/>{obstacles}{text}'
-    false = [("path", -20.0, -30 + 3 * f), ("home", 30 + 10 * f, -30.0), ("sound", -60.0, -50.0)]
-    pool = "".join(_FALSE.format(id=name, x=x, y=y) for name, x, y in false)
-    mission = MISSION.format(duration=DURATION, radius=100.0, x=0.0, y=0.0, content=content)
-    return mission, FAULTS.format(content=pool)
+    base = m.Server(ID="base", name="")
+    made = {}
+    for name, words, task, place in goals:
+        members = [robots[each] for each in words.split()]
+        report = message(f"m_{name}", members[0], base, POSITION="Coordinates")
+        made[name] = goal(name, task, members, area=place, messages=[report])
+    mission = m.Mission(
+        name="limits",
+        duration=DURATION,
+        missionArea=area("whole", 100.0),
+        robots=[*robots.values()],
+        servers=[base],
+        obstacles=[*obstacles.values()],
+        goals=[*made.values()],
+    )
+    false = [("path", -20.0, -30 + 3 * by), ("home", 30 + 10 * by, -30.0), ("sound", -60.0, -50.0)]
+    return mission, pool(
+        fault(f"by{name}", "FixedRobotCoordinates", made[name].messages[0], NEW_X=x, NEW_Y=y)
+        for name, x, y in false
+    )

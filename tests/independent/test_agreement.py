@@ -26,8 +26,9 @@ from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
 from tests.support.edited import COLLECTIVE, write_body
+from tests.support.models.builder import write
 from tests.support.models.copies import edit
-from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
+from tests.support.models.shapes import draw_specification, shape, write_drawn
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
 from tests.support.triggers import drawn_triggers, in_xmi, waiting
@@ -209,7 +210,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
     """Each under some drawn specifications, and each fault of its pool alone."""
     of, longest = SHAPES[name]
     rng = Random(f"{name} {seed}")
-    models = write(tmp_path / "models", draw_mission(rng, of, longest), draw_pool(rng, of))
+    models = write_drawn(tmp_path / "models", rng, of, longest)
     generate(models, tmp_path / "generated")
     twins = Twins(models, tmp_path / "generated")
 

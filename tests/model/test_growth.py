@@ -11,7 +11,7 @@ from m2t.fixes import mend
 from m2t.generate import plan
 from m2t.load import inspect_folder
 from tests.support.models.copies import FAULTS, copy_models
-from tests.support.models.shapes import draw_mission, draw_pool, shape, write
+from tests.support.models.shapes import shape, write_drawn
 
 
 def _n_calls(work: Callable[[], Any]) -> int:
@@ -49,7 +49,7 @@ def test_a_plan_of_generation_grows_as_the_fleet(tmp_path):
     for n_robots in (15, 15, 60):  # the first fills caches
         rng, of = Random(1), shape(n_robots, 3)
         folder = tmp_path / str(len(calls))
-        models = write(folder, draw_mission(rng, of, 100), draw_pool(rng, of))
+        models = write_drawn(folder, rng, of, 100)
         calls.append(_n_calls(lambda at=models: plan(at, at / "fresh")))
 
     assert calls[2] < 4.5 * calls[1]

@@ -9,7 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
+from typing import Any
 
+from generated.metamodel import faults as f
+from generated.metamodel import mission as m
 from m2t.generate import generate
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import MissionCode, load_code
@@ -17,6 +20,7 @@ from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import Gate
 from tests.support.fault_types import FAULT_TYPES
+from tests.support.models import builder
 from tests.support.triggers import REACHABLE, waiting
 
 TASKS = (
@@ -34,18 +38,6 @@ SENSOR_TYPES = ("GPS_POSITION", "DEPTH", "TEMPERATURE", "PRESSURE")
 FIELDS = {"POSITION": "Coordinates", "SPEED": "Double", "ENERGY": "Double"}
 RATES = (1, 2, 5, 40)
 N_MESSAGES = 3
-
-_XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
-_MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
-<mission:Mission {_XMI} xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
-xmlns:mission="http://mrsfi.org/mission/1.0" name="drawn" duration="{{}}">
-{{}}</mission:Mission>
-"""
-_FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
-<faults:FaultSpecification {_XMI} xmlns:faults="http://mrsfi.org/faults/1.0" ID="pool">
-{{}}</faults:FaultSpecification>
-"""
-
 
 _ODD_PLACES = (0.0, -0.0, 1e-9, 30.0, 1e10, -1e10)
 _ODD_AMOUNTS = (0.0, 1e-9, 1.0, 1e6)
@@ -113,62 +105,52 @@ def shape(n_robots: int, n_obstacles: int, repeated: tuple[str, ...] = (), seed:
     return Shape(n_obstacles, sensors, tuple(goals))
 
 
-def draw_mission(rng: Random, of: Shape, longest: int, shortest: int = 1) -> str:
-    """Draw a mission of a shape, as the text of its model; its duration too, in ticks."""
-    parts = _Parts(rng, of)
-    text = [
-        parts.area("missionArea", "whole"),
-        *parts.robots(),
-        '<servers ID="base" name=""/>',
-        *parts.obstacles(),
-        *(parts.goal(n, goal) for n, goal in enumerate(of.goals)),
-    ]
-    return _MISSION.format(rng.randint(shortest, longest), "".join(f"{part}\n" for part in text))
+def draw_mission(rng: Random, of: Shape, longest: int, shortest: int = 1) -> m.Mission:
+    """Draw a mission of a shape; its duration too, in ticks."""
+    mission = _Parts(rng, of).mission()
+    mission.duration = rng.randint(shortest, longest)
+    return mission
 
 
-def draw_pool(rng: Random, of: Shape) -> str:
-    """Draw a pool with one fault of every type, and triggers of every event, in XMI."""
+def draw_pool(rng: Random, of: Shape, mission: m.Mission) -> f.FaultSpecification:
+    """Draw a pool with one fault of every type, and triggers of every event."""
     targets = {
-        "message": [f"m{n}" for n in range(N_MESSAGES * len(of.goals))],
-        "robot": of.robots,
-        "sensor": [f"r0s{n}" for n in range(len(SENSOR_TYPES))],
-        "obstacle": [f"o{n}" for n in range(of.n_obstacles)],
+        "message": [each for goal in mission.goals for each in goal.messages],
+        "robot": [*mission.robots],
+        "sensor": [*mission.robots[0].sensors],
+        "obstacle": [*mission.obstacles],
     }
-    parts = []
+    faults = []
     for n, (name, kind) in enumerate(FAULT_TYPES.items()):
-        tag = name[0].lower() + name[1:]
-        values = "".join(
-            f' {parameter.name}="{int(value) if _is_whole(kind) else repr(value)}"'
+        values = {
+            parameter.name: int(value) if _is_whole(kind) else value
             for parameter, value in zip(kind.parameters, _values(rng, kind), strict=True)
-        )
+        }
         target = rng.choice(targets[kind.struck.value])
-        parts.append(
-            f'<faults ID="f{n}" name=""><{tag}{values}>'
-            f'<affected{kind.struck.value.title()} href="mission.xmi#{target}"/></{tag}></faults>\n'
-        )
-    return _FAULTS.format("".join((*parts, *_triggers(rng, of))))
+        faults.append(builder.fault(f"f{n}", name, target, **values))
+    return builder.pool(faults, triggers=[*_triggers(rng, of, mission, faults)])
 
 
-def _triggers(rng: Random, of: Shape) -> Iterator[str]:
-    reachable = [n for n, goal in enumerate(of.goals) if goal.task in REACHABLE]
-    robots = rng.sample(of.robots, min(3, len(of.robots)))
-    some = rng.sample(range(len(of.goals)), min(3, len(of.goals)))
-    found = [("VIOLATED", f'<goal href="mission.xmi#g{n}"/>', "") for n in some]
-    found += [("REACHED", f'<goal href="mission.xmi#g{n}"/>', "") for n in reachable]
+def _triggers(
+    rng: Random, of: Shape, mission: m.Mission, faults: list[f.Fault]
+) -> Iterator[f.Trigger]:
+    goals = [*mission.goals]
+    reachable = [goals[n] for n, goal in enumerate(of.goals) if goal.task in REACHABLE]
+    robots = rng.sample([*mission.robots], min(3, len(of.robots)))
+    some = rng.sample(goals, min(3, len(goals)))
+    found: list[tuple[str, dict[str, Any]]] = [("VIOLATED", {"goal": goal}) for goal in some]
+    found += [("REACHED", {"goal": goal}) for goal in reachable]
     for n, robot in enumerate(robots):
-        x, y = rng.uniform(-60.0, 60.0), rng.uniform(-60.0, 60.0)
-        area = f'<area ID="e{n}" radius="{rng.uniform(1.0, 80.0)!r}"><center x="{x!r}" y="{y!r}"/>'
-        found.append(("ENTERED", f'<robot href="mission.xmi#{robot}"/>{area}</area>', ""))
-    for _ in range(3):
-        faults = " ".join(f"f{n}" for n in rng.sample(range(len(FAULT_TYPES)), 5))
-        found.append(("EFFECT", "", f' faults="{faults}"'))
-    at = f'<robot href="mission.xmi#{robots[0]}"/><at href="mission.xmi#whole"/>'
-    found.append(("ENTERED", at, ""))
-    for n, (event, content, more) in enumerate(found):
-        lasts = rng.choice(("", "", ' duration="1"', f' duration="{rng.randint(2, 30)}"'))
+        at = builder.point(rng.uniform(-60.0, 60.0), rng.uniform(-60.0, 60.0))
+        entered = builder.area(f"e{n}", rng.uniform(1.0, 80.0), at)
+        found.append(("ENTERED", {"robot": robot, "area": entered}))
+    found += [("EFFECT", {"faults": rng.sample(faults, 5)}) for _ in range(3)]
+    found.append(("ENTERED", {"robot": robots[0], "at": mission.missionArea}))
+    for n, (event, about) in enumerate(found):
+        lasts = rng.choice(({}, {}, {"duration": 1}, {"duration": rng.randint(2, 30)}))
         delay = rng.choice((0, 0, 1, 7))
-        head = f'<triggers ID="t{n}" event="{event}" delay="{delay}"{lasts}{more}>'
-        yield f"{head}{content}</triggers>\n"
+        literal = getattr(f.TriggerEvent, event)
+        yield f.Trigger(ID=f"t{n}", event=literal, delay=delay, **lasts, **about)
 
 
 def draw_specification(rng: Random, code: MissionCode) -> tuple[TimedFault, ...]:
@@ -209,26 +191,23 @@ def _values(rng: Random, kind: FaultType) -> tuple[float, ...]:
     return tuple(sorted(values) if kind.mode is Mode.RANDOM else values)
 
 
-def write(folder: Path, mission: str, pool: str) -> Path:
-    """Write the models of a mission, and return their folder."""
-    folder.mkdir(parents=True)
-    (folder / "mission.xmi").write_text(mission)
-    (folder / "faults.xmi").write_text(pool)
-    return folder
-
-
 def small_mission(folder: Path) -> MissionCode:
     """Return generated code of a mission of one goal, which compiles in a fraction of the time."""
     goal = GoalShape("StayWithinMissionArea", ("r0", "r1"))
     of = Shape(1, (SENSOR_TYPES, ("DEPTH",)), (goal,))
     rng = Random(1)
-    models = write(folder / "models", draw_mission(rng, of, 40, 40), draw_pool(rng, of))
-    generate(models, folder / "generated")
+    generate(write_drawn(folder / "models", rng, of, 40, 40), folder / "generated")
     return load_code(folder / "generated")
 
 
+def write_drawn(folder: Path, rng: Random, of: Shape, longest: int, shortest: int = 1) -> Path:
+    """Draw a mission of a shape and its pool, and return the folder of their models."""
+    mission = draw_mission(rng, of, longest, shortest)
+    return builder.write(folder, mission, draw_pool(rng, of, mission))
+
+
 class _Parts:
-    """Draws the elements of a mission, as text.
+    """Draws the elements of a mission.
 
     Half of all points are among a few spots, so that robots reach what they head for, and meet;
     half of all trajectories begin where one of their robots does.
@@ -245,86 +224,93 @@ class _Parts:
         x, y = (_number(self._rng, -self._reach, self._reach, _ODD_PLACES) for _ in range(2))
         return x, y
 
-    def point(self, tag: str, robot: str = "") -> str:
+    def point(self, robot: str = "") -> m.Coordinates:
         """Return a point; where a robot begins, if it is the position of one."""
         x, y = self._rng.choice((self._rng.choice(self._spots), self._place()))
         if robot:
             x, y = self._starts.setdefault(robot, (x, y))
-        return f'<{tag} x="{x!r}" y="{y!r}"/>'
+        return builder.point(x, y)
 
-    def area(self, tag: str, name: str) -> str:
+    def area(self, name: str) -> m.Area:
         radius = _number(self._rng, 1.0, 80.0, _ODD_EXTENTS)
-        return f'<{tag} ID="{name}" radius="{radius!r}">{self.point("center")}</{tag}>'
+        return builder.area(name, radius, self.point())
 
-    def robots(self) -> Iterator[str]:
+    def mission(self) -> m.Mission:
+        whole, robots = self.area("whole"), {each.ID: each for each in self.robots()}
+        base = m.Server(ID="base", name="")
+        obstacles = [
+            m.Obstacle(ID=f"o{n}", area=self.area(f"oa{n}")) for n in range(self._of.n_obstacles)
+        ]
+        goals = []
+        for n, goal in enumerate(self._of.goals):
+            members = [robots[each] for each in goal.members]
+            task = getattr(m, goal.task)(**self._task(n, goal, members, robots, obstacles))
+            more = {"area": self.area(f"ga{n}")} if goal.task == "GatherSamples" else {}
+            messages = [
+                self._message(f"m{N_MESSAGES * n + k}", members, base) for k in range(N_MESSAGES)
+            ]
+            goals.append(builder.goal(f"g{n}", task, members, messages=messages, **more))
+        return m.Mission(
+            name="drawn",
+            missionArea=whole,
+            robots=[*robots.values()],
+            servers=[base],
+            obstacles=obstacles,
+            goals=goals,
+        )
+
+    def robots(self) -> Iterator[m.Robot]:
         rng = self._rng
         rates = [RATES[n % len(RATES)] for n in range(sum(map(len, self._of.sensors)))]
         rng.shuffle(rates)
         for robot, kinds in zip(self._of.robots, self._of.sensors, strict=True):
-            speed, distance, sample = (_number(rng, 0.0, 8.0, _ODD_AMOUNTS) for _ in range(3))
+            speed, drive, sample = (_number(rng, 0.0, 8.0, _ODD_AMOUNTS) for _ in range(3))
             energy = _number(rng, 0.0, rng.choice((500.0, 20_000.0)), _ODD_ENERGIES)
-            sensors = "".join(
-                f'<sensors ID="{robot}s{k}" name="" type="{kind}" energyPerSample="{sample!r}" '
-                f'samplesPerSecond="{rates.pop()}"/>'
+            sensors = [
+                builder.sensor(f"{robot}s{k}", kind, sample, rates.pop())
                 for k, kind in enumerate(kinds)
-            )
-            more = _number(rng, 0.0, 8.0, _ODD_AMOUNTS)
-            fastest = f' maxSpeed="{speed + more!r}"' if rng.random() < 0.5 else ""
+            ]
+            fastest = speed + _number(rng, 0.0, 8.0, _ODD_AMOUNTS)
+            more = {"maxSpeed": fastest} if rng.random() < 0.5 else {}
             rate, off = _number(rng, 0.1, 60.0, _ODD_TURNS), _number(rng, 0.0, 5.0, _ODD_EXTENTS)
-            turns = f' turnRate="{rate!r}"' if rng.random() < 0.5 else ""
-            noise = f' positionNoise="{off!r}"' if rng.random() < 0.3 else ""
-            yield (
-                f'<robots ID="{robot}" name="" speed="{speed!r}"{fastest}{turns}{noise}>'
-                f"{self.point('position', robot)}{sensors}"
-                f'<batteries ID="{robot}b" name="" totalEnergy="{energy!r}"/><motionSources '
-                f'ID="{robot}d" name="" energyPerDistanceUnit="{distance!r}"/></robots>'
-            )
+            more |= {"turnRate": rate} if rng.random() < 0.5 else {}
+            more |= {"positionNoise": off} if rng.random() < 0.3 else {}
+            yield builder.robot(robot, self.point(robot), speed, energy, drive, sensors, **more)
 
-    def obstacles(self) -> Iterator[str]:
-        for n in range(self._of.n_obstacles):
-            yield f'<obstacles ID="o{n}">{self.area("area", f"oa{n}")}</obstacles>'
-
-    def goal(self, n: int, goal: GoalShape) -> str:
-        attributes, content = self._task(n, goal)
-        area = self.area("area", f"ga{n}") if goal.task == "GatherSamples" else ""
-        messages = "".join(self._message(f"m{N_MESSAGES * n + k}", goal) for k in range(N_MESSAGES))
-        return (
-            f'<goals ID="g{n}" name="" members="{" ".join(goal.members)}">{area}'
-            f'<task xsi:type="mission:{goal.task}"{attributes}>{content}</task>{messages}</goals>'
-        )
-
-    def _message(self, name: str, goal: GoalShape) -> str:
-        sender = self._rng.choice((*goal.members, "base"))
-        receiver = goal.members[0] if sender == "base" else "base"
+    def _message(self, name: str, members: list[m.Robot], base: m.Server) -> m.Message:
+        sender = self._rng.choice((*members, base))
         every = (*FIELDS, *SENSOR_TYPES)
-        body = "".join(
-            f'<body name="{field}" type="{FIELDS.get(field, "Int")}"/>'
-            for field in self._rng.sample(every, self._rng.choice((1, 3, len(every))))
-        )
-        return f'<messages ID="{name}" sender="{sender}" receiver="{receiver}">{body}</messages>'
+        some = self._rng.sample(every, self._rng.choice((1, 3, len(every))))
+        body = {field: FIELDS.get(field, "Int") for field in some}
+        return builder.message(name, sender, members[0] if sender is base else base, **body)
 
-    def _task(self, n: int, goal: GoalShape) -> tuple[str, str]:
-        """Return attributes and content of a goal's task."""
+    def _task(
+        self,
+        n: int,
+        goal: GoalShape,
+        members: list[m.Robot],
+        robots: dict[str, m.Robot],
+        obstacles: list[m.Obstacle],
+    ) -> dict[str, Any]:
+        """Return what a goal's task has."""
         rng = self._rng
-        attributes, content = "", ""
+        found: dict[str, Any] = {}
         if goal.task in ("Visit", "Track", "FixedDistanceBetweenRobots"):
-            attributes = f' tolerance="{_number(rng, 1.0, 12.0, _ODD_EXTENTS)!r}"'
+            found = {"tolerance": _number(rng, 1.0, 12.0, _ODD_EXTENTS)}
         if goal.task == "AvoidCollision":
-            hazards = " ".join(f"o{k}" for k in range(self._of.n_obstacles))
-            attributes = f' robots="{" ".join(goal.members)}" obstacles="{hazards}"'
+            found = {"robots": members, "obstacles": obstacles}
         elif goal.task == "GatherSamples":
-            target = rng.choice((0, 1, 5, 50))
-            attributes = f' targetSampleNumber="{target}" sensor="{goal.sensor}"'
+            (sensor,) = (each for each in robots["r0"].sensors if goal.sensor == each.ID)
+            found = {"targetSampleNumber": rng.choice((0, 1, 5, 50)), "sensor": sensor}
         elif goal.task == "Patrol":
-            attributes = f' period="{rng.randint(1, 40)}"'
+            found = {"period": rng.randint(1, 40)}
         elif goal.task == "Visit":
-            attributes += f' deadline="{rng.randint(1, 70)}"'
-            content = self.point("coordinates")
+            found |= {"deadline": rng.randint(1, 70), "coordinates": self.point()}
         elif goal.task == "Track":
             begin = rng.choice(("", goal.members[0]))
-            content = "".join(self.point("trajectory", robot) for robot in (begin, "", ""))
+            found["trajectory"] = [self.point(robot) for robot in (begin, "", "")]
         elif goal.task == "FixedDistanceBetweenRobots":
-            attributes += f' fixedDistance="{_number(rng, 1.0, 80.0, _ODD_EXTENTS)!r}"'
+            found["fixedDistance"] = _number(rng, 1.0, 80.0, _ODD_EXTENTS)
         if goal.task in ("Patrol", "Stay"):
-            content = self.area("area", f"ta{n}")
-        return attributes, content
+            found["area"] = self.area(f"ta{n}")
+        return found
