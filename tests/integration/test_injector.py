@@ -25,7 +25,6 @@ from tests.support.rosbridge import process
 from tests.support.tree import ROOT, UNDRAWN
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
-from tests.tiers import night, slow
 
 CODE = paper_code()
 REACHED = replace(
@@ -34,7 +33,6 @@ REACHED = replace(
         out_of_reach(CODE.mission, CODE.pool, Speech.of("", CODE.mission)),
     ),
 )
-SEEDS = range(20)
 EMBEDDED, ON_ONE_SERVER = "our world inside", "all on one server"
 WAYS = [*product((EMBEDDED, ON_ONE_SERVER), ROS_VERSIONS)]
 
@@ -87,17 +85,6 @@ def test_faults_that_wait_fly_as_generated_too():
     with ReferenceEngine(code, 1) as engine:
         expected = [engine.evaluate(each) for each in specifications]
     assert flown(EMBEDDED, 2, specifications, code=code) == expected
-
-
-@pytest.mark.parametrize(
-    "seeds", [pytest.param(SEEDS[:4], marks=slow), pytest.param(SEEDS[4:], marks=night)], ids=str
-)
-def test_all_ways_and_specifications_fly_as_generated(seeds):
-    specifications = [specification(REACHED, seed) for seed in seeds]
-    expected = in_process(specifications)
-
-    for way, ros in WAYS:
-        assert flown(way, ros, specifications) == expected
 
 
 @pytest.mark.parametrize(("pace", "reset"), [("barrier", SERVICE), ("answer", RESTART)])
