@@ -16,7 +16,7 @@ from tests.support.rendezvous import (
     searched,
     write_planted,
 )
-from tests.tiers import night, seeds, slow
+from tests.tiers import slow
 
 ONE = ("--workers", "1")
 
@@ -168,16 +168,6 @@ def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
     assert before["weaknesses"] is None
     assert explained.stdout == mrsfi("weaknesses", run, cwd=run.parent).stdout
     assert rows(tmp_path / campaign) == rows(run)
-
-
-@pytest.mark.parametrize("command", seeds([("report",), ("evolve", "--resume")], 1))
-def test_damaged_flights_end_with_9_like_other_damage(campaign, tmp_path, command):
-    execute(tmp_path / campaign, "UPDATE flight SET found = replace(found, 'true', 'truth')")
-
-    error = mrsfi(*command, campaign, cwd=tmp_path, expected=9).stderr
-
-    assert f"{campaign}/campaign.sqlite: the record is damaged: found " in error
-    assert "expected the outcome of a flight, or an error" in error
 
 
 @slow

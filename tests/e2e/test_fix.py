@@ -1,7 +1,7 @@
 import subprocess
 from pathlib import Path
 
-from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, stop_specification
+from tests.support.cli import MISSION, command_line, contents, edit, mrsfi
 
 RIGHT = 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"'
 WRONG = 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"'
@@ -79,15 +79,6 @@ def test_fix_tells_when_a_file_loses_its_layout(place):
     text = mrsfi("validate", MISSION, "--fix", "--yes", cwd=place).stdout
 
     assert "is not as Eclipse writes it; layout and comments will be lost" in text
-
-
-def test_fix_mends_a_written_specification(place):
-    models = place / "models" / MISSION
-    path = stop_specification(models / "byhand.xmi", [(200, 100)])
-
-    mrsfi("validate", path, "--fix", "--yes", cwd=place)
-
-    assert 'start="100" finish="200"' in path.read_text(encoding="ascii")
 
 
 def test_fix_options_that_make_no_sense_together_are_refused(place):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from m2t.load import load_mission_folder
-from tests.support.cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json
+from tests.support.cli import MISSION, ROOT, edit, mrsfi, mrsfi_json
 from tests.support.models.published import published
 
 
@@ -71,17 +71,6 @@ def test_import_as_json_lists_every_note(file, place):
     assert [(note["element"], note["feature"]) for note in found] == [("sensors 's2'", "parentID")]
     assert result["folder"] == "models/harbour"
     assert result["counts"]["faults"] == 30
-
-
-def test_import_into_an_existing_folder_needs_force(file, place):
-    before = contents(place)
-
-    error = mrsfi("import", file, "--out", f"models/{MISSION}", cwd=place, expected=2).stderr
-
-    assert "--force" in error
-    assert contents(place) == before
-    forced = mrsfi("import", file, "--out", f"models/{MISSION}", "--force", cwd=place).stdout
-    assert "case_a.toml" not in forced
 
 
 def test_import_of_a_model_of_ours_says_that_it_needs_none(place, approved):

@@ -4,13 +4,13 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
-from signal import SIGINT, SIGKILL, SIGTERM
+from signal import SIGKILL, SIGTERM
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import pytest
 
-from tests.support.cli import mrsfi
+from tests.support.cli import mrsfi, press
 from tests.support.cluster import scheduler
 from tests.support.interrupted import is_equal, n_rows, rows
 from tests.support.processes import children, descendants, require_end, wait_for
@@ -54,10 +54,6 @@ class Case(NamedTuple):
 
 def kill(pid: int) -> None:
     os.kill(pid, SIGKILL)
-
-
-def press(pid: int) -> None:
-    os.killpg(pid, SIGINT)  # as a terminal does: the workers get it too
 
 
 def kill_child(word: bytes) -> Callable[[int], None]:

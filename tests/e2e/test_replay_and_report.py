@@ -1,6 +1,5 @@
 import json
 import re
-from importlib.metadata import version
 
 import pytest
 from PIL import Image
@@ -122,11 +121,3 @@ def test_a_flight_is_written_as_a_picture_that_moves(campaign, tmp_path):
         first = picture.convert("RGB").tobytes()
         picture.seek(50)
         assert picture.convert("RGB").tobytes() != first
-
-
-def test_a_campaign_of_before_0_3_ends_with_9_and_names_the_mrsfi_that_wrote_it(campaign, tmp_path):
-    execute(campaign, "PRAGMA user_version = 3")
-
-    error = mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
-
-    assert f"mrsfi {version('mrsfi')}" in error

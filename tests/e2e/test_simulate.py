@@ -76,15 +76,6 @@ def test_overlapping_copies_of_one_fault_end_with_5_even_if_they_touch_nothing(p
     approved(error)
 
 
-def test_log_and_trace_have_every_tick(place):
-    mrsfi("simulate", MISSION, "--log", "flight.log", "--trace", "flight.csv", cwd=place)
-
-    log = (place / "flight.log").read_text(encoding="utf-8").splitlines()
-    trace = (place / "flight.csv").read_text(encoding="utf-8").splitlines()
-    assert sum(line.startswith("tick ") for line in log) == 1000
-    assert len(trace) == 1 + 1000
-
-
 @slow
 def test_auto_opens_no_server(place, monkeypatch):
     monkeypatch.setattr(rosbridge, "RosbridgeEngine", None)

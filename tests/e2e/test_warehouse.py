@@ -8,23 +8,13 @@ import sys
 import pytest
 
 from tests.support.cli import mrsfi, mrsfi_json
+from tests.support.models.shapes import TASKS
 from tests.support.tree import ROOT, UNDRAWN
 from tests.tiers import slow
 
 SCRIPT = ROOT / "examples" / "warehouse" / "warehouse.py"
 NAME = "warehouse"
 CAMPAIGN = f"runs/{NAME}-script-1"
-TASKS = (
-    "AvoidCollision",
-    "StayWithinMissionArea",
-    "SufficientEnergy",
-    "FixedDistanceBetweenRobots",
-    "GatherSamples",
-    "Patrol",
-    "Stay",
-    "Track",
-    "Visit",
-)
 pytestmark = slow
 
 

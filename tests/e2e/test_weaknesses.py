@@ -123,13 +123,6 @@ def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told
     assert "did you mean 'within'?" in refused.stderr
 
 
-def test_a_script_gets_the_same(place, told, monkeypatch):
-    monkeypatch.chdir(place)
-
-    found = [one.as_json() for one in api.Campaign("runs/cover").weaknesses]
-    assert found == [{k: v for k, v in one.items() if k != "number"} for one in told]
-
-
 def test_a_column_that_a_record_lacks_prints_not_recorded(place, tmp_path):
     shutil.copytree(place / "runs" / "cover", tmp_path / "run")
     for column in ("margins", "detection"):

@@ -44,7 +44,7 @@ def flown(way, ros, client, seeds):
             opened.enter_context(closing(joined))
 
         def fly():
-            return digests_apart(client, MISSION, DURATION, seeds, relay.url, side="ci", ros=ros)
+            return digests_apart(client, MISSION, DURATION, seeds, relay.url, ros)
 
         if way == "simulation first":
             simulation()

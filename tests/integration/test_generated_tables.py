@@ -3,8 +3,6 @@
 from pathlib import Path
 
 from m2t.generate import diff, generate
-from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import copy_models, edit
 
 ROBOT = """  <robots ID="r4" name="MEL" speed="4.0">
@@ -46,18 +44,3 @@ def test_a_robot_with_two_sensors_adds_rows_only(tmp_path):
     assert changed["topics.py"] == ROWS
     assert changed.keys() <= {"topics.py", "mission_loader.py", "collective_intelligence.py"}
     assert all(line.startswith("+") for lines in changed.values() for line in lines)
-
-
-def test_the_robot_of_a_row_more_flies(tmp_path):
-    models, target = copy_models(tmp_path, "uuv_sampling"), tmp_path / "generated" / "uuv_sampling"
-    add_robot(models)
-    generate(models, target)
-    code = load_code(target)
-    flown: list[list[float]] = []
-
-    ReferenceEngine(code, 1).evaluate(
-        (), observer=lambda world, *_: flown.append([robot.energy for robot in world.robots])
-    )
-
-    assert len(flown[-1]) == len(code.truth) == 4
-    assert flown[-1] != flown[0]

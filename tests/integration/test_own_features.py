@@ -10,24 +10,6 @@ from tests.support.models.loiter import write_loiter
 from tests.support.own_metamodels import a_class, an_enumeration, attribute, many, part, reference
 from tests.support.tree import ROOT
 
-TAGS = {
-    "Mission": "<mission:Mission",
-    "Area": "<missionArea",
-    "Robot": "<robots",
-    "Sensor": "<sensors",
-    "Battery": "<batteries",
-    "MotionSource": "<motionSources",
-    "Server": "<servers",
-    "Goal": "<goals",
-    "StayWithinMissionArea": '<task xsi:type="mission:StayWithinMissionArea"',
-    "Loiter": '<task xsi:type="mission:Loiter"',
-    "Coordinates": "<home",
-    "Message": "<messages",
-    "MessageData": "<body",
-    "Mark": '<mark depth="3.0"',
-}
-"""How the first element of each class begins in the mission."""
-
 
 @pytest.fixture
 def models(tmp_path, own_metamodels):
@@ -130,15 +112,6 @@ def test_a_subclass_of_a_task_flies_as_that_task_with_constants(models, own_meta
 
     target = models.parent.parent / "generated" / models.name
     assert "task=StayWithinMissionArea()" in (target / "mission_loader.py").read_text()
-
-
-@pytest.mark.parametrize("text", ['"""', "'''", "\\", "# protected region x on begin", "{{ x }}"])
-def test_no_text_of_a_model_leaves_its_literal(models, own_metamodels, text):
-    own_metamodels.extend("Robot", attribute("motto"))
-    quoted = text.replace('"', "&quot;")
-    edit(mission(models), '<robots ID="a"', f'<robots ID="a" motto="{quoted}"')
-
-    assert constants(models) == {"A_MOTTO": text}
 
 
 def test_generated_code_with_many_constants_is_formatted(models, own_metamodels):

@@ -6,7 +6,6 @@ import signal
 import threading
 import time
 from contextlib import closing
-from functools import lru_cache
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
@@ -18,27 +17,18 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.transport.topics import CLIENTS
 from tests.support.processes import is_running
 from tests.support.rosbridge import (
     FLIGHT_SEED,
     Relay,
     code_of,
     digests,
-    digests_apart,
     reference_digests,
     specification,
 )
-from tests.tiers import seeds, slow
+from tests.tiers import slow
 
 SHORT = code_of("tight_margins", 60)
-FEW_CLIENTS = [CLIENTS[0], *(pytest.param(client, marks=slow) for client in CLIENTS[1:])]
-"""The other ones where a flight says it all are left to the rest."""
-
-
-@lru_cache
-def expected(mission, duration, seeds):
-    return reference_digests(code_of(mission, duration), seeds)
 
 
 @pytest.fixture
@@ -60,15 +50,6 @@ def simulation_on(url):
 
 def engine(code, **options):
     return RosbridgeEngine(code, FLIGHT_SEED, EngineSettings(timeout=3.0, **options))
-
-
-@pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
-@pytest.mark.parametrize("client", FEW_CLIENTS)
-@pytest.mark.parametrize("drawn", seeds([range(7), range(7, 14), range(14, 20)], 0, 1))
-def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(drawn, client, is_bundled):
-    flown = digests_apart(client, "uuv_sampling", 1000, drawn, is_bundled=is_bundled)
-
-    assert flown == expected("uuv_sampling", 1000, drawn)
 
 
 def test_the_ci_may_start_before_the_simulation(server):
@@ -157,16 +138,6 @@ def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):
         pytest.raises(TransportTimeout, match=r"tick 0: .*does it know /mission/go/bundle"),
     ):
         opened.evaluate(())
-
-
-@slow
-def test_one_simulation_answers_messages_and_bundles(server, simulation):
-    flown = []
-    for is_bundled in (True, False, True):
-        with engine(SHORT, url=server.url, side="ci", is_bundled=is_bundled) as opened:
-            flown.append(digests(opened, range(2)))
-
-    assert flown == [reference_digests(SHORT, range(2))] * 3
 
 
 @pytest.mark.parametrize(

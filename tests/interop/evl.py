@@ -10,7 +10,7 @@ from typing import Any
 
 from m2t.diagnostics import CONSTRAINTS, Diagnostic
 from m2t.fixes import FIXES, mend
-from m2t.load import Inspection, inspect_folder, inspect_specification
+from m2t.load import inspect_folder
 from tests.interop.eclipse import ROOT, Note, difference, harness
 from tests.support.models.copies import FAULTS, MISSION
 
@@ -23,7 +23,7 @@ Finding = tuple[str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A mission folder or a fault specification, what we find in it, and what Epsilon answers."""
+    """A mission folder, what we find in it, and what Epsilon answers."""
 
     path: Path
     diagnostics: tuple[Diagnostic, ...]
@@ -76,12 +76,11 @@ _DROPPED = re.compile(r" refers to '[^'#/]*:[^'#/]*' as ")
 
 def judged(paths: Sequence[Path]) -> list[Judged]:
     """Return what both find in models that both load and that break only what both state."""
-    inspected = [(path, inspected_model(path)) for path in paths]
+    inspected = [(path, inspect_folder(path)) for path in paths]
     known = [
-        (path, files, inspection.diagnostics)
+        (path, folder_files(path), inspection.diagnostics)
         for path, inspection in inspected
         if {found.constraint for found in inspection.diagnostics} <= TWINS
-        and (files := _files(path, inspection))
     ]
     answers = epsilon([files for _, files, _ in known])
     models = [
@@ -89,11 +88,6 @@ def judged(paths: Sequence[Path]) -> list[Judged]:
         for (path, _, diagnostics), answer in zip(known, answers, strict=True)
     ]
     return [model for model in models if model.is_loaded]
-
-
-def inspected_model(path: Path) -> Inspection:
-    """Inspect a mission folder, or a fault specification with its mission."""
-    return inspect_folder(path) if path.is_dir() else inspect_specification(path)
 
 
 def epsilon(models: Sequence[Sequence[Path]]) -> list[dict[str, Any]]:
@@ -107,14 +101,6 @@ def epsilon(models: Sequence[Sequence[Path]]) -> list[dict[str, Any]]:
 def folder_files(folder: Path) -> list[Path]:
     """Return the files of a mission folder that a user would open together."""
     return [path for path in (folder / MISSION, folder / FAULTS) if path.exists()]
-
-
-def _files(path: Path, inspection: Inspection) -> list[Path]:
-    if path.is_dir():
-        return folder_files(path)
-    if inspection.draft is None:
-        return []
-    return list(dict.fromkeys((inspection.draft.mission_path, path)))
 
 
 def require_same_findings(name: str, models: Sequence[Judged], note: Note) -> set[str]:
@@ -142,7 +128,7 @@ def require_same_fixes(models: Sequence[Judged], note: Note) -> set[str]:
         offered = [found for found in model.answer["unsatisfied"] if found["fixes"]]
         if not offered and not any(found.constraint in FIXES for found in model.diagnostics):
             continue
-        inspection = inspected_model(model.path)
+        inspection = inspect_folder(model.path)
         if inspection.draft is None:
             counts["models_with_errors_of_structure_first"] += bool(offered)
             continue

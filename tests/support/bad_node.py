@@ -14,7 +14,7 @@ from collections.abc import Callable
 from websockets.frames import Frame, Opcode
 from websockets.sync.client import ClientConnection, connect
 
-HUSKY, STRANGER, TWIST = "/husky1/cmd_vel", "/husky9/cmd_vel", "geometry_msgs/Twist"
+HUSKY, TWIST = "/husky1/cmd_vel", "geometry_msgs/Twist"
 
 
 def say(socket: ClientConnection, op: str, **values: object) -> None:
@@ -22,9 +22,9 @@ def say(socket: ClientConnection, op: str, **values: object) -> None:
     socket.send(json.dumps({"op": op, **values}))
 
 
-def drive(socket: ClientConnection, speed: object = 0.5, topic: str = HUSKY) -> None:
+def drive(socket: ClientConnection, speed: object = 0.5) -> None:
     """Tell a husky to go ahead."""
-    say(socket, "publish", topic=topic, msg={"linear": {"x": speed}})
+    say(socket, "publish", topic=HUSKY, msg={"linear": {"x": speed}})
 
 
 def flood(socket: ClientConnection) -> None:
@@ -33,11 +33,6 @@ def flood(socket: ClientConnection) -> None:
     frame = Frame(Opcode.TEXT, ahead).serialize(mask=True)
     with socket.protocol_mutex:
         socket.socket.sendall(3000 * frame)
-
-
-def command_a_stranger(socket: ClientConnection) -> None:
-    say(socket, "advertise", topic=STRANGER, type=TWIST)
-    drive(socket, topic=STRANGER)
 
 
 def say_another_type(socket: ClientConnection) -> None:
@@ -61,8 +56,6 @@ WRONG: dict[str, Callable[[ClientConnection], object]] = {
     "hangs": lambda _: os.kill(os.getpid(), signal.SIGSTOP),
     "leaves": leave,
     "floods": flood,
-    "commands a stranger": command_a_stranger,
-    "says no number": lambda socket: drive(socket, float("nan")),
     "says a text": lambda socket: drive(socket, "fast"),
     "says another type": say_another_type,
     "says no JSON": lambda socket: socket.send("ahead!"),

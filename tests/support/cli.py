@@ -7,7 +7,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import chdir, closing, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -93,20 +93,8 @@ def press(pid: int) -> None:
     os.killpg(pid, signal.SIGINT)  # as a terminal does: the workers get it too
 
 
-def terminate(pid: int) -> None:
-    """End a command as a job scheduler does."""
-    os.kill(pid, signal.SIGTERM)
-
-
 def interrupted(*arguments: str | Path, cwd: Path, sign: str) -> subprocess.CompletedProcess[str]:
     """Run ``mrsfi``, and press Ctrl-C once it wrote the sign to standard error."""
-    return disturbed(*arguments, cwd=cwd, sign=sign, disturb=press)
-
-
-def disturbed(
-    *arguments: str | Path, cwd: Path, sign: str, disturb: Callable[[int], object]
-) -> subprocess.CompletedProcess[str]:
-    """Run ``mrsfi``, and do something once it wrote the sign to standard error."""
     with subprocess.Popen(
         command_line(*arguments),
         cwd=cwd,
@@ -116,16 +104,11 @@ def disturbed(
         start_new_session=True,
     ) as process:
         assert process.stderr is not None
-        seen = []
-        for line in process.stderr:
-            seen.append(line)
-            if sign in line:
-                break
-        disturb(process.pid)
-        output, rest = process.communicate(timeout=120)
-    return subprocess.CompletedProcess(
-        process.args, process.returncode, output, "".join(seen) + rest
-    )
+        while sign not in process.stderr.readline():
+            assert process.poll() is None
+        press(process.pid)
+        output, errors = process.communicate(timeout=120)
+    return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
 
 
 def workspace(folder: Path, mission: str = MISSION) -> Path:

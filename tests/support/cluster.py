@@ -46,16 +46,10 @@ class Process:
 
 
 class Scheduler:
-    """A scheduler with workers, each with an empty working directory.
+    """A scheduler with workers, each with an empty working directory."""
 
-    With nannies, each worker has a process beside it that starts it anew when it dies.
-    """
-
-    def __init__(
-        self, folder: Path, env: Mapping[str, str], *, has_nannies: bool, protocol: str
-    ) -> None:
+    def __init__(self, folder: Path, env: Mapping[str, str], protocol: str) -> None:
         self._folder = folder
-        self._nanny = "--nanny" if has_nannies else "--no-nanny"
         self.workers: list[Process] = []
         words = ("scheduler", "--port", "0", "--scheduler-file", str(folder / "address.json"))
         words = (*words, "--protocol", protocol)
@@ -74,7 +68,7 @@ class Scheduler:
     def start_worker(self, env: Mapping[str, str] | None = None, n_threads: int = 1) -> Process:
         """Start a worker, which joins some time later."""
         folder = self._folder / f"worker-{len(self.workers)}"
-        words = ("worker", self.address, "--nthreads", str(n_threads), self._nanny)
+        words = ("worker", self.address, "--nthreads", str(n_threads), "--no-nanny")
         words = (*words, "--local-directory", "own")
         self.workers.append(Process(folder, *words, env=env or {}))
         return self.workers[-1]
@@ -114,7 +108,6 @@ def scheduler(
     n_workers: int,
     *,
     is_quick: bool = False,
-    has_nannies: bool = False,
     protocol: str = "tcp",
 ) -> Iterator[Scheduler]:
     """Run a scheduler, which has no mrsfi and needs none, and workers while the body runs.
@@ -124,7 +117,7 @@ def scheduler(
     require_dask()
     env = without_mrsfi(folder / "none")
     env = {**env, **_QUICKLY} if is_quick else env
-    found = Scheduler(folder, env, has_nannies=has_nannies, protocol=protocol)
+    found = Scheduler(folder, env, protocol)
     try:
         for _ in range(n_workers):
             found.start_worker()

@@ -1,6 +1,6 @@
 """Flights over rosbridge for tests, and a relay that delays and tampers with what passes.
 
-Run ``python -m tests.support.rosbridge CLIENT FORM MISSION DURATION URL SIDE ROS SEED …`` to fly
+Run ``python -m tests.support.rosbridge CLIENT MISSION DURATION URL ROS SEED …`` to fly
 one random specification per seed in a process of its own: a process has one kind of client only.
 """
 
@@ -25,7 +25,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.record.engine_settings import EngineSettings
+from mrsfi_runtime.record.engine_settings import CI, EngineSettings
 from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
@@ -61,15 +61,11 @@ def digests_apart(
     mission: str,
     duration: int,
     seeds: Sequence[int],
-    url: str = "",
-    *,
-    is_bundled: bool = False,
-    side: str = "both",
-    ros: int = 1,
+    url: str,
+    ros: int,
 ) -> list[list[str]]:
-    """Return the digests of flights over rosbridge in a process of its own."""
-    form = "bundles" if is_bundled else "messages"
-    words = [client, form, mission, str(duration), url, side, str(ros), *map(str, seeds)]
+    """Return the digests of flights with the simulation at a server, in a process of its own."""
+    words = [client, mission, str(duration), url, str(ros), *map(str, seeds)]
     done = subprocess.run(
         [sys.executable, "-W", "error", "-m", __name__, *words],
         check=False,
@@ -210,15 +206,9 @@ def process(
 
 def main() -> None:
     """Print the digests of flights over rosbridge as JSON."""
-    client, form, mission, duration, url, side, ros, *seeds = sys.argv[1:]
+    client, mission, duration, url, ros, *seeds = sys.argv[1:]
     code = code_of(mission, int(duration))
-    settings = EngineSettings(
-        url=url or None,
-        ros=int(ros),
-        client=client,
-        side=side,
-        is_bundled=form == "bundles",
-    )
+    settings = EngineSettings(url=url, ros=int(ros), client=client, side=CI)
     with RosbridgeEngine(code, FLIGHT_SEED, settings) as engine:
         sys.stdout.write(json.dumps(digests(engine, [int(seed) for seed in seeds])))
 

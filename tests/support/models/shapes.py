@@ -105,13 +105,6 @@ def shape(n_robots: int, n_obstacles: int, repeated: tuple[str, ...] = (), seed:
     return Shape(n_obstacles, sensors, tuple(goals))
 
 
-def draw_mission(rng: Random, of: Shape, longest: int, shortest: int = 1) -> m.Mission:
-    """Draw a mission of a shape; its duration too, in ticks."""
-    mission = _Parts(rng, of).mission()
-    mission.duration = rng.randint(shortest, longest)
-    return mission
-
-
 def draw_pool(rng: Random, of: Shape, mission: m.Mission) -> f.FaultSpecification:
     """Draw a pool with one fault of every type, and triggers of every event."""
     targets = {
@@ -201,8 +194,9 @@ def small_mission(folder: Path) -> MissionCode:
 
 
 def write_drawn(folder: Path, rng: Random, of: Shape, longest: int, shortest: int = 1) -> Path:
-    """Draw a mission of a shape and its pool, and return the folder of their models."""
-    mission = draw_mission(rng, of, longest, shortest)
+    """Draw a mission of a shape, its duration in ticks too, and its pool; return their folder."""
+    mission = _Parts(rng, of).mission()
+    mission.duration = rng.randint(shortest, longest)
     return builder.write(folder, mission, draw_pool(rng, of, mission))
 
 

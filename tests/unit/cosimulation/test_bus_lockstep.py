@@ -200,28 +200,15 @@ def test_every_command_is_sent_before_tick_0_and_later_only_changes():
     assert sent["later"] < n_channels * sent["go"] / 2
 
 
-def test_messages_that_arrive_after_their_announcement_are_waited_for():
+@pytest.mark.parametrize(("late", "announced"), [(SPEED, TICK), ("/command/", GO)])
+def test_what_arrives_after_its_announcement_is_waited_for(late, announced):
     held = []
 
     def tamper(message):
-        if message[0] == SPEED:
-            held.append(message)
-            return []
-        if message[0] == TICK:
-            return [message, held.pop()]
-        return [message]
-
-    assert flown(tamper) == flown_in_process()
-
-
-def test_commands_that_arrive_after_their_go_are_waited_for():
-    held = []
-
-    def tamper(message):
-        if message[0] == GO:
-            late, held[:] = held[:], []
-            return [message, *late]
-        if "/command/" in message[0]:
+        if message[0] == announced:
+            passed, held[:] = [message, *held], []
+            return passed
+        if late in message[0]:
             held.append(message)
             return []
         return [message]
