@@ -19,7 +19,7 @@ from tests.support.rosbridge import process
 from tests.tiers import slow
 
 MOMENTS = (("evaluation", 20), ("flight", 3))
-"""While it searches, and while it flies what the search left unexplained."""
+"""Rows that a command adds while it searches, and while it flies what that left unexplained."""
 
 ONE, TWO = ("--workers", "1"), ("--workers", "2")
 BUS = ("--engine", "rosbridge", *ONE)
@@ -86,7 +86,8 @@ def test_what_is_ended_goes_on_to_the_same(what, ended, small):
 
     for table, n in CASES[what].moments:
         before, n_before = kept, n_rows(out, "evaluation")
-        told = cut(CASES[what], words, small, lambda t=table, n=n: n_rows(out, t) >= n)
+        most = n_rows(out, table) + n
+        told = cut(CASES[what], words, small, lambda t=table, n=most: n_rows(out, t) >= n)
         kept, words = recorded(out), ("evolve", "--resume", "runs/it")
 
         assert before < kept < recorded(run)
