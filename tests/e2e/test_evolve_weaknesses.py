@@ -16,7 +16,7 @@ from tests.support.rendezvous import (
     searched,
     write_planted,
 )
-from tests.tiers import slow
+from tests.tiers import night, slow
 
 ONE = ("--workers", "1")
 
