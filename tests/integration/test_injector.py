@@ -25,6 +25,7 @@ from tests.support.rosbridge import process
 from tests.support.tree import ROOT, UNDRAWN
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
+from tests.tiers import night
 
 CODE = paper_code()
 REACHED = replace(
