@@ -15,7 +15,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recorder, Recording
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome

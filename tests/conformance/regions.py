@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import Region
 from mrsfi_runtime.engine.compiled.views import seen_as
 from mrsfi_runtime.generated_code import load_code, load_module
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.state import State
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT

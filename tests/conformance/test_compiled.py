@@ -12,7 +12,7 @@ from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.conformance.regions import compiled
 from tests.support.cli import edit

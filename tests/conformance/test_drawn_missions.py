@@ -13,7 +13,7 @@ from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
+from mrsfi_runtime.kernel.state import COLUMNS, state_bytes
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.fault_types import FAULT_TYPES

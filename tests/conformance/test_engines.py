@@ -12,7 +12,7 @@ from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.kernel.packing import COLUMNS
+from mrsfi_runtime.kernel.state import COLUMNS
 from mrsfi_runtime.model.faults import Event, TimedFault
 from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.record.engine_settings import EngineSettings

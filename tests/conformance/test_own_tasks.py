@@ -13,7 +13,7 @@ from mrsfi_runtime.engine.recording import Recording, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.fault_types import FAULT_TYPES

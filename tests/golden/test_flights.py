@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.kernel.packing import state_bytes
+from mrsfi_runtime.kernel.state import state_bytes
 from tests.golden import frozen
 from tests.golden.flights import FLIGHTS, MISSIONS, flights
 from tests.support.tree import ROOT

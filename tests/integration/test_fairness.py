@@ -4,7 +4,7 @@ import pytest
 
 from mrsfi_runtime.cosimulation.world import move
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.kernel.state import excess
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.world import code_of, paper_code, specifications
 from tests.tiers import night, seeds, slow

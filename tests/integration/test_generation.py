@@ -22,7 +22,7 @@ from mrsfi_runtime.api import (
 from mrsfi_runtime.cosimulation.world import initial_state as true_state
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.generated_code import load_code, pool_from_text
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.mission import (
     Area,
     Coordinates,

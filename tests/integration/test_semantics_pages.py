@@ -1,7 +1,8 @@
 """What docs/semantics.md and docs/faults.md print in tables is what the code does."""
 
 from m2t.metamodels import load_metamodels
-from mrsfi_runtime.kernel.effects.belief import PURPOSES
+from mrsfi_runtime.kernel.effects import PURPOSES
+from mrsfi_runtime.kernel.flight import sample_chances
 from mrsfi_runtime.kernel.randomness import (
     PURPOSE_HEADING,
     PURPOSE_NOISE,
@@ -13,7 +14,6 @@ from mrsfi_runtime.kernel.randomness import (
     seed_key,
     uniform,
 )
-from mrsfi_runtime.kernel.samples import sample_chances
 from mrsfi_runtime.model.fault_types import FaultType, Field
 from tests.support.tree import ROOT
 

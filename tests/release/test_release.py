@@ -192,7 +192,7 @@ def _require_a_kernel_that_was_built_before(terminal):
     assert compiled.errors == ()
 
     room = terminal.run("echo ../.venv/lib/python*/site-packages/mrsfi_runtime").output[0]
-    for file in ("kernel/motion.py", "engine/compiled/prebuilt/kernel.so"):
+    for file in ("kernel/commands.py", "engine/compiled/prebuilt/kernel.so"):
         terminal.run(f"echo >> {room}/{file}")
         refused = terminal.run("mrsfi simulate plain --engine compiled")
         terminal.run(f"truncate --size -1 {room}/{file}")

@@ -7,8 +7,7 @@ from typing import Any
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recording
 from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.packing import state_bytes
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import State, state_bytes
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome

@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import (

@@ -21,7 +21,7 @@ from mrsfi_runtime.cli.terminal import print_table, print_words
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import telling, whole_file, written_file
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate

@@ -35,8 +35,8 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.motion import reports_position
+from mrsfi_runtime.kernel.commands import reports_position
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport, seconds_of

@@ -11,9 +11,15 @@ from typing import TypeAlias
 
 from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.errors import MrsfiError
-from mrsfi_runtime.kernel.effects.commands import Orders, issue
-from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, hear, no_verdicts, reply
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.effects import Orders, issue
+from mrsfi_runtime.kernel.flight import (
+    MissionFunctions,
+    Verdicts,
+    hear,
+    initial_state,
+    no_verdicts,
+    reply,
+)
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import State, SwitchState
 from mrsfi_runtime.model.mission import Mission

@@ -6,8 +6,7 @@ from typing import Any
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import OwnEffect, OwnFault
-from mrsfi_runtime.kernel.packing import COLUMNS, PROPERTIES
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import COLUMNS, PROPERTIES, State
 from mrsfi_runtime.model.fault_types import FaultType
 
 Place = tuple[str, int, str]

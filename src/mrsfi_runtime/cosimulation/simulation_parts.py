@@ -7,7 +7,7 @@ Source paper, section III-F.
 
 from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.cosimulation.truth import true_values
-from mrsfi_runtime.kernel.motion import reported_place, reports_position
+from mrsfi_runtime.kernel.commands import reported_place, reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.transport.topics import Payload, PubSub
 

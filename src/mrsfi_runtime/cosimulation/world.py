@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from mrsfi_runtime.kernel import initial, motion
-from mrsfi_runtime.kernel.samples import Samples, valid_samples
+from mrsfi_runtime.kernel import commands, flight
+from mrsfi_runtime.kernel.flight import Samples, valid_samples
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 
@@ -17,11 +17,11 @@ class World(State):
 
 def initial_state(mission: Mission, seed: int) -> World:
     """Return what is true before the first tick; as ``kernel.initial.initial_state``."""
-    state = initial.initial_state(mission, seed)
+    state = flight.initial_state(mission, seed)
     known = {name: getattr(state, name) for name in State.__slots__}
     return World(**known, samples=valid_samples(state))
 
 
 def move(world: World, tick: int) -> None:
     """Fly a tick, as ``kernel.motion.move``."""
-    motion.move(world, world.samples[tick], tick)
+    commands.move(world, world.samples[tick], tick)

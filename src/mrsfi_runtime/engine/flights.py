@@ -13,10 +13,10 @@ from mrsfi_runtime.engine.compiled.regions import measured_goals
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.generated_code import MissionCode, failed
-from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
+from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN
 from mrsfi_runtime.kernel.injections import FaultTally, plan
-from mrsfi_runtime.kernel.packing import state_bytes
+from mrsfi_runtime.kernel.state import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate

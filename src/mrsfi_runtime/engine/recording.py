@@ -19,8 +19,7 @@ import numpy.typing as npt
 from mrsfi_runtime.files import telling_of_temporary_files
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
-from mrsfi_runtime.kernel.state import N_MEMORY, State
+from mrsfi_runtime.kernel.state import COLUMNS, N_MEMORY, State, state_bytes
 from mrsfi_runtime.model.faults import Specification
 
 Records: TypeAlias = npt.NDArray[Any]

@@ -1,4 +1,12 @@
-"""The tick of a flight, written once for every engine: all that happens, in its order.
+"""One flight of a mission, tick by tick.
+
+What a mission seed decides: how many samples of every sensor are valid, tick by tick.
+
+It hangs on nothing that happens in a flight, so it is drawn once for all flights of a seed.
+
+Lays a mission out as the records that the kernel works on.
+
+The tick of a flight, written once for every engine: all that happens, in its order.
 
 A flight begins with forged commands (``issue``); then every tick moves the robots (``move``), sends
 their messages (``send``), and has the collective intelligence answer them: it hears (``hear``),
@@ -10,23 +18,248 @@ References
 Source paper, Figure 4. Its three unsynchronised threads (section V-D b) are one loop here.
 """
 
-from collections.abc import Callable
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, get_type_hints
+from functools import lru_cache
+from typing import NamedTuple, TypeAlias, get_type_hints
 
 from mrsfi_runtime.kernel.commands import release
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.delivery import deliver
-from mrsfi_runtime.kernel.effects.belief import falsify
-from mrsfi_runtime.kernel.effects.commands import Orders, issue
-from mrsfi_runtime.kernel.effects.own import disturb
-from mrsfi_runtime.kernel.effects.triggers import arm
+from mrsfi_runtime.kernel.effects import Orders, arm, deliver, disturb, falsify, issue
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
-from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
-from mrsfi_runtime.kernel.goal_tasks.reference import margin
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, MARGIN, AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.table import is_missed, margin, number
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.neighbours import LISTED, STRAYS, mapped, n_buckets, stride
+from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, PURPOSE_SAMPLES, choice, draw, seed_key
+from mrsfi_runtime.kernel.state import (
+    ChartedState,
+    CommandState,
+    DirectionState,
+    GoalState,
+    LookupState,
+    MemberState,
+    MissionState,
+    ObstacleState,
+    PointState,
+    RobotState,
+    SensorState,
+    State,
+    SwitchState,
+    TraitState,
+    kernel,
+)
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
+
+CHANCE_PRECISION = 2**32
+
+Samples: TypeAlias = tuple[bytes, ...]
+"""Valid samples of each sensor, a row a tick, each below 256; ``kernel.motion.move`` adds them."""
+
+
+def sample_chances(n: int) -> tuple[int, ...]:
+    """Return the cumulative chances of 0, 1, 2 … valid samples, in units of 2**-32.
+
+    Each of ``n`` samples of a tick is valid with chance ``1 / n``, so their number is
+    binomial; one draw against these bounds replaces ``n`` draws. The list ends where the
+    rest is below the precision of a draw.
+    """
+    if n == 1:
+        return (0,)
+    bounds: list[int] = []
+    chance = (1.0 - 1.0 / n) ** n
+    total = 0.0
+    for k in range(n):
+        total += chance
+        bound = round(total * CHANCE_PRECISION)
+        if bound >= CHANCE_PRECISION:
+            break
+        bounds.append(bound)
+        chance *= (n - k) / ((k + 1) * (n - 1))
+    return tuple(bounds)
+
+
+def reached(state: State) -> Iterator[tuple[int, ...]]:
+    """Yield the chances of each sensor: of its samples, as many are valid as a draw reaches."""
+    for sensor in state.sensors:
+        yield state.chances[sensor.first_chance : sensor.first_chance + sensor.n_chances]
+
+
+def valid_samples(state: State) -> Samples:
+    """Return the valid samples of a mission and seed, from a state before its first tick.
+
+    It needs no numpy, whose import takes longer; ``engine.compiled.layout.sample_table`` draws
+    the same for many robots at once.
+    """
+    return _drawn(state.mission.seed, state.mission.duration, tuple(reached(state)))
+
+
+@lru_cache(maxsize=8)
+def _drawn(seed: int, duration: int, chances: tuple[tuple[int, ...], ...]) -> Samples:
+    return tuple(
+        bytes(
+            bisect_right(bounds, draw(seed, tick, sensor, PURPOSE_SAMPLES))
+            for sensor, bounds in enumerate(chances)
+        )
+        for tick in range(duration)
+    )
+
+
+DIRECTIONS = tuple(
+    DirectionState(math.cos(angle), math.sin(angle)) for angle in map(math.radians, range(360))
+)
+"""All trigonometry of the kernel, but for turn rates.
+
+A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
+States carry it, because a compiler would copy a constant tuple at every use.
+"""
+
+
+def initial_state(mission: Mission, seed: int) -> State:
+    """Return the state of a mission before its first tick.
+
+    The mission seed, a non-negative integer, decides the first headings, the samples drawn, the
+    reference behaviour's choices and the values of random faults.
+
+    Notes
+    -----
+    A sensor is active from the start. Headings are drawn per robot from the table of
+    directions. A robot's speed before the first motion is its nominal one, as if that had been
+    reported. The map reaches as far as any reaction looks ahead.
+    """
+    area = mission.area
+    fastest = max((robot.fastest for robot in mission.robots), default=0.0)
+    map_, cells, shown = mapped(
+        area, mission.obstacles, MARGIN + 3.0 * LOOK_AHEAD * fastest + ROBOT_RADIUS
+    )
+    state = State(
+        mission=MissionState(
+            seed=seed_key(seed),
+            tick=0,
+            duration=mission.duration,
+            x=float(area.center.x),
+            y=float(area.center.y),
+            radius=float(area.radius),
+        ),
+        obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
+        traits=tuple(map(_traits, mission.robots)),
+        directions=DIRECTIONS,
+        map=map_,
+        cells=cells,
+        mapped=shown,
+        lookup=_lookup(mission),
+    )
+    for robot in mission.robots:
+        _add_robot(state, robot)
+    for goal in mission.goals:
+        _add_goal(state, mission, goal)
+    return state
+
+
+def _lookup(mission: Mission) -> LookupState:
+    """Return room for the grid of the AvoidCollision goal with the most robots."""
+    most = max(
+        (len(goal.terms.robots) for goal in mission.goals if isinstance(goal.task, AvoidCollision)),
+        default=0,
+    )
+    buckets = n_buckets(most)
+    n_charted = most if buckets else 0
+    n_robots = len(mission.robots)
+    return LookupState(
+        n_buckets=buckets,
+        stride=stride(buckets),
+        heads=[0] * (buckets + 1),
+        buckets=[0] * n_charted,
+        charted=[ChartedState(0, 0.0, 0.0) for _ in range(n_charted)],
+        nearby=[0] * n_robots,
+        strays=[0] * STRAYS,
+        first_listed=[0] * n_robots,
+        n_listed=[0] * n_robots,
+        listed=[0] * (LISTED * n_charted),
+    )
+
+
+def _add_robot(state: State, robot: Robot) -> None:
+    index = len(state.robots)
+    first = len(state.sensors)
+    gps = [k for k, sensor in enumerate(robot.sensors, first) if sensor.type == "GPS_POSITION"]
+    state.robots.append(
+        RobotState(
+            x=float(robot.position.x),
+            y=float(robot.position.y),
+            z=float(robot.position.z),
+            speed=float(robot.speed),
+            energy=float(robot.total_energy),
+            nominal_speed=float(robot.speed),
+            max_speed=float(robot.fastest),
+            energy_per_distance=float(robot.energy_per_distance_unit),
+            first_sensor=first,
+            n_sensors=len(robot.sensors),
+            gps=gps[0] if gps else -1,
+        )
+    )
+    heading = DIRECTIONS[choice(len(DIRECTIONS), state.mission.seed, 0, index, PURPOSE_HEADING)]
+    speed = float(robot.speed)
+    state.commands.append(CommandState(heading.x, heading.y, speed, speed, 0, 0))
+    for sensor in robot.sensors:
+        chances = sample_chances(sensor.samples_per_second)
+        rate, cost = float(sensor.samples_per_second), float(sensor.energy_per_sample)
+        state.sensors.append(
+            SensorState(
+                robot=index,
+                count=0,
+                active=1,
+                rate=rate,
+                cost=cost,
+                nominal_rate=rate,
+                nominal_cost=cost,
+                first_chance=len(state.chances),
+                n_chances=len(chances),
+            )
+        )
+        state.chances += chances
+        state.switches.append(SwitchState(active=1, claimed=0))
+
+
+def _traits(robot: Robot) -> TraitState:
+    turn = math.radians(robot.turn_rate)
+    turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # no last bit is left of it
+    return TraitState(math.cos(turn), turn_y, float(robot.position_noise))
+
+
+def _obstacle(area: Area) -> ObstacleState:
+    x, y = float(area.center.x), float(area.center.y)
+    return ObstacleState(x=x, y=y, radius=float(area.radius), model_x=x, model_y=y)
+
+
+def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
+    terms = goal.terms
+    area = terms.area or goal.area or Area(goal.id, Coordinates(), 0.0)
+    state.goals.append(
+        GoalState(
+            task=number(goal.task),
+            x=float(area.center.x),
+            y=float(area.center.y),
+            radius=float(area.radius),
+            first_member=len(state.members),
+            n_members=len(terms.robots),
+            first_hazard=len(state.hazards),
+            n_hazards=len(terms.obstacles),
+            first_waypoint=len(state.waypoints),
+            n_waypoints=len(terms.trajectory),
+            sensor=-1 if terms.sensor is None else mission.sensor_index[terms.sensor],
+            target=terms.target_sample_number,
+            tolerance=float(terms.tolerance),
+            distance=float(terms.fixed_distance),
+            period=terms.period,
+            deadline=terms.deadline,
+        )
+    )
+    state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
+    state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
+    state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)
 
 
 class MissionFunctions(NamedTuple):

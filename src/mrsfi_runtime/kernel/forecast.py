@@ -1,8 +1,6 @@
 """What is left of a mission, and what its robots will spend and gather until its end."""
 
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.state import GoalState, State
-from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.kernel.state import GoalState, State, excess, kernel
 
 
 @kernel

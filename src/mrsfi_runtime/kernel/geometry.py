@@ -2,10 +2,8 @@
 
 import math
 
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.randomness import choice, uniform
-from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import RESERVE, excess
+from mrsfi_runtime.kernel.state import RESERVE, State, excess, kernel
 
 
 @kernel

@@ -1,10 +1,9 @@
 """Where the reference collective intelligence sends a robot: to a place, or around inside one."""
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
-from mrsfi_runtime.kernel.state import GoalState, RobotState, State
+from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
 
 ROAM_ATTEMPTS = 8
 """Headings that a roaming robot draws before it turns to the middle of its area."""

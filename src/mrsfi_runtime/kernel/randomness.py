@@ -9,7 +9,7 @@ References
 The mixing function is ``lowbias32`` of C. Wellons' Hash Prospector (public domain).
 """
 
-from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.state import kernel
 
 MASK = 0xFFFFFFFF
 UNIT = 2.0**-32

@@ -1,14 +1,50 @@
-"""What somebody knows about a mission at one tick, as plain records.
+"""The state of a world, and the arithmetic that is allowed on it.
+
+The mark of functions that are written once and run interpreted or compiled.
+
+A marked function, and all that it calls, keeps to the common subset: loops, comparisons,
+``+ - * / // %``, ``min max abs round``, ``math.sqrt``, integer work, records with
+attributes, other marked functions. No ``**`` on floats, no ``math.hypot``, no ``random``,
+no container built on the way: those differ between the interpreter and a compiler, or do
+not compile at all.
+
+What somebody knows about a mission at one tick, as plain records.
 
 The simulation keeps one ``State``, the truth; the collective intelligence keeps another,
 its local state or belief. Goal predicates read either. All records hold integers and
 floats only, and refer to each other by index, so that compiled code can lay the very same
 fields out in arrays.
+
+What changes in a state, as named columns: the order of a digest, and of a recorded moment.
+
+How near to a limit is at it: no verdict turns on the last bit of a sum.
+
+Checks take what differs from a limit by less than a billionth of it for equal; reactions keep
+farther away from limits than that.
 """
 
+import struct
 from array import array
-from collections.abc import MutableSequence
+from collections.abc import Callable, Mapping, MutableSequence
 from dataclasses import dataclass, field
+from types import FunctionType
+from typing import Any, TypeGuard, TypeVar, get_args, get_type_hints
+
+from mrsfi_runtime.model.fault_types import Field
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def kernel(function: Function) -> Function:
+    """Mark a function as part of the world's kernel and return it unchanged."""
+    function.__kernel__ = True  # type: ignore[attr-defined]
+    return function
+
+
+def is_kernel(value: object) -> TypeGuard[FunctionType]:
+    """Return whether a value is a function of the kernel, or marked as one."""
+    return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
+
 
 N_MEMORY = 8
 """Numbers that are remembered for whoever writes a region."""
@@ -272,3 +308,58 @@ class State:
     cells: tuple[int, ...]
     mapped: tuple[MappedState, ...]
     lookup: LookupState
+
+
+_CHANGING = ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
+_HINTS = get_type_hints(State)
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    name: tuple(hint for hint in get_type_hints(get_args(_HINTS[name])[0]) if hint != "memory")
+    for name in _CHANGING
+}
+"""Columns of the lists of a state whose records change in a flight, list after list."""
+
+PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = {
+    Field.POSITION: ("robots", ("x", "y", "z")),
+    Field.SPEED: ("robots", ("speed",)),
+    Field.ENERGY: ("robots", ("energy",)),
+    Field.COUNT: ("sensors", ("count",)),
+    Field.RATE: ("sensors", ("rate",)),
+    Field.COST: ("sensors", ("cost",)),
+    Field.OBSTACLE: ("obstacles", ("x", "y")),
+}
+"""Where a state has what may be believed otherwise than it is: the list, and the columns there."""
+
+
+def state_bytes(state: State) -> bytes:
+    """Return all that changes in a state as bytes: IEEE-754 doubles, record after record, −0 as 0.
+
+    Last comes what goals remember, unless it is all 0, as in missions that do without. Compiled
+    flights are packed alike (``engine.compiled.layout.packed``).
+    """
+    values = [
+        float(getattr(record, column)) + 0.0
+        for name, columns in COLUMNS.items()
+        for record in getattr(state, name)
+        for column in columns
+    ]
+    memory = [number + 0.0 for goal in state.goals for number in goal.memory]
+    if any(memory):
+        values += memory
+    return struct.pack(f"<{len(values)}d", *values)
+
+
+TOLERANCE = 1e-9
+"""Share of a limit, or of a distance unit, below which a difference is none."""
+
+RESERVE = 0.001
+"""Share of a limit that reactions leave unused: of an area's radius, and of energy."""
+
+
+@kernel
+def excess(value: float, limit: float) -> float:
+    """Return by how much a value exceeds a limit, >= 0; negative if it falls short of it.
+
+    It is 0 where the two differ by no more than ``TOLERANCE`` × limit.
+    """
+    difference = value - limit
+    return 0.0 if abs(difference) <= TOLERANCE * limit else difference

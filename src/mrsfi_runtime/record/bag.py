@@ -21,8 +21,8 @@ from rosbags.typesys import Stores, get_typestore
 from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK
 from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.cosimulation.truth import true_values
+from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.model.names import plain_name

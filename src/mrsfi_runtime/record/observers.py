@@ -9,8 +9,7 @@ from typing import TextIO
 from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.kernel.packing import PROPERTIES
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import PROPERTIES, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 

@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.transport.topics import LocalBus, Topic
 from tests.support.world import paper_code

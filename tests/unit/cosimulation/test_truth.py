@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.cosimulation.heard import Heard
 from mrsfi_runtime.cosimulation.truth import take_true_values, true_values
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.transport.topics import LocalBus, Topic
 from tests.support.world import paper_code
 

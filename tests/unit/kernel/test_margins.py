@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, patience
 
 NUMBERS = st.floats(-1e6, 1e6)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.kernel.motion import move, reports_position
+from mrsfi_runtime.kernel.commands import move, reports_position
 from tests.support.world import robot, state
 
 VALID = [1, 2, 0, 3]

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.api import AvoidCollision
-from mrsfi_runtime.kernel import geometry, guidance, neighbours, obstacles
-from mrsfi_runtime.kernel.delivery import deliver
+from mrsfi_runtime.kernel import geometry, guidance, neighbours
+from mrsfi_runtime.kernel.effects import deliver
 from mrsfi_runtime.kernel.goal_tasks import avoid_collision
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
@@ -144,7 +144,7 @@ def test_the_map_shows_every_obstacle_within_its_reach_nearest_first(placed, poi
     rocks = tuple(rock(n, *place, radius) for n, (place, radius) in enumerate(placed))
     view = state(obstacles=rocks)
     x, y = point
-    cell = obstacles.cell_at(view, x, y)
+    cell = neighbours.cell_at(view, x, y)
 
     mapped = view.mapped[view.cells[cell] : view.cells[cell + 1]]
 

@@ -4,7 +4,7 @@ import pytest
 
 from mrsfi_runtime.api import AvoidCollision, GatherSamples, Stay, SufficientEnergy, Track
 from mrsfi_runtime.kernel.flight import count, no_verdicts
-from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
+from mrsfi_runtime.kernel.goal_tasks.table import is_missed
 from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.model.outcome import Outcome
 from tests.support.world import MEMBERS, state

@@ -14,7 +14,7 @@ from mrsfi_runtime.api import (
     Visit,
 )
 from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
-from mrsfi_runtime.kernel.effects.commands import issue
+from mrsfi_runtime.kernel.effects import issue
 from mrsfi_runtime.kernel.forecast import energy_reserve
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.injections import Plan

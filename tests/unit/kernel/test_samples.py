@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.engine.compiled.layout import sample_table
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state, sample_chances, valid_samples
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
-from mrsfi_runtime.kernel.samples import sample_chances, valid_samples
 from mrsfi_runtime.model.mission import Robot, Sensor
 from tests.support.world import mission, robot
 

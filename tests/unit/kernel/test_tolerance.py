@@ -9,10 +9,9 @@ from mrsfi_runtime.api import (
     Patrol,
     SufficientEnergy,
 )
-from mrsfi_runtime.kernel.commands import steer
+from mrsfi_runtime.kernel.commands import move, steer
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
-from mrsfi_runtime.kernel.motion import move
-from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.kernel.state import excess
 from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.world import state
 

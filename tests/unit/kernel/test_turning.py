@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.kernel.commands import turned
-from mrsfi_runtime.kernel.delivery import send
-from mrsfi_runtime.kernel.effects.commands import issue
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.effects import issue, send
+from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.world import mission, robot

@@ -4,8 +4,7 @@ from io import StringIO
 
 import pytest
 
-from mrsfi_runtime.kernel.flight import no_verdicts
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from mrsfi_runtime.record.named_faults import named_faults

@@ -23,7 +23,7 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
     counted,
 )
-from mrsfi_runtime.kernel.motion import reports_position
+from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.model.targets import Target

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.commands import feasible
-from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import TOLERANCE
+from mrsfi_runtime.kernel.state import TOLERANCE, State
 from mrsfi_runtime.model.fault_types import Field
 
 Read: TypeAlias = Callable[[State, int], Any]

@@ -6,7 +6,7 @@ Faults that delay or block a message that a server sends to a robot hold them ba
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from mrsfi_runtime.kernel.effects.belief import note
+from mrsfi_runtime.kernel.effects import note
 from mrsfi_runtime.kernel.injections import Plan, longest
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification

@@ -11,14 +11,12 @@ from typing import Any
 from mrsfi_runtime.engine.compiled.layout import ALLOWED, CALLS, N_ALLOWED, OWN, RECORDED
 from mrsfi_runtime.engine.compiled.views import call, call_effect, seen_as, word_of
 from mrsfi_runtime.engine.recording import VERDICTS, record_type
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.delivery import send
-from mrsfi_runtime.kernel.effects.commands import issue
+from mrsfi_runtime.kernel.commands import move
+from mrsfi_runtime.kernel.effects import issue, send
 from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer
-from mrsfi_runtime.kernel.goal_tasks import reference
+from mrsfi_runtime.kernel.goal_tasks import table
 from mrsfi_runtime.kernel.injections import Plan
-from mrsfi_runtime.kernel.motion import move
-from mrsfi_runtime.kernel.state import MapState, MissionState, State
+from mrsfi_runtime.kernel.state import MapState, MissionState, State, kernel
 
 _N_CONSTANT = OWN.fields["memory"][1] // 8  # type: ignore[index]
 _N_MISSION, _N_MAP = (record_type(kind).itemsize // 8 for kind in (MissionState, MapState))
@@ -34,7 +32,7 @@ def progress(view: Any) -> None:
         if calls[3 * g]:
             call(calls[3 * g], view)
         else:
-            reference.progress(view, g, view.goals[g].task)
+            table.progress(view, g, view.goals[g].task)
 
 
 @kernel
@@ -46,7 +44,7 @@ def check(view: Any, violated: Any) -> None:
         if address:
             violated[g] = call(address, view)
         else:
-            violated[g] = reference.violated(view, g, view.goals[g].task)
+            violated[g] = table.violated(view, g, view.goals[g].task)
 
 
 @kernel
@@ -57,26 +55,26 @@ def react(ci: Any) -> None:
         if calls[3 * g + 2]:
             call(calls[3 * g + 2], ci)
         else:
-            reference.react(ci, g, ci.goals[g].task)
+            table.react(ci, g, ci.goals[g].task)
 
 
 @kernel
 def progress_by_task(view: Any, g: int, task: int) -> int:
     """Note what a goal has to remember, as a task says: what regions call by address."""
-    reference.progress(view, g, task)
+    table.progress(view, g, task)
     return 0
 
 
 @kernel
 def check_by_task(view: Any, g: int, task: int) -> int:
     """Return whether a goal is violated, as a task says; by address, likewise."""
-    return 1 if reference.violated(view, g, task) else 0
+    return 1 if table.violated(view, g, task) else 0
 
 
 @kernel
 def react_by_task(ci: Any, g: int, task: int) -> int:
     """Command the members of a goal, as a task says; by address, likewise."""
-    reference.react(ci, g, task)
+    table.react(ci, g, task)
     return 0
 
 

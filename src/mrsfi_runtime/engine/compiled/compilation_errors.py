@@ -15,7 +15,7 @@ import numba
 from mrsfi_runtime.engine.compiled.pipeline import Checked
 from mrsfi_runtime.engine.compiled.regions import EFFECT, CompilationError, Region
 from mrsfi_runtime.engine.compiled.views import arguments_of
-from mrsfi_runtime.kernel.compiling import is_kernel
+from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.markers import lines_in_regions
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')

@@ -19,8 +19,8 @@ from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
 from mrsfi_runtime.engine.compiled.pipeline import Inlined, jitable
 from mrsfi_runtime.engine.compiled.reach import Reached, names_of
 from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, CompilationError, Region
-from mrsfi_runtime.kernel.compiling import is_kernel
-from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
+from mrsfi_runtime.kernel.goal_tasks.table import FUNCTIONS
+from mrsfi_runtime.kernel.state import is_kernel
 
 _FLIGHT = (views.View(Flights), types.int64, types.int64)
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context

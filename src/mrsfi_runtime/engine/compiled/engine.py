@@ -23,8 +23,7 @@ from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.flight import Verdicts, initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate

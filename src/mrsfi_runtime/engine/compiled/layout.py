@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.engine.recording import KINDS, Records, record_type, recorded_type
+from mrsfi_runtime.kernel.flight import reached
 from mrsfi_runtime.kernel.injections import OwnFault
-from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
-from mrsfi_runtime.kernel.samples import reached
-from mrsfi_runtime.kernel.state import MissionState, State
+from mrsfi_runtime.kernel.state import COLUMNS, MissionState, State
 
 N_ALLOWED = 6
 ALLOWED = " allowed"  # no name that a region could use

@@ -26,7 +26,7 @@ from types import (
 from typing import Any, ClassVar, TypeAlias
 
 from mrsfi_runtime.engine.compiled.regions import CompilationError
-from mrsfi_runtime.kernel.compiling import is_kernel
+from mrsfi_runtime.kernel.state import is_kernel
 
 _PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
 _LIBRARIES = (f"{Path(os.__file__).parent}/", "/site-packages/", "/dist-packages/")

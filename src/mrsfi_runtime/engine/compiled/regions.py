@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.kernel.compiling import is_kernel
-from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
-from mrsfi_runtime.kernel.goal_tasks.table import number
+from mrsfi_runtime.kernel.goal_tasks.table import FUNCTIONS, number
+from mrsfi_runtime.kernel.state import is_kernel
 
 ROLES = tuple(FUNCTIONS)
 EFFECT = "apply"

@@ -4,14 +4,19 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, overlap, well_inside
-from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN, patience, top_speed
+from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
-from mrsfi_runtime.kernel.neighbours import FEW, chart, fastest, gather
-from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
-from mrsfi_runtime.kernel.state import GoalState, State
-from mrsfi_runtime.kernel.tolerance import TOLERANCE, excess
+from mrsfi_runtime.kernel.neighbours import (
+    FEW,
+    cell_at,
+    chart,
+    fastest,
+    gather,
+    is_displaced,
+    is_listed,
+)
+from mrsfi_runtime.kernel.state import TOLERANCE, GoalState, State, excess, kernel
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, GoalTask
 
 LOOK_AHEAD = 10

@@ -4,11 +4,9 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
-from mrsfi_runtime.kernel.goal_tasks.margins import patience, top_speed
-from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.kernel.goal_tasks.common import patience, top_speed
+from mrsfi_runtime.kernel.state import State, excess, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
 

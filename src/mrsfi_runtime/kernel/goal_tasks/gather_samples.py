@@ -4,12 +4,11 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import switch_sensor
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import endurance, sample_reserve, ticks_left
 from mrsfi_runtime.kernel.geometry import inside
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.guidance import roam
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
 

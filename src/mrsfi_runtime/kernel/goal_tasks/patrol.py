@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, patience
-from mrsfi_runtime.kernel.goal_tasks.presence import depth, note_presence, roam_area
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, depth, note_presence, patience, roam_area
+from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, GoalTask
 

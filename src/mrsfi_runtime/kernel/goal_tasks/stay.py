@@ -3,10 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience, top_speed
-from mrsfi_runtime.kernel.goal_tasks.presence import depth, note_presence, roam_area
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.goal_tasks.common import (
+    NEVER,
+    NO_MARGIN,
+    depth,
+    note_presence,
+    patience,
+    roam_area,
+    top_speed,
+)
+from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.mission import Area, GoalTask
 
 

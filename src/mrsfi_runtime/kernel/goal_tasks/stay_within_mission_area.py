@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import inside, well_inside
-from mrsfi_runtime.kernel.goal_tasks.margins import patience, top_speed
+from mrsfi_runtime.kernel.goal_tasks.common import patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
 

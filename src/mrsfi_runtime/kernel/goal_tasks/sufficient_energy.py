@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import endurance, energy_reserve, sensor_power, ticks_left
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN
-from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import RESERVE
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.state import RESERVE, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import GoalTask
 

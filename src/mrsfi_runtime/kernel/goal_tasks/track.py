@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import set_speed
-from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import inside, off_segment
-from mrsfi_runtime.kernel.goal_tasks.margins import NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN
 from mrsfi_runtime.kernel.guidance import approach
-from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.kernel.state import State, excess, kernel
 from mrsfi_runtime.model.mission import Coordinates, GoalTask
 
 

@@ -4,11 +4,16 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
-from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks.margins import NEVER, NO_MARGIN, patience
-from mrsfi_runtime.kernel.goal_tasks.presence import depth, is_awaited, note_presence
+from mrsfi_runtime.kernel.goal_tasks.common import (
+    NEVER,
+    NO_MARGIN,
+    depth,
+    is_awaited,
+    note_presence,
+    patience,
+)
 from mrsfi_runtime.kernel.guidance import approach
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
 

@@ -1,0 +1,418 @@
+"""What active faults do.
+
+How effects change the local state, and keep account of it.
+
+Effects read the true value of the tick, so nothing accumulates and nothing has to be undone: at
+``finish + 1`` the next delivery restores the property.
+
+References
+----------
+Source paper, sections III-B b) and III-G (``executeFaults``).
+
+What forged commands do: they beat the collective intelligence's own, which hold again later.
+
+References
+----------
+Source paper, sections III-B b) and III-G.
+
+What fault types of a team's own do: a region of the generated code, called once a tick.
+
+Events that set faults off: they are judged in truth, and each happens once in a flight.
+
+How messages become the collective intelligence's belief: delivered, delayed or blocked.
+
+References
+----------
+Source paper, sections III-F and III-G (``updateSystemState``).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from mrsfi_runtime.kernel.commands import feasible, reported_place, reports_position, turned
+from mrsfi_runtime.kernel.geometry import inside, scattered
+from mrsfi_runtime.kernel.goal_tasks.table import is_reached
+from mrsfi_runtime.kernel.injections import (
+    ACTIVATION,
+    COST,
+    COUNT,
+    ENERGY,
+    OBSTACLE,
+    OF_OBSTACLE,
+    OF_SENSOR,
+    POSITION,
+    SPEED,
+    InjectionState,
+    OwnEffect,
+    OwnFault,
+    Plan,
+    TriggerState,
+    WaitingState,
+)
+from mrsfi_runtime.kernel.randomness import choice, uniform
+from mrsfi_runtime.kernel.state import CommandState, State, SwitchState, kernel
+from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.faults import Event
+
+Belief: TypeAlias = tuple[float, float, float]
+"""What is believed of a property: a place, or one number and zeros."""
+
+_PURPOSES = {
+    Field.POSITION: 8,
+    Field.SPEED: 6,
+    Field.ENERGY: 4,
+    Field.COUNT: 12,
+    Field.RATE: 7,
+    Field.COST: 5,
+    Field.OBSTACLE: 10,
+}
+PURPOSES = tuple(_PURPOSES[affected] for affected in sorted(_PURPOSES))
+"""Purpose under which a random value of each property is drawn, by the number of its ``Field``.
+
+Of a place it is the distance from the middle; its direction is drawn under the purpose after.
+"""
+
+
+@kernel
+def falsify(ci: State, plan: Plan) -> None:
+    """Apply every active fault of a known mode that changes a value of the local state.
+
+    What was just delivered is the true value: conflicting faults are never active at once.
+    """
+    tick = ci.mission.tick
+    for injection in plan.reports:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            true = believed(ci, injection)
+            if injection.affected in (POSITION, OBSTACLE):
+                value = place(ci, injection, true[2])
+            else:
+                value = max(number(ci, injection, true[0]), 0.0), 0.0, 0.0
+            believe(ci, plan, injection, true, value)
+
+
+@kernel
+def number(ci: State, injection: InjectionState, true: float) -> float:
+    """Return the number that a fault makes of a true one.
+
+    Random ones are uniform between the fault's bounds, and whole, but for energies.
+    """
+    if injection.is_random == 0:
+        return injection.a + injection.b * true
+    mission = ci.mission
+    target = injection.target
+    purpose = PURPOSES[injection.affected]
+    if injection.affected in (ENERGY, COST):
+        share = uniform(mission.seed, mission.tick, target, purpose)
+        return injection.a + (injection.b - injection.a) * share
+    low = math.ceil(injection.a)
+    n = max(math.floor(injection.b) - low + 1, 1)
+    return float(low + choice(n, mission.seed, mission.tick, target, purpose))
+
+
+@kernel
+def place(ci: State, injection: InjectionState, z: float) -> Belief:
+    """Return where a fault puts a robot or an obstacle.
+
+    A random place is anywhere in the mission disc, at height ``z``.
+    """
+    if injection.is_random == 0:
+        return injection.a, injection.b, injection.c
+    mission = ci.mission
+    purpose = PURPOSES[injection.affected]
+    x, y = scattered(ci, mission.x, mission.y, mission.radius, injection.target, purpose)
+    return x, y, z
+
+
+@kernel
+def believed(ci: State, injection: InjectionState) -> Belief:
+    """Return what is believed of an injection's property."""
+    target = injection.target
+    if injection.affected == POSITION:
+        robot = ci.robots[target]
+        return robot.x, robot.y, robot.z
+    if injection.affected == OBSTACLE:
+        return ci.obstacles[target].x, ci.obstacles[target].y, 0.0
+    if injection.affected == SPEED:
+        value = ci.robots[target].speed
+    elif injection.affected == ENERGY:
+        value = ci.robots[target].energy
+    elif injection.affected == COUNT:
+        value = float(ci.sensors[target].count)
+    elif injection.affected == COST:
+        value = ci.sensors[target].cost
+    else:
+        value = ci.sensors[target].rate
+    return value, 0.0, 0.0
+
+
+@kernel
+def believe(
+    ci: State, plan: Plan, injection: InjectionState, before: Belief, value: Belief
+) -> None:
+    """Believe another value of an injection's property, and note whether it is another."""
+    target = injection.target
+    a, b, c = value
+    if injection.affected == POSITION:
+        robot = ci.robots[target]
+        robot.x = a
+        robot.y = b
+        robot.z = c
+    elif injection.affected == OBSTACLE:
+        ci.map.is_wrong = 1
+        ci.obstacles[target].x = a
+        ci.obstacles[target].y = b
+    elif injection.affected == SPEED:
+        ci.robots[target].speed = a
+    elif injection.affected == ENERGY:
+        ci.robots[target].energy = a
+    elif injection.affected == COUNT:
+        a = float(int(a))
+        ci.sensors[target].count = int(a)
+    elif injection.affected == COST:
+        ci.sensors[target].cost = a
+    else:
+        ci.sensors[target].rate = a
+    note(plan, injection, ci.mission.tick, a != before[0] or b != before[1])
+
+
+@kernel
+def note(plan: Plan, injection: InjectionState | OwnFault, tick: int, changed: bool) -> None:
+    """Count a tick at which a fault was active, and one at which it changed something."""
+    tally = plan.tallies[injection.fault]
+    if tally.last_applied != tick:
+        tally.last_applied = tick
+        tally.applied += 1
+    if changed and tally.last_changed != tick:
+        if tally.changed == 0:
+            tally.first_changed = tick
+        tally.last_changed = tick
+        tally.changed += 1
+
+
+@dataclass(slots=True)
+class Orders:
+    """What leaves for the simulation: one command per robot, one switch per sensor."""
+
+    commands: list[CommandState]
+    switches: list[SwitchState]
+
+
+@kernel
+def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
+    """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
+
+    The heading that leaves is one that the robot can turn to from the last, the speed one that it
+    can fly, which ``ci`` remembers: who regulates a speed has to know what the robot was told. The
+    CI's own commands stay as they are. Forged ones beat all others, from the motion of their
+    ``start`` to that of their ``finish``.
+    """
+    for index in range(len(ci.commands)):
+        own = ci.commands[index]
+        order = orders.commands[index]
+        order.heading_x, order.heading_y = turned(
+            ci.traits[index], order.heading_x, order.heading_y, own.heading_x, own.heading_y
+        )
+        order.speed = feasible(ci.robots[index], own.speed)
+        own.sent_speed = order.speed
+    for index in range(len(ci.switches)):
+        orders.switches[index].active = ci.switches[index].active
+    if tick >= ci.mission.duration:
+        return
+    for injection in plan.commands:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            forge(ci, orders, plan, injection, tick)
+
+
+@kernel
+def forge(
+    ci: State, orders: Orders | State, plan: Plan, injection: InjectionState, tick: int
+) -> None:
+    """Replace one command by the forged one of an active fault."""
+    target = injection.target
+    if injection.affected == ACTIVATION:
+        active = int(injection.a)
+        note(plan, injection, tick, ci.switches[target].active != active)
+        orders.switches[target].active = active
+    else:
+        robot = ci.robots[target]
+        command = ci.commands[target]
+        speed = feasible(robot, injection.b * robot.nominal_speed)
+        note(plan, injection, tick, command.sent_speed != speed)
+        command.sent_speed = speed
+        orders.commands[target].speed = speed
+
+
+@kernel
+def disturb(apply: OwnEffect, ci: State, inbox: State, plan: Plan) -> None:
+    """Apply every active fault of a team's own type, by start, then as the specification has them.
+
+    All other effects have been applied to ``ci``; ``inbox`` has the newest message of every topic.
+    """
+    tick = ci.mission.tick
+    for fault in plan.own:
+        if fault.start > tick:
+            break
+        if tick <= fault.finish:
+            fault.age = tick - fault.start
+            if fault.kind == OF_OBSTACLE:
+                ci.map.is_wrong = 1
+            before = touchable(ci, fault)
+            apply(ci, inbox, fault)
+            note(plan, fault, tick, touchable(ci, fault) != before)
+
+
+@kernel
+def touchable(ci: State, fault: OwnFault) -> tuple[float, float, float, float]:
+    """Return all that a fault could change of its target."""
+    if fault.kind == OF_OBSTACLE:
+        obstacle = ci.obstacles[fault.target]
+        return obstacle.x, obstacle.y, 0.0, 0.0
+    if fault.kind == OF_SENSOR:
+        sensor = ci.sensors[fault.target]
+        return float(sensor.count), sensor.rate, sensor.cost, 0.0
+    robot = ci.robots[fault.target]
+    return robot.x, robot.y, robot.speed, robot.energy
+
+
+VIOLATED, REACHED, ENTERED, EFFECT = map(int, Event)
+
+
+@kernel
+def arm(world: State, plan: Plan, violated: list[int], tick: int) -> None:
+    """Note which events happen at a tick, and let begin at the next one what is due then.
+
+    ``violated`` are the goals that truly are. What begins is moved to where it does: lists by start
+    stay in order as far as they are read, since no start lies beyond the tick that is read.
+    """
+    for trigger in plan.triggers:
+        if trigger.fired < 0 and happens(world, plan, violated, trigger):
+            trigger.fired = tick
+    for waiting in plan.waiting:
+        trigger = plan.triggers[waiting.trigger]
+        due = max(waiting.start, trigger.fired + 1 + trigger.delay)
+        if trigger.fired >= 0 and due == tick + 1:
+            begin(plan, waiting, due, min(waiting.finish, tick + waiting.most))
+
+
+@kernel
+def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState) -> bool:
+    """Return whether what a trigger waits for is so."""
+    if trigger.event == VIOLATED:
+        return violated[trigger.of] == 1
+    if trigger.event == REACHED:
+        return is_reached(world, trigger.of)
+    if trigger.event == ENTERED:
+        robot = world.robots[trigger.of]
+        return inside(robot.x, robot.y, trigger.x, trigger.y, trigger.radius)
+    for source in range(trigger.first_source, trigger.first_source + trigger.n_sources):
+        if plan.tallies[plan.sources[source]].changed > 0:
+            return True
+    return False
+
+
+@kernel
+def begin(plan: Plan, waiting: WaitingState, start: int, finish: int) -> None:
+    """Give what was set off the window in which it is active."""
+    place = waiting.place
+    if waiting.listed == 0:
+        plan.messages[place].start = start
+        plan.messages[place].finish = finish
+    elif waiting.listed == 1:
+        plan.reports[place].start = start
+        plan.reports[place].finish = finish
+    elif waiting.listed == 2:
+        plan.commands[place].start = start
+        plan.commands[place].finish = finish
+    else:
+        plan.own[place].start = start
+        plan.own[place].finish = finish
+
+
+@kernel
+def send(world: State, inbox: State) -> None:
+    """Bring the newest message of every topic up to the true state of the tick.
+
+    It stands for the generated simulation, bus and interface where there is no bus.
+    """
+    for index in range(len(world.robots)):
+        robot = world.robots[index]
+        sent = inbox.robots[index]
+        if reports_position(world, index):
+            sent.x, sent.y = reported_place(world, index)
+            sent.z = robot.z
+        sent.speed = robot.speed
+        sent.energy = robot.energy
+    for index in range(len(world.sensors)):
+        inbox.sensors[index].count = world.sensors[index].count
+        inbox.sensors[index].active = world.sensors[index].active
+
+
+@kernel
+def deliver(ci: State, inbox: State, plan: Plan) -> None:
+    """Copy this tick's messages into the local state; held-back ones leave it as it was.
+
+    ``ci.mission.tick`` is the tick being delivered, ``inbox`` has the newest message of every
+    topic. Delayed properties arrive late and in order; what is still under way when the window
+    ends is dropped. Blocked ones are lost. What travels in no message (the map, sampling rates
+    and costs) is set back to what the model says, so that no effect outlives its window.
+    """
+    remember(ci, plan)
+    for index in range(len(ci.robots)):
+        robot = ci.robots[index]
+        sent = inbox.robots[index]
+        robot.x = sent.x
+        robot.y = sent.y
+        robot.z = sent.z
+        robot.speed = sent.speed
+        robot.energy = sent.energy
+    for index in range(len(ci.sensors)):
+        sensor = ci.sensors[index]
+        sample = inbox.sensors[index]
+        sensor.count = sample.count
+        sensor.active = sample.active
+        sensor.rate = sensor.nominal_rate
+        sensor.cost = sensor.nominal_cost
+    for obstacle in ci.obstacles:
+        obstacle.x = obstacle.model_x
+        obstacle.y = obstacle.model_y
+    ci.map.is_wrong = 0
+    withhold(ci, plan)
+
+
+@kernel
+def remember(ci: State, plan: Plan) -> None:
+    """Remember what was believed of every property whose messages are held back now."""
+    tick = ci.mission.tick
+    for injection in plan.messages:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            injection.kept_a, injection.kept_b, injection.kept_c = believed(ci, injection)
+
+
+@kernel
+def withhold(ci: State, plan: Plan) -> None:
+    """Take back what was just delivered of every property whose messages are held back now.
+
+    What is delayed goes under way, and what arrives after its delay is believed.
+    """
+    tick = ci.mission.tick
+    held = plan.held
+    for injection in plan.messages:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            delivered = believed(ci, injection)
+            value = injection.kept_a, injection.kept_b, injection.kept_c
+            if injection.n_held > 0:
+                age = tick - injection.start
+                slot = injection.first_held + 3 * (age % injection.n_held)
+                if age >= injection.n_held:
+                    value = held[slot], held[slot + 1], held[slot + 2]
+                held[slot], held[slot + 1], held[slot + 2] = delivered
+            believe(ci, plan, injection, delivered, value)

@@ -1,1 +1,0 @@
-"""What active faults do: a module for each thing that they act on."""

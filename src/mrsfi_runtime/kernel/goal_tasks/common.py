@@ -1,0 +1,83 @@
+"""What several goal tasks share.
+
+How far a goal was from being violated in truth, at the tick at which it was nearest to it.
+
+A margin is how much there is to spare, in the unit of the goal's task; negative by how much it is
+violated. Between two ticks most change by no more than robots move, so that many ticks need no
+look: none is skipped at which a margin could be less than the least so far.
+
+References
+----------
+Margins are the robustness of signal temporal logic (A. Donzé and O. Maler, "Robust Satisfaction of
+Temporal Logic over Real-Valued Signals", FORMATS 2010), taken as the minimum over a flight.
+
+Which members have been in the area of a goal, or at its point, and when; how they get there.
+"""
+
+import math
+from typing import Final
+
+from mrsfi_runtime.kernel.geometry import distance, inside
+from mrsfi_runtime.kernel.guidance import roam_together
+from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
+
+NO_MARGIN: Final = math.inf
+"""What a goal has while nothing can be said, such as before a robot first enters its area."""
+
+NEVER: Final = 1 << 40
+"""A tick that no mission reaches."""
+
+
+@kernel
+def patience(left: float, least: float, speed: float) -> int:
+    """Return after how many ticks a margin can be less than another, at least 1.
+
+    ``speed`` is by how much it falls in a tick at most.
+    """
+    spare = left - least
+    if spare <= speed:
+        return 1
+    return NEVER if spare >= NEVER * speed else int(spare / speed)
+
+
+@kernel
+def top_speed(view: State, goal: GoalState) -> float:
+    """Return the distance that any member of a goal can move in a tick."""
+    most = 0.0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        most = max(most, view.robots[view.members[m].robot].max_speed)
+    return most
+
+
+@kernel
+def note_presence(view: State, g: int) -> None:
+    """Note which members are inside the goal's area, or within tolerance of its point."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = view.members[m]
+        robot = view.robots[member.robot]
+        if inside(robot.x, robot.y, goal.x, goal.y, goal.radius + goal.tolerance):
+            member.since = view.mission.tick
+            member.reached = 1
+
+
+@kernel
+def depth(goal: GoalState, robot: RobotState) -> float:
+    """Return how far inside the goal's area, or within tolerance of its point, a robot is."""
+    return goal.radius + goal.tolerance - distance(robot.x, robot.y, goal.x, goal.y)
+
+
+@kernel
+def is_awaited(view: State, g: int) -> bool:
+    """Return whether a member has not been there yet."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if view.members[m].reached == 0:
+            return True
+    return False
+
+
+@kernel
+def roam_area(ci: State, g: int) -> None:
+    """Head for the area from outside, roam inside it."""
+    roam_together(ci, ci.goals[g])
