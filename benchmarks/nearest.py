@@ -20,7 +20,7 @@ from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Judge
 from mrsfi_runtime.search.space import SearchSpace

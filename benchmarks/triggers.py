@@ -19,8 +19,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Event, FaultPool, Trigger
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import begin_search

@@ -25,11 +25,8 @@ from typing import Any, NamedTuple, TypeAlias
 from mrsfi import load
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.faults import Fault, Specification, TimedFault
-from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.faults import Fault, Gate, Specification, TimedFault, value_bounds
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.engine_settings import EngineSettings
 
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")

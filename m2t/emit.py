@@ -14,7 +14,7 @@ from typing import Any
 
 from m2t.protected_regions import FileRecord, is_hand_written, merge, parse, record_of
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.fault_types import SEMANTICS
 
 MANIFEST = "manifest.json"
 SCHEMA = 1

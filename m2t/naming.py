@@ -4,7 +4,7 @@ import keyword
 import re
 
 from mrsfi_runtime.errors import ModelError
-from mrsfi_runtime.model.names import plain_name
+from mrsfi_runtime.model.fault_types import plain_name
 
 RESERVED = frozenset({"checks", "reactions", "topics", "commands", "truth"})
 """Identifiers that generated code uses itself, as tables or as a root of topics."""

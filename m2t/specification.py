@@ -17,8 +17,7 @@ from m2t.saving import addresses
 from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.files import write_atomically
-from mrsfi_runtime.model.faults import numbered
-from mrsfi_runtime.model.gate import at_work
+from mrsfi_runtime.model.faults import at_work, numbered
 from mrsfi_runtime.project_file import metamodels_chosen
 
 SpecificationRow: TypeAlias = (

@@ -13,7 +13,7 @@ from pyecore.ecore import EEnum
 
 from m2t.diagnostics import Defect, listed, shown
 from m2t.metaclasses import Slot
-from mrsfi_runtime.model.gate import LAST, MOST
+from mrsfi_runtime.model.faults import LAST, MOST
 
 MAX_NAME_LENGTH = 200
 MAX_TEXT_LENGTH = 2_000

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mrsfi.models import write_models
     from mrsfi_runtime.errors import MrsfiError
     from mrsfi_runtime.model.faults import Specification, TimedFault
-    from mrsfi_runtime.model.outcome import Outcome
+    from mrsfi_runtime.model.mission import Outcome
 
 __all__ = [
     "Campaign",
@@ -43,7 +43,7 @@ _PLACES = MappingProxyType(
         "Flight": "mrsfi.flight",
         "Mission": "mrsfi.mission",
         "MrsfiError": "mrsfi_runtime.errors",
-        "Outcome": "mrsfi_runtime.model.outcome",
+        "Outcome": "mrsfi_runtime.model.mission",
         "Specification": "mrsfi_runtime.model.faults",
         "TimedFault": "mrsfi_runtime.model.faults",
         "load": "mrsfi.mission",

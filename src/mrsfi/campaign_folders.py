@@ -18,8 +18,7 @@ from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, U
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.folder import CampaignFolder, hashes

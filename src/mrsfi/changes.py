@@ -14,7 +14,7 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import Gate
 from mrsfi_runtime.record.engine_settings import Workers
 
 WENT, CAME, STAYED, UNKNOWN = "went", "came", "stayed", "cannot be flown"

@@ -24,8 +24,7 @@ from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission
 from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Workers
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.manifest import Manifest

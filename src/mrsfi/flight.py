@@ -17,8 +17,7 @@ from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import COUNTED, Outcome
+from mrsfi_runtime.model.mission import COUNTED, Mission, Outcome
 from mrsfi_runtime.record.named_faults import named_faults
 
 if TYPE_CHECKING:

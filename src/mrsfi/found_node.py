@@ -7,8 +7,8 @@ from typing import Any
 from mrsfi_bridge.settings import full_name
 from mrsfi_runtime.cosimulation.waiting import Completion
 from mrsfi_runtime.errors import TransportTimeout, UsageError
+from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Service
 

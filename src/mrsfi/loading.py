@@ -15,8 +15,7 @@ from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
-from mrsfi_runtime.model.faults import FaultPool, Specification, original
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter

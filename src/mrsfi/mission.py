@@ -14,8 +14,7 @@ from mrsfi.loading import load_fresh, read_specification
 from mrsfi.renaming import rename
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.gate import Gate, at_work
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, at_work
 from mrsfi_runtime.project_file import choose_metamodels
 from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, EngineSettings, Workers
 from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
@@ -26,8 +25,8 @@ if TYPE_CHECKING:
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
     from mrsfi_runtime.generated_code import MissionCode
+    from mrsfi_runtime.model.mission import Evaluated
     from mrsfi_runtime.model.mission import Mission as Model
-    from mrsfi_runtime.model.outcome import Evaluated
     from mrsfi_runtime.search.run import CampaignProgress
     from mrsfi_runtime.study.comparison import Comparison, RunResult
     from mrsfi_runtime.study.variants import Variant

@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, UsageError
 from mrsfi_runtime.files import changing
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.starving import starvation
+from mrsfi_runtime.model.mission import starvation
 
 _LONGEST_FLIGHT = 100_000
 """Ticks that a validation flies at most, which takes a few seconds."""

@@ -30,7 +30,7 @@ from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import RecordedFlight

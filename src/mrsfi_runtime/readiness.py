@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.markers import MARKER
-from mrsfi_runtime.model.semantics import SEMANTICS, difference
+from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 
 _OPTIONAL = (".progress",)
 

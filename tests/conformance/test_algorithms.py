@@ -7,8 +7,7 @@ import pytest
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.model.faults import COSTS
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import COSTS, Gate
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.search.space import SearchSpace

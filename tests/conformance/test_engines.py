@@ -13,8 +13,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.state import COLUMNS
-from mrsfi_runtime.model.faults import Event, TimedFault
-from mrsfi_runtime.model.gate import limits
+from mrsfi_runtime.model.faults import Event, TimedFault, limits
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable

@@ -8,8 +8,7 @@ import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.fault_types import Field, Mode
-from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from mrsfi_runtime.model.targets import touched
+from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault, touched
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.trace import fields_of
 from tests.support.world import paper_code

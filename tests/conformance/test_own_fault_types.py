@@ -17,9 +17,7 @@ from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import Gate, TimedFault, value_bounds
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import edit

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import EvaluateMany, run_campaign

@@ -9,7 +9,7 @@ import pytest
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError, WorkerLost
 from mrsfi_runtime.generated_code import load_code, load_module
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.edited import COLLECTIVE, edited, indented, write_body
 
 FOREVER = "while True:\n    pass"

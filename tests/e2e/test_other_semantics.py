@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from tests.support.cli import contents, edit, execute, mrsfi, workspace
 from tests.support.interrupted import MISSION
 from tests.support.rosbridge import process

@@ -4,7 +4,7 @@ import re
 import pytest
 from PIL import Image
 
-from mrsfi_runtime.model.outcome import TOLD
+from mrsfi_runtime.model.mission import TOLD
 from tests.support.cli import execute, mrsfi, mrsfi_json
 from tests.tiers import slow
 

@@ -1,7 +1,7 @@
 import pytest
 
 from mrsfi_runtime.engine import rosbridge
-from mrsfi_runtime.model.outcome import TOLD
+from mrsfi_runtime.model.mission import TOLD
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json, stop_specification
 from tests.tiers import slow
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 
 FIELDS = {
     "robots": (

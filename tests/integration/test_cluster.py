@@ -11,7 +11,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record.engine_settings import COMPILED, REFERENCE, EngineSettings
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
 from tests.support.edited import edited

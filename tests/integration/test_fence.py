@@ -12,7 +12,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from tests.support.edited import edited
 from tests.tiers import night, slow

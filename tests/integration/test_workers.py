@@ -8,7 +8,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
 from tests.tiers import slow

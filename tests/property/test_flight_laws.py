@@ -9,10 +9,8 @@ from hypothesis import strategies as st
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import Event, Gate, TimedFault, Trigger, touched
 from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.model.targets import touched
 from tests.support.trace import TraceDigest, fields_of
 from tests.support.world import paper_code
 from tests.tiers import law, slow

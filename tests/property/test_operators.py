@@ -10,10 +10,8 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, touched
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import touched
 from mrsfi_runtime.search.eda import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual

@@ -8,8 +8,7 @@ from random import Random
 
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Area, Coordinates, Outcome
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.measure import Measure
 
 Planted = Mapping[str, Callable[[frozenset[str]], tuple[int, int]]]

@@ -5,8 +5,7 @@ from dataclasses import replace
 from random import Random
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.world import paper_code

@@ -10,7 +10,7 @@ from pathlib import Path
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.commands import feasible, release
 from mrsfi_runtime.kernel.flight import initial_state
-from mrsfi_runtime.model.names import plain_name
+from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Payload, PrefixedTransport, Service, Topic
 

@@ -10,7 +10,7 @@ from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State, state_bytes
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 
 
 class TraceDigest:

@@ -12,8 +12,17 @@ from typing import TYPE_CHECKING, Any
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.table import Cell, Table, in_words
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Goal, GoalDisc, Mission
-from mrsfi_runtime.model.outcome import COUNTED, TOLD, Margin, Outcome
+from mrsfi_runtime.model.mission import (
+    COUNTED,
+    ROBOT_RADIUS,
+    TOLD,
+    Coordinates,
+    Goal,
+    GoalDisc,
+    Margin,
+    Mission,
+    Outcome,
+)
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings

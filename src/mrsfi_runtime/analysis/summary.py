@@ -23,8 +23,7 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings

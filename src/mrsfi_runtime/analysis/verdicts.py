@@ -21,10 +21,8 @@ from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode
-from mrsfi_runtime.model.faults import Fault, FaultPool
-from mrsfi_runtime.model.mission import Goal, Mission
-from mrsfi_runtime.model.starving import starvation
-from mrsfi_runtime.model.targets import Target, robots_of, touched
+from mrsfi_runtime.model.faults import Fault, FaultPool, Target, robots_of, touched
+from mrsfi_runtime.model.mission import Goal, Mission, starvation
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 

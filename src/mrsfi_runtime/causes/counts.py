@@ -7,7 +7,7 @@ from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record.measure import Measure
 
 EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]

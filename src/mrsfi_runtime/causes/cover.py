@@ -8,7 +8,7 @@ from types import MappingProxyType
 from mrsfi_runtime.causes.probing import Probing
 from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.fitness import Score

@@ -20,10 +20,8 @@ from mrsfi_runtime.causes.cause import Cause, find_cause
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
 from mrsfi_runtime.causes.counts import Counts, Flights
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault, value_bounds
+from mrsfi_runtime.model.mission import Mission, Outcome
 
 N_EXACT = 10
 """Faults up to which every subset is flown: 1,024 of them."""

@@ -35,8 +35,7 @@ from mrsfi_runtime.causes.weakness import (
 )
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Evaluated, Margin, Outcome
+from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.settings import COVERING, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight

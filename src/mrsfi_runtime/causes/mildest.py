@@ -28,8 +28,7 @@ from mrsfi_runtime.causes.weakness import (
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.state import PROPERTIES
 from mrsfi_runtime.model.fault_types import Mode
-from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
-from mrsfi_runtime.model.targets import touched
+from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks, touched
 from mrsfi_runtime.search.space import SearchSpace
 
 N_SEEDS = 3

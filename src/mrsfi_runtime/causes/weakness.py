@@ -19,8 +19,7 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission, Outcome
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 

@@ -23,10 +23,8 @@ from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import telling, whole_file, written_file
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
 

@@ -37,8 +37,8 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import initial_state
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport, seconds_of
 
 _SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers

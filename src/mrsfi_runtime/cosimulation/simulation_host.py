@@ -23,8 +23,8 @@ from mrsfi_runtime.cosimulation.lockstep_topics import (
 from mrsfi_runtime.cosimulation.sides import Simulation
 from mrsfi_runtime.cosimulation.waiting import Completion, Patience
 from mrsfi_runtime.errors import MrsfiError, ProtocolError
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.topics import Payload, Transport, time_of
 
 

@@ -18,9 +18,8 @@ from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN
 from mrsfi_runtime.kernel.injections import FaultTally, plan
 from mrsfi_runtime.kernel.state import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
+from mrsfi_runtime.model.mission import COUNTED, Evaluated, FailedFlight, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording

@@ -27,7 +27,7 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportE
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.engine_settings import RESTART, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport

@@ -23,7 +23,7 @@ from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 
 

@@ -13,10 +13,17 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.state import State, no_memory
 from mrsfi_runtime.model.fault_types import ELEMENTS, FaultType, Field, Mode
-from mrsfi_runtime.model.faults import Event, FaultPool, Specification, TimedFault, Trigger
-from mrsfi_runtime.model.gate import LAST
+from mrsfi_runtime.model.faults import (
+    LAST,
+    Event,
+    FaultPool,
+    Specification,
+    Target,
+    TimedFault,
+    Trigger,
+    touched,
+)
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import Target, touched
 
 
 @dataclass(slots=True)

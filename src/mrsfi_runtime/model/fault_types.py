@@ -1,4 +1,6 @@
-"""What fault types are made of: a mode, the properties that it touches, and parameters.
+"""Fault types, and what they mean.
+
+What fault types are made of: a mode, the properties that it touches, and parameters.
 
 The types themselves are said in ``metamodels/faults.ecore``, whose annotations use the words of
 the enumerations here; a generated fault loader carries those of its pool.
@@ -6,8 +8,23 @@ the enumerations here; a generated fault loader carries those of its pool.
 References
 ----------
 Source paper, section III-B b).
+
+What the ID of a model element is called in Python, and in topics of ROS.
+
+The version of the world's rules, carried by records, by generated code and by the bus.
+
+docs/semantics.md says what the rules are. The version changes when the same faults in the same
+mission may lead to another flight; what carries another one is read, but never flown.
+
+Version 1
+    mrsfi 0.1. Verdicts and reactions are decided to the last bit; belief begins without a speed;
+    a robot obeys commands up to five times its nominal speed.
+Version 2
+    mrsfi 0.3. Verdicts have a tolerance and reactions a reserve; belief begins with what the model
+    says; a robot obeys commands up to its own greatest speed; an outcome says what was missed.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
@@ -223,3 +240,31 @@ WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
 }
 """The properties that a fault can touch, by what it refers to: those of a message's sender, of a
 robot and its sensors, of a sensor, of an obstacle."""
+
+
+_SEPARATORS = re.compile(r"[_. -]+")
+
+
+def plain_name(text: str) -> str:
+    """Return an ID in lower case, runs of separators as one underscore.
+
+    The IDs of a valid mission become different names, each ``[a-z][a-z0-9_]*``.
+
+    Examples
+    --------
+    >>> plain_name("Scout-1")
+    'scout_1'
+    """
+    return _SEPARATORS.sub("_", text).strip("_").lower()
+
+
+SEMANTICS = 2
+"""The version that this runtime flies."""
+
+
+def difference(found: int) -> str:
+    """Return the words of an error about a version that is not flown here."""
+    return (
+        f"found semantics {found}; expected semantics {SEMANTICS}, which this mrsfi flies "
+        "(docs/semantics.md)"
+    )

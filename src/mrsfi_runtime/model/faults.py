@@ -1,21 +1,61 @@
-"""Faults of a pool, and timed faults: what search arranges into fault specifications.
+"""Faults, and the gate through which each specification enters.
+
+Faults of a pool, and timed faults: what search arranges into fault specifications.
 
 References
 ----------
 Source paper, sections III-B b) and III-E a).
+
+Which properties of which robots, sensors and obstacles a fault touches.
+
+The one gate that every timed fault passes: of models, scripts, search, users' code and records.
+
+Within its limits the reference and the compiled engine agree to the last bit: windows and whole
+values are those of an ``EInt``, other values at most ``MOST``, as in models.
+
+Two faults conflict when they touch the same property of the same target: one would
+disable the other. Conflicting faults never overlap in one specification.
+
+References
+----------
+Source paper, sections III-C b), III-E b) and c). The paper says *same message* in one
+place and *same class* in another; this key serves the purpose it states.
+
+Between which bounds search may choose the values of a fault's parameters.
+
+A bound is what the model says, else a default that the mission gives for the parameter's range;
+the pool's own value always lies inside.
+
+References
+----------
+Source paper, section III-E b), which leaves the bounds open.
 """
 
+import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
 from itertools import count
-from typing import NamedTuple, Self, TypeAlias
+from numbers import Integral, Real
+from operator import attrgetter
+from typing import Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, counted, expected
-from mrsfi_runtime.model.fault_types import FaultType
-from mrsfi_runtime.model.mission import Area
+from mrsfi_runtime.model.fault_types import (
+    IN_NO_MESSAGE,
+    OF_ROBOT,
+    OF_SENSOR,
+    FaultType,
+    Field,
+    Mode,
+    Parameter,
+    Range,
+    Struck,
+    Units,
+)
+from mrsfi_runtime.model.mission import Area, Message, Mission, Obstacle, Robot, Sensor
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
 """Value of a feature that a team has added to a metamodel; a mapping is a part."""
@@ -195,3 +235,364 @@ class FaultPool:
                 TimedFault(fault.id, fault.start, fault.finish, fault.values, fault.trigger)
             )
         return tuple(timed)
+
+
+Target: TypeAlias = tuple[Field, int]
+"""A property and the index of the robot, sensor or obstacle that has it."""
+
+_OF_ANY_SENSOR = (*OF_SENSOR, Field.ACTIVATION)
+
+_BY_NAME = {affected.name: affected for affected in OF_ROBOT}
+"""What the entries of a message's body stand for; all others are types of sensors."""
+
+
+def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+    """Return what a fault touches, each once, in model order; nothing if no message carries it.
+
+    A fault that refers to an element that the mission does not have is refused.
+    """
+    key = (fault.type, fault.target)
+    if key not in mission.touches:
+        mission.touches[key] = tuple(dict.fromkeys(_found(mission, fault)))
+    return mission.touches[key]
+
+
+def robots_of(mission: Mission, targets: Iterable[Target]) -> frozenset[int]:
+    """Return the indices of the robots that have the properties, or carry the sensors that do."""
+    return frozenset(
+        mission.sensor_robot[index] if affected in _OF_ANY_SENSOR else index
+        for affected, index in targets
+        if affected is not Field.OBSTACLE
+    )
+
+
+def describe(mission: Mission, target: Target) -> str:
+    """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
+    affected, index = target
+    owners: Sequence[Robot | Sensor | Obstacle] = mission.robots
+    if affected in _OF_ANY_SENSOR:
+        owners = mission.sensors
+    elif affected is Field.OBSTACLE:
+        owners = mission.obstacles
+    return f"{owners[index].id} {affected.name.lower()}"
+
+
+def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+    kind = fault.kind
+    try:
+        match kind.struck:
+            case Struck.MESSAGE:
+                return _touched_by_message(mission, fault)
+            case Struck.ROBOT:
+                return tuple(_of_robot(mission, mission.robot_index[fault.target], kind.properties))
+            case Struck.SENSOR:
+                index = mission.sensor_index[fault.target]
+            case Struck.OBSTACLE:
+                index = mission.obstacle_index[fault.target]
+        return tuple((affected, index) for affected in kind.properties)
+    except KeyError as error:
+        raise SpecificationError(
+            f"fault '{fault.id}' ({fault.type}) refers to {error.args[0]!r}; "
+            f"the mission has no such {kind.struck.value}"
+        ) from None
+
+
+def _of_robot(mission: Mission, robot: int, properties: Iterable[Field]) -> Iterator[Target]:
+    sensors = [mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors]
+    for affected in properties:
+        if affected in OF_SENSOR:
+            yield from ((affected, index) for index in sensors)
+        else:
+            yield affected, robot
+
+
+def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+    message, goal = mission.message_goal[fault.target]
+    if message.sender not in mission.robot_index:  # a server reports nothing of its own
+        return ()
+    robot = mission.robot_index[message.sender]
+    wanted = fault.kind.properties
+    carried = tuple(_carried(mission, robot, message))
+    sensors = [sensor.id for sensor in mission.robots[robot].sensors]
+    if goal.terms.sensor in sensors:
+        sensors = [goal.terms.sensor]
+    return (
+        *(target for target in carried if not wanted or target[0] in wanted),
+        *(
+            (affected, mission.sensor_index[sensor])
+            for affected in wanted
+            if affected in IN_NO_MESSAGE
+            for sensor in sensors
+        ),
+    )
+
+
+def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]:
+    for entry in message.body:
+        if entry.name in _BY_NAME:
+            yield _BY_NAME[entry.name], robot
+        else:
+            for sensor in mission.robots[robot].sensors:
+                if sensor.type == entry.name:
+                    yield Field.COUNT, mission.sensor_index[sensor.id]
+
+
+MOST = 1e12
+"""The largest magnitude of a value."""
+
+LAST = 2**31 - 1
+"""The largest tick of a window, and the largest whole value."""
+
+
+def plain(timed: TimedFault) -> TimedFault:
+    """Return a timed fault in Python's own numbers, values as floats; refuse what is not one."""
+    if type(timed) is TimedFault and _is_plain(*timed):
+        return timed
+    try:
+        fault, start, finish, values, *more = timed
+        values, (trigger,) = tuple(values), more or [""]
+    except (TypeError, ValueError):
+        wanted = "a timed fault: its ID, start, finish, values, and its trigger if it has one"
+        raise SpecificationError(f"found {timed!r}; expected {wanted}") from None
+    for name, found in (("fault", fault), ("trigger", trigger)):
+        if not isinstance(found, str):
+            raise SpecificationError(f"found {name} {found!r}; expected its ID, as text")
+    if not _are(Integral, start, finish) or not 0 <= start <= finish <= LAST:
+        wanted = f"whole numbers, 0 <= start <= finish <= {LAST}"
+        raise _misfit(fault, f"window {start!r} … {finish!r}", wanted)
+    if not _are(Real, *values) or not all(-MOST <= value <= MOST for value in values):
+        raise _misfit(fault, f"values {values!r}", f"numbers from {-MOST:.0f} to {MOST:.0f}")
+    return TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)), str(trigger))
+
+
+def _is_plain(
+    fault: object, start: int, finish: int, values: Sequence[float], trigger: object
+) -> bool:
+    """Return whether nothing is to be done, quickly: search has timed faults by the million."""
+    if not (type(start) is type(finish) is int and type(fault) is type(trigger) is str):
+        return False
+    if type(values) is not tuple:
+        return False
+    for value in values:
+        if type(value) is not float or not -MOST <= value <= MOST:
+            return False
+    return 0 <= start <= finish <= LAST
+
+
+def _are(kind: type[Any], *found: object) -> bool:
+    """Return whether all are numbers of a kind, which truth and text are not."""
+    return all(isinstance(each, kind) and not isinstance(each, bool) for each in found)
+
+
+def _misfit(fault: str, found: str, wanted: str) -> SpecificationError:
+    return SpecificationError(f"fault '{fault}' has {found}; expected {wanted}", (fault,))
+
+
+def at_work(
+    fault: str, kind: FaultType, start: int, finish: int, values: Mapping[str, float]
+) -> TimedFault:
+    """Return a timed fault of a type, its values given by parameter; refuse what does not fit."""
+    names = [parameter.name for parameter in kind.parameters]
+    for name in values:
+        if name not in names:
+            what = f"fault '{fault}' ({kind.name}) has no parameter '{name}'"
+            raise SpecificationError(f"{what}; {expected(name, names)}", (fault,))
+    timed = TimedFault(fault, start, finish, tuple(values[name] for name in names))
+    return fitting(kind, plain(timed))
+
+
+def limits(parameter: Parameter) -> tuple[float, float]:
+    """Return the lowest and the highest value that a parameter may ever have."""
+    if parameter.is_integer:
+        return 0.0 if parameter.range is Range.TICKS else -LAST - 1.0, float(LAST)
+    return -MOST, MOST
+
+
+def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
+    """Return a plain timed fault whose values fit its type; refuse others."""
+    parameters, values = kind.parameters, timed.values
+    if len(values) != len(parameters):
+        names = ", ".join(parameter.name for parameter in parameters) or "it takes none"
+        raise _misfit(timed.fault, f"{len(values)} values", f"{len(parameters)} values ({names})")
+    for parameter, value in zip(parameters, values, strict=True):
+        if parameter.is_integer and not (
+            value.is_integer() and limits(parameter)[0] <= value <= LAST
+        ):
+            low, high = limits(parameter)
+            wanted = f"a whole number from {low:.0f} to {high:.0f}"
+            raise _misfit(timed.fault, f"{parameter.name} {value}", wanted)
+    if kind.mode is Mode.RANDOM and values and values[0] > values[1]:
+        raise _misfit(timed.fault, kind.in_words(values, Units()), "the lower one first")
+    return timed
+
+
+class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
+    """Admits fault specifications to one mission and pool; what it finds out, it remembers.
+
+    By ID of a fault it has its type, the number of its values if no more is asked of them, and what
+    no other may touch at the same time: itself, and its targets. The faults of a written
+    specification may be copies of ``originals``, by ID.
+    """
+
+    def __init__(
+        self, mission: Mission, pool: FaultPool, originals: Container[str] | None = None
+    ) -> None:
+        super().__init__()
+        self.mission = mission
+        self.pool = pool
+        self._originals = pool.by_id if originals is None else originals
+
+    def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
+        fault = self.pool[fault_id]
+        itself = f"{original(fault_id, self._originals)}: {fault.words}"
+        keys: tuple[Target | str, ...] = (itself, *touched(self.mission, fault))
+        parameters = fault.kind.parameters
+        is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)
+        self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
+        return found
+
+    def admitted(self, specification: Iterable[TimedFault]) -> Specification:
+        """Return a specification in Python's own numbers.
+
+        A fault or a trigger that is unknown, or about what the mission has not, a fault whose
+        window or values make no sense, or two that conflict and overlap, are a
+        ``SpecificationError``.
+        """
+        try:
+            asked = tuple(specification)
+        except TypeError:
+            wanted = "timed faults, in a list or tuple"
+            raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
+        found = tuple(map(plain, asked))
+        for timed in found:
+            kind, n_values, _ = self[timed.fault]
+            if len(timed.values) != n_values:
+                fitting(kind, timed)
+            if timed.trigger:
+                self._require_trigger(timed)
+        newest: dict[Target | str, TimedFault] = {}
+        for timed in sorted(found, key=attrgetter("start")):
+            for key in self[timed.fault][2]:
+                before = newest.get(key)
+                if before is not None and before.finish >= timed.start:
+                    raise self._overlap(before, timed)
+                newest[key] = timed
+        return found
+
+    def conflicts(self) -> Mapping[str, frozenset[str]]:
+        """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
+
+        A fault that touches nothing conflicts with itself only: twice at once would be pointless.
+        """
+        keys = {fault.id: frozenset(self[fault.id][2]) for fault in self.pool}
+        return {
+            fault_id: frozenset(other for other, others in keys.items() if key & others)
+            for fault_id, key in keys.items()
+        }
+
+    def _require_trigger(self, timed: TimedFault) -> None:
+        """Refuse a trigger that the pool does not have, or the mission nothing for."""
+        known, mission = self.pool.triggers_by_id, self.mission
+        what, found, there = "trigger", timed.trigger, tuple(known)
+        if found in known and known[found].event is not Event.EFFECT:
+            what = f"trigger '{found}', which is about"
+            (found,) = known[found].of
+            is_robot = known[timed.trigger].area is not None
+            there = tuple(mission.robot_index) if is_robot else mission.goal_ids
+        if found not in there:
+            text = f"fault '{timed.fault}' has {what} '{found}'; {expected(found, there)}"
+            raise SpecificationError(text, (timed.fault,))
+
+    def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
+        others = {*self[second.fault][2]}
+        shared = (key for key in self[first.fault][2] if key in others and not isinstance(key, str))
+        what = ", ".join(describe(self.mission, key) for key in shared) or "nothing"
+        return SpecificationError(
+            f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
+            f"({second.start} … {second.finish}) overlap and both touch {what}; "
+            "conflicting faults must not be active at the same tick",
+            (first.fault, second.fault),
+        )
+
+
+_REACH = 1.5  # mission radii around the centre
+_EXCESS = 10.0  # times nominal
+
+
+def value_bounds(mission: Mission, fault: Fault) -> tuple[tuple[float, float], ...]:
+    """Return the lowest and highest value of each parameter of a pool fault, in their order.
+
+    A parameter that does not evolve has its pool value twice. The bounds of an integer parameter
+    are the outermost whole numbers inside; if there is none, its pool value twice.
+    """
+    return tuple(
+        _bounds(mission, fault, parameter, value)
+        for parameter, value in zip(fault.kind.parameters, fault.values, strict=True)
+    )
+
+
+def _bounds(
+    mission: Mission, fault: Fault, parameter: Parameter, value: float
+) -> tuple[float, float]:
+    if not parameter.evolves:
+        return value, value
+    least, most = limits(parameter)
+    usual = _default_bounds(mission, fault, parameter.range)
+    lowest, highest = (min(max(bound, least), most) for bound in usual)
+    model_lowest, model_highest = fault.bounds.get(parameter.name, (None, None))
+    low = min(lowest if model_lowest is None else model_lowest, value)
+    high = max(highest if model_highest is None else model_highest, value)
+    if parameter.is_integer:
+        low, high = float(math.ceil(low)), float(math.floor(high))
+        return (low, high) if low <= high else (value, value)
+    return low, high
+
+
+def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, float]:
+    center, reach, duration = mission.area.center, _REACH * mission.area.radius, mission.duration
+    of_mission = {
+        Range.TICKS: (1.0, float(duration)),
+        Range.COUNT: (0.0, float(duration)),  # one valid sample a tick on average
+        Range.PERCENT: (0.0, 100.0),
+        Range.SHARE: (0.0, 1.0),
+        Range.X: (center.x - reach, center.x + reach),
+        Range.Y: (center.y - reach, center.y + reach),
+        Range.Z: (center.z - reach, center.z + reach),
+    }
+    if of in of_mission:
+        return of_mission[of]
+    robots = _robots(mission, fault)
+    sensors = _sensors(mission, fault, robots)
+    largest = {
+        Range.ENERGY: [robot.total_energy for robot in robots],
+        Range.SPEED: [_EXCESS * robot.speed for robot in robots],
+        Range.RATE: [_EXCESS * sensor.samples_per_second for sensor in sensors],
+        Range.COST: [_EXCESS * sensor.energy_per_sample for sensor in sensors],
+    }
+    return 0.0, max(largest[of], default=0.0)
+
+
+def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
+    """Return the robots that a fault strikes: none if a server's message, all if an obstacle."""
+    touched(mission, fault)  # refuses what the mission does not have
+    index: int | None
+    match fault.kind.struck:
+        case Struck.OBSTACLE:
+            return mission.robots
+        case Struck.MESSAGE:
+            index = mission.robot_index.get(mission.message_goal[fault.target][0].sender)
+        case Struck.ROBOT:
+            index = mission.robot_index[fault.target]
+        case Struck.SENSOR:
+            index = mission.sensor_robot[mission.sensor_index[fault.target]]
+    return () if index is None else (mission.robots[index],)
+
+
+def _sensors(mission: Mission, fault: Fault, robots: tuple[Robot, ...]) -> tuple[Sensor, ...]:
+    """Return the sensors that a fault touches, else all of the robots that it strikes."""
+    if fault.kind.struck is Struck.SENSOR:
+        return (mission.sensors[mission.sensor_index[fault.target]],)
+    found = tuple(
+        mission.sensors[index] for field, index in touched(mission, fault) if field in OF_SENSOR
+    )
+    return found or tuple(sensor for robot in robots for sensor in robot.sensors)

@@ -24,8 +24,8 @@ from mrsfi_runtime.cosimulation.truth import true_values
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import RobotState, State
+from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
-from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.record.named_faults import NamedFault, Window
 from mrsfi_runtime.record.observers import Events
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name

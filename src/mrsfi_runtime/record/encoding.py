@@ -9,9 +9,8 @@ from operator import methodcaller
 from typing import Any
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.gate import plain
-from mrsfi_runtime.model.outcome import Margin, Outcome
+from mrsfi_runtime.model.faults import Specification, TimedFault, plain
+from mrsfi_runtime.model.mission import Margin, Outcome
 
 OUTCOME = tuple(each.name for each in fields(Outcome))
 """Names of what an outcome has, in the order in which they are stored."""

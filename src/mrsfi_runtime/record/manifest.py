@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.record.engine_settings import EngineSettings
 
 

@@ -6,10 +6,18 @@ from typing import Any, TypeAlias
 
 from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
 from mrsfi_runtime.model.fault_types import Units
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault, Trigger
-from mrsfi_runtime.model.gate import LAST
+from mrsfi_runtime.model.faults import (
+    LAST,
+    Fault,
+    FaultPool,
+    Specification,
+    TimedFault,
+    Trigger,
+    describe,
+    robots_of,
+    touched,
+)
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import describe, robots_of, touched
 
 Window: TypeAlias = tuple[int, int]
 """First and last tick."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError, expected
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.engine_settings import BOTH, CI, INJECTOR
 from mrsfi_runtime.record.settings import VIOLATIONS
 

@@ -15,9 +15,9 @@ from sqlite3 import Connection
 from typing import Any, Self, TypeVar
 
 from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Margin, Outcome
-from mrsfi_runtime.model.semantics import SEMANTICS, difference
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Outcome
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest

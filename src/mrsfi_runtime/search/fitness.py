@@ -15,8 +15,7 @@ from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.user_functions import chosen
 

@@ -19,8 +19,7 @@ from typing import TypeAlias
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expected
 from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Evaluated, Outcome
+from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation

@@ -13,9 +13,14 @@ from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
-from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import (
+    Fault,
+    FaultPool,
+    Gate,
+    Specification,
+    TimedFault,
+    value_bounds,
+)
 from mrsfi_runtime.model.mission import Coordinates, Mission
 
 Window: TypeAlias = tuple[int, int]

@@ -3,7 +3,7 @@ import pytest
 from mrsfi_runtime.analysis.campaign_tables import critical_table
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
 from mrsfi_runtime.analysis.illustrations import fitness_label
-from mrsfi_runtime.model.outcome import COUNTED
+from mrsfi_runtime.model.mission import COUNTED
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import columns_of

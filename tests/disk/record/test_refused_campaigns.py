@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore

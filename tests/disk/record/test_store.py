@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.gate import MOST
+from mrsfi_runtime.model.faults import MOST, TimedFault
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.manifest import Manifest

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record import store as record_store
 from mrsfi_runtime.record.settings import CampaignSettings

@@ -13,8 +13,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
+from mrsfi_runtime.model.faults import robots_of, touched
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
-from mrsfi_runtime.model.targets import robots_of, touched
 from mrsfi_runtime.record.bag import Bag
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable

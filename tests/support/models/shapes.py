@@ -17,8 +17,7 @@ from m2t.generate import generate
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
-from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import Gate, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models import builder
 from tests.support.triggers import REACHABLE, waiting

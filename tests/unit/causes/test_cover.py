@@ -9,7 +9,7 @@ from mrsfi_runtime.causes.probing import N_ALONE
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import ALGORITHM_NAMES, CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from tests.support.search import outcome_of, paper_space

@@ -10,7 +10,7 @@ from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.search import outcome_of, paper_space
 
 SPACE = paper_space()

@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.outcome import FailedFlight
+from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.search import outcome_of, paper_mission
 
 MISSION = paper_mission()

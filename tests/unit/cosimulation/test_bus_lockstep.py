@@ -18,7 +18,7 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from tests.support.trace import traced
 from tests.support.two_sides import BusEngine
 from tests.support.world import paper_code, specification

@@ -5,8 +5,7 @@ import pytest
 from mrsfi_runtime.api import AvoidCollision, GatherSamples, Stay, SufficientEnergy, Track
 from mrsfi_runtime.kernel.flight import count, no_verdicts
 from mrsfi_runtime.kernel.goal_tasks.table import is_missed
-from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Area, Coordinates, Outcome
 from tests.support.world import MEMBERS, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import FaultPool, TimedFault
-from mrsfi_runtime.model.gate import LAST, MOST, Gate, at_work
+from mrsfi_runtime.model.faults import LAST, MOST, FaultPool, Gate, TimedFault, at_work
 from mrsfi_runtime.record import encoding
 from tests.support.world import paper_code
 

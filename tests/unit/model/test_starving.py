@@ -10,8 +10,7 @@ from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
 from mrsfi_runtime.kernel.goal_tasks.stay import Stay
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
-from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.model.starving import starvation
+from mrsfi_runtime.model.mission import Area, Coordinates, starvation
 from tests.support.world import mission
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)

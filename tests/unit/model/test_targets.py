@@ -6,9 +6,7 @@ import pytest
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.targets import touched
+from mrsfi_runtime.model.faults import Fault, FaultPool, Gate, TimedFault, touched
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import paper_code
 

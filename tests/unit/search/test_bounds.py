@@ -3,8 +3,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.faults import Fault
+from mrsfi_runtime.model.faults import Fault, value_bounds
 from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageData
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import PAPER_FAULTS, paper_mission

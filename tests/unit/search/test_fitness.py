@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,

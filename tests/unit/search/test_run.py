@@ -14,7 +14,7 @@ import pytest
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import COSTS, FaultPool, Specification, fault_ticks
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, run_campaign

@@ -15,8 +15,8 @@ from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.settings import full_name
 from mrsfi_runtime.cosimulation.node.quantities import COMMANDS, PAIRS, QUANTITIES
 from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.names import plain_name
 from mrsfi_runtime.transport.topics import Service, Topic
 
 Path: TypeAlias = tuple[str | int, ...]

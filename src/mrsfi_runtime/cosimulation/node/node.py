@@ -24,9 +24,8 @@ from mrsfi_runtime.errors import (
     counted,
 )
 from mrsfi_runtime.kernel.commands import reports_position
-from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.semantics import SEMANTICS
-from mrsfi_runtime.model.targets import Target
+from mrsfi_runtime.model.fault_types import SEMANTICS, Field
+from mrsfi_runtime.model.faults import Target
 from mrsfi_runtime.transport.topics import (
     NodeTransport,
     Payload,

@@ -7,9 +7,8 @@ that is passed on, they are held back at most.
 from mrsfi_runtime.cosimulation.node.relay import robot_held
 from mrsfi_runtime.cosimulation.node.speech import Speech
 from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.faults import FaultPool, describe, touched
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import describe, touched
 
 
 def out_of_reach(mission: Mission, pool: FaultPool, speech: Speech) -> dict[str, str]:

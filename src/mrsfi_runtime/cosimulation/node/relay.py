@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from mrsfi_runtime.kernel.effects import note
 from mrsfi_runtime.kernel.injections import Plan, longest
 from mrsfi_runtime.model.fault_types import Mode
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.gate import LAST
+from mrsfi_runtime.model.faults import LAST, FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Payload, Publisher
 

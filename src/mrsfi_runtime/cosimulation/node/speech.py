@@ -28,8 +28,8 @@ from mrsfi_runtime.cosimulation.node.quantities import (
 )
 from mrsfi_runtime.errors import ProtocolError, UsageError, expected
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.faults import Target
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import Target
 from mrsfi_runtime.transport.topics import Payload, Topic
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Evaluated
+from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import EngineSettings
 
 CHUNK_SECONDS = 0.35

@@ -25,7 +25,7 @@ from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.imported_copies import copied_files
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight
 from mrsfi_runtime.record.engine_settings import EngineSettings
 
 _ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})

@@ -33,7 +33,7 @@ from mrsfi_runtime.kernel.injections import (
     TriggerState,
     WaitingState,
 )
-from mrsfi_runtime.model.outcome import COUNTED, Outcome
+from mrsfi_runtime.model.mission import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)

@@ -25,9 +25,8 @@ from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.flight import Verdicts, initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import Evaluated, Outcome
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
+from mrsfi_runtime.model.mission import Evaluated, Outcome
 
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""

@@ -18,8 +18,7 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, Wo
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import COLUMNS, State, state_bytes
-from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.faults import Gate, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 
 SECONDS = 0.05
