@@ -23,7 +23,7 @@ from benchmarks.fleets import fleet
 from benchmarks.measuring import MEBI, Aims, drawn, exponent, run
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import run_campaign

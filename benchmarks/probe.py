@@ -71,7 +71,7 @@ def search(code: Any) -> float:
     campaign = module("record.settings", "search.settings").CampaignSettings
     settings = campaign.load(Path("models") / MISSION / "case_a.toml")
     recorded: tuple[Any, ...] = (settings.as_json(), {})
-    if find_spec("mrsfi_runtime.record.manifest"):
+    if find_spec("mrsfi_runtime.record.engine_settings"):
         recorded = settings, module("record.manifest").Manifest()
     store_class = module("record.store", "record.campaign").CampaignStore
     run_campaign = module("search.run", "search.campaign").run_campaign

@@ -18,12 +18,10 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.database import CampaignFolder
+from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings, Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, Measure
 from mrsfi_runtime.search.run import run_campaign
 
 MISSION = Path("generated") / "uuv_sampling"

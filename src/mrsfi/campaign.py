@@ -27,9 +27,8 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
-from mrsfi_runtime.record.store import CampaignStore, Evaluation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 if TYPE_CHECKING:
     from pandas import DataFrame

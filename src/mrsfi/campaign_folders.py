@@ -20,10 +20,9 @@ from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
+from mrsfi_runtime.record.database import CampaignFolder, hashes
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.folder import CampaignFolder, hashes
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.store import CampaignStore, Evaluation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,8 @@ from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.fault_types import SEMANTICS
-from mrsfi_runtime.record.encoding import canonical
+from mrsfi_runtime.record.database import CampaignFolder, canonical, file_hashes, only_writer
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.folder import CampaignFolder, file_hashes, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.study.comparison import Comparison, RunResult, as_json, compare, measure_run

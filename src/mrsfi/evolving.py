@@ -25,12 +25,10 @@ from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission
-from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Workers
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.database import CampaignFolder, only_writer
+from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Manifest, Workers
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, Measure
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 

@@ -20,11 +20,10 @@ from mrsfi_runtime.files import telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.regressions import folder_of
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
-from mrsfi_runtime.record.store import Evaluation
+from mrsfi_runtime.record.store import Evaluation, Measure
 
 CAUSE_SET, SIMPLEST = "cause set", "simplest form"
 """What specifications are that come of an explanation."""

@@ -18,7 +18,7 @@ from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import COUNTED, Mission, Outcome
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 
 if TYPE_CHECKING:
     from pandas import DataFrame

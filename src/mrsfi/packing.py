@@ -28,8 +28,8 @@ from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
 from mrsfi_runtime.files import telling, whole_file
 from mrsfi_runtime.imported_copies import IMPORTED
+from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import Workers
-from mrsfi_runtime.record.folder import CampaignFolder, no_writer
 from mrsfi_runtime.record.store import CampaignStore
 
 _LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"

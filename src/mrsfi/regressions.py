@@ -23,10 +23,10 @@ from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.regressions import Regression, folder_of, kept
 from mrsfi_runtime.record.settings import CampaignSettings, following
+from mrsfi_runtime.record.store import Measure
 
 
 @dataclass(frozen=True, slots=True)

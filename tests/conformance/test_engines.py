@@ -15,8 +15,7 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.state import COLUMNS
 from mrsfi_runtime.model.faults import Event, TimedFault, limits
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable, named_faults
 from tests.support.edited import edited
 from tests.support.trace import TraceDigest, columns, traced
 from tests.support.triggers import with_triggers

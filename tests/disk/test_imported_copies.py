@@ -11,7 +11,7 @@ from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_module
 from mrsfi_runtime.imported_copies import importing
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.database import CampaignFolder
 
 REGIONS = "collective_intelligence.py"
 REACHED: dict[str, tuple[str, dict[str, str], set[str]]] = {

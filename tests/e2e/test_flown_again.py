@@ -12,7 +12,7 @@ from mrsfi.campaign import Campaign
 from mrsfi.mission import load
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import MrsfiError, RecordError
-from mrsfi_runtime.record.encoding import canonical
+from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.database import CampaignFolder, only_writer
 from tests.support.cli import MISSION, SMALL, contents, mrsfi
 
 EVOLVE = ("evolve", MISSION, "--case", "b", *SMALL)

@@ -9,7 +9,7 @@ from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import initial_state
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import run_campaign

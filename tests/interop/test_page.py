@@ -23,7 +23,7 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.fault_types import Struck
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import TOLD
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
 from tests.support.missing import skip

@@ -9,11 +9,16 @@ from random import Random
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Area, Coordinates, Outcome
-from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record import database
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.store import (
+    CampaignStore,
+    Evaluation,
+    FailedEvaluation,
+    Generation,
+    Measure,
+)
 from tests.support.search import PAPER_FAULTS
 
 _IN_MEMORY = Path("in memory", "campaign.sqlite")
@@ -127,8 +132,8 @@ def store_of(
     """Return the store of a campaign that is in no file; it is closed with its last user."""
     connection = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
     meta = {
-        "settings": encoding.canonical(settings.as_json()),
-        "manifest": encoding.canonical(Manifest().as_json()),
+        "settings": database.canonical(settings.as_json()),
+        "manifest": database.canonical(Manifest().as_json()),
     }
     database.fill(_IN_MEMORY, connection, meta)
     store = kind(_IN_MEMORY, connection)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Outcome
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import Measure
 
 Planted = Mapping[str, Callable[[frozenset[str]], tuple[int, int]]]
 """Believed and true violations of each goal, from the IDs of the faults that are flown."""

@@ -23,10 +23,9 @@ from mrsfi_runtime.model.mission import (
     Mission,
     Outcome,
 )
-from mrsfi_runtime.record.measure import NONE, Measure, ticks
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import Evaluation, Flown
+from mrsfi_runtime.record.store import NONE, Evaluation, Flown, Measure, ticks
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.fronts import Front, Harm

@@ -14,9 +14,8 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.store import CampaignStore, Evaluation
+from mrsfi_runtime.record import database
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""
@@ -98,12 +97,12 @@ def _decoding(
     def decoded(stored: Sequence[Sequence[Any]]) -> tuple[Any, ...]:
         """Return faults, texts of timed faults, fitness, violations and costs."""
         specifications, fitness_texts, fault_ticks, *counts = stored
-        faults, texts = zip(*map(encoding.fault_texts, specifications), strict=True)
-        fitness = encoding.lists(fitness_texts)
+        faults, texts = zip(*map(database.fault_texts, specifications), strict=True)
+        fitness = database.lists(fitness_texts)
         violations: NDArray[Any] = np.empty((len(faults), 0))
         if places:
             found = (
-                encoding.integers(encoding.lists(counts[0]))
+                database.integers(database.lists(counts[0]))
                 if counts
                 else [each[1:] for each in fitness]
             )

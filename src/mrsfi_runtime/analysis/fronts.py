@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mrsfi_runtime.analysis.columns import Columns, Rows
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.store import Measure, ticks
 
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
 _N_CELLS = 200  # of either axis, for clouds of more

@@ -23,9 +23,8 @@ from mrsfi_runtime.analysis.fronts import Front, Pick, find_front, thinned
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, Measure
 
 N_GENERATION_FRONTS = 5
 

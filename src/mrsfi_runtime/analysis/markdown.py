@@ -23,7 +23,7 @@ from mrsfi_runtime.analysis.weaknesses import (
     way_table,
 )
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
 _MISSED = "and the tick from which on it was certain that the goal's purpose is not met, if it was"

@@ -28,7 +28,7 @@ from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.causes.mildest import Tried
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
 BLUE, ORANGE, GREEN, ROCK, SAND = "#1b6ca8", "#d9622b", "#2a8c6a", "#6b7681", "#a9b4bd"

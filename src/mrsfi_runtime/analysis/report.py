@@ -27,8 +27,8 @@ from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.database import CampaignFolder
+from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.store import CampaignStore
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.table import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
-from mrsfi_runtime.record.named_faults import NamedFault, Window
+from mrsfi_runtime.record.observers import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
 """Points of the plane, in distance units; the last axis has x and y."""

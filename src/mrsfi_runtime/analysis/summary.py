@@ -24,10 +24,9 @@ from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission, Outcome
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore, Evaluation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 from mrsfi_runtime.search.space import SearchSpace
 
 SCHEMA = 2

@@ -8,7 +8,7 @@ from html import escape
 from itertools import zip_longest
 from typing import Any, TextIO, TypeAlias
 
-from mrsfi_runtime.record.measure import NONE
+from mrsfi_runtime.record.store import NONE
 
 Cell: TypeAlias = str | int | float | None
 

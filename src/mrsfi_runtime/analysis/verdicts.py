@@ -23,7 +23,7 @@ from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, Target, robots_of, touched
 from mrsfi_runtime.model.mission import Goal, Mission, starvation
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
 
 
 class State(IntEnum):

@@ -15,8 +15,8 @@ from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import NONE
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
+from mrsfi_runtime.record.store import NONE
 
 _BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
 

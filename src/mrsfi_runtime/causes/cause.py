@@ -12,7 +12,7 @@ from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Outcome
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import following
 
 N_SEEDS = 20

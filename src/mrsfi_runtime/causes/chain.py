@@ -14,7 +14,7 @@ from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck, Units
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.observers import NamedFault
 
 POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
 

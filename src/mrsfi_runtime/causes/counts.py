@@ -8,7 +8,7 @@ from typing import Generic, NamedTuple, TypeAlias, TypeVar
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Outcome
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import Measure
 
 EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]
 """Evaluates fault specifications with a mission seed, as an ``Evaluator`` does."""

@@ -36,7 +36,7 @@ from mrsfi_runtime.causes.weakness import (
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
-from mrsfi_runtime.record import encoding
+from mrsfi_runtime.record import database
 from mrsfi_runtime.record.settings import COVERING, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
@@ -188,7 +188,7 @@ class _Kept(NamedTuple):
     mildest: tuple[Mildest, ...]
 
     def text(self) -> str:
-        return encoding.canonical(
+        return database.canonical(
             {
                 "numbers": [self.n_evaluations, self.n_flights],
                 "kept": [[*column, n_kept] for column, n_kept in self.n_kept.items()],
@@ -200,9 +200,9 @@ class _Kept(NamedTuple):
     @classmethod
     def of(cls, mission: Mission, text: str) -> Self:
         """Return what a record says; a ValueError or TypeError if it makes no sense."""
-        content = encoding.object_from_text(text)
+        content = database.object_from_text(text)
         try:
-            ((n_evaluations, n_flights),) = encoding.integers([content["numbers"]])
+            ((n_evaluations, n_flights),) = database.integers([content["numbers"]])
             n_kept = {Column(goal, kind): int(n) for goal, kind, n in content["kept"]}
             found = tuple(map(Weakness.from_json, content["weaknesses"]))
             mild = tuple(map(Mildest.from_json, content["mildest"]))

@@ -20,7 +20,7 @@ from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission, Outcome
-from mrsfi_runtime.record import encoding
+from mrsfi_runtime.record import database
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 
 MEASURES = ("believed", "true", "missed")
@@ -307,7 +307,7 @@ class Weakness:
         return cls(
             Column(str(row["goal"]), str(row["measure"])),
             tuple(map(str, row["faults"])),
-            encoding.specification(wanted({"trigger": "", **each}) for each in row["witness"]),
+            database.specification(wanted({"trigger": "", **each}) for each in row["witness"]),
             n_tried,
             round(float(row["share"]) * n_tried),
             int(seeds["held"]),

@@ -154,7 +154,7 @@ def command(  # noqa: PLR0913 - one parameter per option
 
 def _run(target: str) -> Path:
     from mrsfi.folders import is_mission
-    from mrsfi_runtime.record.folder import CampaignFolder
+    from mrsfi_runtime.record.database import CampaignFolder
 
     path = Path(target)
     if not CampaignFolder(path).database.is_file() and is_mission(target):
@@ -192,7 +192,7 @@ def _explain(
 def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> None:
     from mrsfi.weaknesses import flying_again, harvest, harvested
     from mrsfi_runtime.cli.ways import print_all
-    from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+    from mrsfi_runtime.record.database import CampaignFolder, only_writer
 
     with (
         only_writer(CampaignFolder(run)),

@@ -16,8 +16,8 @@ from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.record.measure import NONE, Measure, ticks
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
+from mrsfi_runtime.record.store import NONE, Measure, ticks
 
 _WORDS = ("goal", "violations")
 

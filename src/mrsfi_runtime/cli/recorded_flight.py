@@ -25,8 +25,13 @@ from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
 from mrsfi_runtime.model.mission import Mission, Outcome
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable
+from mrsfi_runtime.record.observers import (
+    Events,
+    NamedFault,
+    SimulationLog,
+    TraceTable,
+    named_faults,
+)
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording

@@ -14,7 +14,7 @@ from mrsfi.regressions import Checked
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.record.measure import NONE
+from mrsfi_runtime.record.store import NONE
 
 _CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"
 _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

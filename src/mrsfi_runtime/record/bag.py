@@ -26,8 +26,7 @@ from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
-from mrsfi_runtime.record.named_faults import NamedFault, Window
-from mrsfi_runtime.record.observers import Events
+from mrsfi_runtime.record.observers import Events, NamedFault, Window
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name
 
 Message: TypeAlias = dict[str, Any]

@@ -1,10 +1,14 @@
-"""The engine and its workers: one value for the options, the record and the words of messages.
+"""The engine as one value, and the manifest of a campaign.
+
+The engine and its workers: one value for the options, the record and the words of messages.
 
 Each field of ``EngineSettings`` is one fact. The command line gives those that ``option`` makes:
 ``cli/options.py`` loops over them, ``as_json`` and ``from_json`` over all. ``mrsfi/engines.py``
 merges options, record and project; ``engine/opening.py`` opens the engine. So a new option of
 every command that flies is a field here, and a change in the code that acts on it. A field that
 makes sense without a rosbridge server also stands in ``OF_ANY_ENGINE``.
+
+What a campaign runs on: mission, engine, versions, and the hash of every file it copied.
 """
 
 import re
@@ -16,6 +20,7 @@ from typing import Any, Self
 from mrsfi_runtime.cosimulation.node.pace import ANSWER, BARRIER, PACES
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import RecordError, UsageError, expected
+from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS, Client, without_token
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
@@ -306,3 +311,37 @@ def require_address(text: str) -> None:
             f"--dask: found '{text}'; expected tcp://HOST:PORT or tls://HOST:PORT, as "
             f"`dask scheduler` prints it, or {LOCAL}"
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What a campaign runs on."""
+
+    mission: str = ""
+    place: str = ""  # of its models from the project's root on, if the name does not say it
+    case: str = ""  # campaign file, as the command line named it
+    engine: EngineSettings = field(default_factory=EngineSettings)
+    versions: Mapping[str, str] = field(default_factory=dict)  # what decides what is found
+    machine: str = ""  # kind of processor
+    sha256: Mapping[str, str] = field(default_factory=dict)  # of every copied file, by name
+    semantics: int = SEMANTICS  # version of the world's rules
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the manifest as values of JSON."""
+        return {
+            "mission": self.mission,
+            "place": self.place,
+            "case": self.case,
+            **self.engine.as_json(),
+            "versions": self.versions,
+            "machine": self.machine,
+            "sha256": self.sha256,
+            "semantics": self.semantics,
+        }
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Return the manifest that ``as_json`` described; what is missing is empty."""
+        known = {each.name: values[each.name] for each in fields(cls) if each.name in values}
+        engine = EngineSettings.from_json(values)
+        return cls(**{**known, "engine": engine})

@@ -1,8 +1,12 @@
-"""The store of a campaign: evaluations, failures, generations, later flights, in one SQLite file.
+"""The campaign store.
+
+The store of a campaign: evaluations, failures, generations, later flights, in one SQLite file.
 
 Each append is one transaction with a rollback journal, so a run that is killed at any
 moment loses at most the append it was in, and whoever opens the folder next finds every
 earlier one.
+
+Which violations a campaign counts: its own measure, as its record keeps it.
 """
 
 import hashlib
@@ -14,13 +18,13 @@ from pathlib import Path
 from sqlite3 import Connection
 from typing import Any, Self, TypeVar
 
-from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.errors import RecordError, UsageError, expected
 from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Outcome
-from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Mission, Outcome
+from mrsfi_runtime.record import database
+from mrsfi_runtime.record.database import CampaignFolder
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
@@ -84,21 +88,21 @@ class RecordedFlight:
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, what came of it."""
         found = self.found.traceback if isinstance(self.found, FailedFlight) else asdict(self.found)
-        text = encoding.specification_text(self.specification)
-        return int(self.mission_seed), text, encoding.canonical([found])
+        text = database.specification_text(self.specification)
+        return int(self.mission_seed), text, database.canonical([found])
 
     @classmethod
     def from_row(cls, row: tuple[int, str, str]) -> Self:
         """Return what such a row says; ``ValueError`` or ``TypeError`` if it makes no sense."""
         seed, specification, text = row
-        faults, (found, *rest) = encoding.lists([specification, text])
-        known = encoding.specification(faults)
+        faults, (found, *rest) = database.lists([specification, text])
+        known = database.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(int(seed), known, FailedFlight(found))
-        least, most = {*encoding.COUNTS, "digest"}, {*encoding.OUTCOME}
+        least, most = {*database.COUNTS, "digest"}, {*database.OUTCOME}
         if rest or not isinstance(found, dict) or not least <= {*found} <= most:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
-        return cls(int(seed), known, _outcome(*map(found.get, encoding.OUTCOME)))
+        return cls(int(seed), known, _outcome(*map(found.get, database.OUTCOME)))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -108,12 +112,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         self.path = path
         self._connection = connection
         rows = dict(self._select("SELECT key, value FROM meta"))
-        settings = self._decoded(encoding.object_from_text, rows.get("settings"))
+        settings = self._decoded(database.object_from_text, rows.get("settings"))
         try:
             self.settings = CampaignSettings.from_json(settings, str(path.parent))
         except UsageError as error:
             raise RecordError(database.damaged(path, str(error))) from error
-        manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
+        manifest = self._decoded(database.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
         self._columns = database.stored_columns(path, connection)
 
@@ -121,8 +125,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
         """Start the store of a new campaign in a folder, which is made if it is missing."""
         meta = {
-            "settings": encoding.canonical(settings.as_json()),
-            "manifest": encoding.canonical(manifest.as_json()),
+            "settings": database.canonical(settings.as_json()),
+            "manifest": database.canonical(manifest.as_json()),
         }
         database.create(CampaignFolder(folder).database, meta)
         return cls.open(folder)
@@ -162,7 +166,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
         Their indexes follow those stored; if one does not, nothing is stored (ValueError).
         """
-        text = encoding.canonical
+        text = database.canonical
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
             "failure": [_failure_row(failure) for failure in failures],
@@ -194,7 +198,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def fault_sets(self) -> Iterator[frozenset[str]]:
         """Yield the pool faults of each evaluation, in index order."""
         for texts in self.stored(("specification",), self.n_evaluations, itemgetter(0)):
-            yield from (frozenset(self._decoded(encoding.fault_texts, each)[0]) for each in texts)
+            yield from (frozenset(self._decoded(database.fault_texts, each)[0]) for each in texts)
 
     def flown(self, step: int) -> Iterator[Flown]:
         """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
@@ -222,9 +226,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         for rows in self._batches(query, range(self.n_evaluations)):
             told = [row for row in rows if row[2] is not None]
             texts = [text for _, *both in told for text in both]
-            found = self._decoded(encoding.lists, texts)
+            found = self._decoded(database.lists, texts)
             for (index, *_), true, each in zip(told, found[::2], found[1::2], strict=True):
-                margins = self._decoded(encoding.margins, each)
+                margins = self._decoded(database.margins, each)
                 yield index, true, margins or ()
 
     def evaluation(self, index: int) -> Evaluation:
@@ -289,7 +293,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Record how what flies was seen not to repeat itself, if it was."""
         engine = replace(self.manifest.engine, unrepeated=text)
         self.manifest = replace(self.manifest, engine=engine)
-        self.keep("manifest", encoding.canonical(self.manifest.as_json()))
+        self.keep("manifest", database.canonical(self.manifest.as_json()))
 
     def flights(self) -> tuple[RecordedFlight, ...]:
         """Return what was flown after the search, in order."""
@@ -321,9 +325,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        query = self._from_evaluations(("specification", *encoding.COUNTS, "digest", "fitness"))
+        query = self._from_evaluations(("specification", *database.COUNTS, "digest", "fitness"))
         for rows in self._batches(query, range(self.n_evaluations)):
-            lines = [*map(encoding.canonical, rows), ""]
+            lines = [*map(database.canonical, rows), ""]
             digest.update("\n".join(lines).encode())
         return digest.hexdigest()
 
@@ -356,9 +360,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
-    counts = (getattr(outcome, name) for name in encoding.COUNTS)
+    counts = (getattr(outcome, name) for name in database.COUNTS)
     beside = outcome.margins, outcome.detection
-    fitness, *found = encoding.texts([[float(each) for each in evaluation.fitness], *counts])
+    fitness, *found = database.texts([[float(each) for each in evaluation.fitness], *counts])
     return (
         int(evaluation.index),
         int(evaluation.generation),
@@ -366,51 +370,125 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
         int(evaluation.fault_ticks),
         *found,
         outcome.digest,
-        *(encoding.canonical(each) if each else None for each in beside),
-        encoding.specification_text(evaluation.specification),
+        *(database.canonical(each) if each else None for each in beside),
+        database.specification_text(evaluation.specification),
     )
 
 
 def _evaluation(row: Sequence[Any]) -> Evaluation:
     *flown, text = row
-    (specification,) = encoding.lists([text])
-    return Evaluation(*_flown(flown), encoding.specification(specification))
+    (specification,) = database.lists([text])
+    return Evaluation(*_flown(flown), database.specification(specification))
 
 
 def _flown(row: Sequence[Any]) -> tuple[int, int, Outcome, tuple[float, ...], int]:
     index, generation, fitness_text, fault_ticks, *texts, digest, margins, detection = row
     texts += [margins or "[]", detection or "[]"]
-    fitness, *counts, margins, detection = encoding.lists([fitness_text, *texts])
+    fitness, *counts, margins, detection = database.lists([fitness_text, *texts])
     outcome = _outcome(*counts, digest, margins, detection)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
 def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:
-    for expected, row in enumerate(rows, first):
-        if row[0] != expected:
-            raise ValueError(f"found {what} {row[0]}; expected {expected} next")
+    for index, row in enumerate(rows, first):
+        if row[0] != index:
+            raise ValueError(f"found {what} {row[0]}; expected {index} next")
 
 
 def _generation(row: tuple[Any, ...]) -> Generation:
     index, statistics, population, random_state = row
-    (individuals,) = encoding.integers(encoding.lists([population]))
-    return Generation(index, encoding.object_from_text(statistics), individuals, random_state)
+    (individuals,) = database.integers(database.lists([population]))
+    return Generation(index, database.object_from_text(statistics), individuals, random_state)
 
 
 def _failure_row(failure: FailedEvaluation) -> tuple[Any, ...]:
-    specification = encoding.specification_text(failure.specification)
+    specification = database.specification_text(failure.specification)
     return int(failure.number), int(failure.generation), specification, failure.traceback
 
 
 def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
     number, generation, text, traceback = row
-    (specification,) = encoding.lists([text])
-    return FailedEvaluation(number, generation, encoding.specification(specification), traceback)
+    (specification,) = database.lists([text])
+    return FailedEvaluation(number, generation, database.specification(specification), traceback)
 
 
 def _outcome(*found: Any) -> Outcome:
     """Return an outcome of what is stored of it; margins and detection may be missing."""
     *counts, digest, margins, late = found
-    detection = tuple((n, n_late) for n, n_late in encoding.integers(late or ())) or None
-    named: dict[str, Any] = dict(zip(encoding.COUNTS, encoding.integers(counts), strict=True))
-    return Outcome(**named, digest=digest, margins=encoding.margins(margins), detection=detection)
+    detection = tuple((n, n_late) for n, n_late in database.integers(late or ())) or None
+    named: dict[str, Any] = dict(zip(database.COUNTS, database.integers(counts), strict=True))
+    return Outcome(**named, digest=digest, margins=database.margins(margins), detection=detection)
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """The violations that a campaign looks at, one ``kind`` of ``COUNTED``.
+
+    The record keeps means over ``n_seeds`` mission seeds, of the ``chosen`` goals in this order;
+    with 1 it keeps counts, in the order of ``goals``. ``minimised`` is what of ``COSTS`` a front
+    has few of beside many violations, if any.
+    """
+
+    kind: str
+    n_seeds: int
+    goals: tuple[str, ...]
+    chosen: tuple[str, ...]
+    duration: int
+    minimised: str | None = None
+
+    @classmethod
+    def of(cls, settings: CampaignSettings, mission: Mission) -> Self:
+        """Return the measure that the settings of a campaign name."""
+        goals = mission.goal_ids
+        return cls(
+            kind=settings.violations,
+            n_seeds=settings.replications,
+            goals=goals,
+            chosen=settings.goals or goals,
+            duration=mission.duration,
+            minimised=settings.minimise,
+        )
+
+    def __str__(self) -> str:
+        return f"{self.words}{self.means}"
+
+    @property
+    def words(self) -> str:
+        """What is counted, for people."""
+        return "time missed" if self.kind == "missed" else f"{self.kind} violations"
+
+    @property
+    def means(self) -> str:
+        """What follows the name of something that is a mean over mission seeds."""
+        return "" if self.n_seeds == 1 else f", mean of {self.n_seeds} mission seeds"
+
+    @property
+    def is_shown_by_outcomes(self) -> bool:
+        """Whether an outcome's believed and true counts already show it."""
+        return self.n_seeds == 1 and self.kind in {"believed", "true"}
+
+    def require(self, goals: Sequence[str]) -> None:
+        """Refuse goals that the mission lacks, or whose mean is not recorded: a ``UsageError``."""
+        known = [(self.goals, "a goal of the mission:")]
+        if self.n_seeds > 1:
+            why = "because the record keeps means over mission seeds of these only:"
+            known.append((self.chosen, f"a goal of the campaign file, {why}"))
+        for some, what in known:
+            for goal in goals:
+                if goal not in some:
+                    raise UsageError(f"found goal '{goal}'; {expected(goal, some, what)}")
+
+    def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
+        """Return the violations of each goal that is recorded, by its ID."""
+        if self.n_seeds > 1:
+            return dict(zip(self.chosen, evaluation.fitness[1:], strict=True))
+        return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
+
+
+NONE = "–"
+"""What a table shows where there is nothing."""
+
+
+def ticks(count: float) -> str:
+    """Return a count, or a mean of counts, as text."""
+    return str(count) if isinstance(count, int) else f"{count:.2f}"

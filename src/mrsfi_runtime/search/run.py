@@ -20,7 +20,7 @@ from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expec
 from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search

@@ -28,9 +28,8 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.fronts import find_front, is_more
 from mrsfi_runtime.analysis.story import first
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.encoding import object_from_text
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.database import object_from_text
+from mrsfi_runtime.record.store import CampaignStore, Measure
 from mrsfi_runtime.study.variants import Sweep, Value
 
 SCHEMA = 1

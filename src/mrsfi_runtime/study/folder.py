@@ -11,7 +11,7 @@ from mrsfi_runtime.analysis.plots import rendered
 from mrsfi_runtime.analysis.table import Cell, Table, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, finite
 from mrsfi_runtime.study.plots import illustrate
 from mrsfi_runtime.study.variants import Value

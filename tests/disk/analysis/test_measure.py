@@ -4,8 +4,8 @@ from mrsfi_runtime.analysis.campaign_tables import critical_table
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
 from mrsfi_runtime.analysis.illustrations import fitness_label
 from mrsfi_runtime.model.mission import COUNTED
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import columns_of
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS, missing
 from tests.support.search import paper_mission, pool_of

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import SETTINGS
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import FailedFlight
-from mrsfi_runtime.record.encoding import COUNTS
+from mrsfi_runtime.record.database import COUNTS
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 from tests.support.campaigns import evaluation, outcome
 from tests.tiers import law

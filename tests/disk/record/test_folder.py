@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.database import CampaignFolder
 
 
 @pytest.fixture

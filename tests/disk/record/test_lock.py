@@ -5,8 +5,8 @@ import pytest
 
 from mrsfi.packing import pack
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.folder import CampaignFolder, no_writer, only_writer
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.database import CampaignFolder, no_writer, only_writer
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import SETTINGS
 

@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.fault_types import SEMANTICS
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import MOST, TimedFault
-from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record import database
+from mrsfi_runtime.record.engine_settings import EngineSettings, Manifest
 from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 from tests.support.cli import execute
@@ -63,7 +62,7 @@ def test_a_specification_is_stored_as_canonical_json():
     specification = (TimedFault("f9", 100, 900, (200, -450.0)), TimedFault("f1", 0, 1))
 
     assert (
-        encoding.specification_text(specification)
+        database.specification_text(specification)
         == '[["f9",100,900,[200.0,-450.0]],["f1",0,1,[]]]'
     )
 
@@ -72,8 +71,8 @@ def test_a_specification_is_stored_as_canonical_json():
 def test_floats_survive_bit_for_bit(values):
     specification = (TimedFault("f9", 1, 2, tuple(values)),)
 
-    (rows,) = encoding.lists([encoding.specification_text(specification)])
-    (back,) = encoding.specification(rows)
+    (rows,) = database.lists([database.specification_text(specification)])
+    (back,) = database.specification(rows)
 
     assert [bits(value) for value in back.values] == [bits(value) for value in values]
 
@@ -182,7 +181,7 @@ CHANGES = {
     "fitness": replace(FOUND, fitness=(math.nextafter(9.0, 0),)),
     **{
         name: replace(FOUND, outcome=replace(FOUND.outcome, **{name: (9, 9)}))
-        for name in encoding.COUNTS
+        for name in database.COUNTS
     },
     "digest": replace(FOUND, outcome=replace(FOUND.outcome, digest="f" * 64)),
 }

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation, Measure
 from tests.support.campaigns import statistics
 from tests.support.drawing import table, write_report
 from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS

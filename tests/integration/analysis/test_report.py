@@ -15,8 +15,8 @@ from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.manifest import Manifest
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.engine_settings import Manifest
+from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Generation
 from tests.support.campaigns import (

@@ -15,8 +15,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger, numbered
 from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import Events, SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
 from tests.support.world import paper_code, specification

@@ -11,8 +11,7 @@ from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import TraceTable
+from mrsfi_runtime.record.observers import TraceTable, named_faults
 from tests.support.world import code_of, paper_code, specification
 from tests.tiers import seeds, slow
 

@@ -14,7 +14,7 @@ from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault, fault_ticks
 from mrsfi_runtime.model.mission import FailedFlight
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
 from mrsfi_runtime.search.space import SearchSpace

@@ -11,8 +11,8 @@ import pytest
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import attribute, explain
 from mrsfi_runtime.record.engine_settings import EngineSettings
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Measure
 from tests.support.world import code_of, specification
 from tests.tiers import seeds, slow
 

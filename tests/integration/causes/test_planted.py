@@ -11,9 +11,9 @@ from mrsfi_runtime.cli.explained import Shown, print_explanation
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Measure
 from tests.support.rendezvous import DEADLINE, write_rendezvous
 
 

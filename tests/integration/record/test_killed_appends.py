@@ -15,7 +15,7 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
 store = CampaignStore.create(Path({folder!r}), CampaignSettings(), Manifest())
@@ -68,7 +68,7 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
 unlimited = resource.getrlimit(resource.RLIMIT_FSIZE)

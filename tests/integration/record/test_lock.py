@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.database import CampaignFolder, only_writer
 
 
 def test_a_child_process_does_not_keep_the_lock(tmp_path):

@@ -18,10 +18,9 @@ from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.errors import RecordError, SpecificationError
 from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
-from mrsfi_runtime.record.encoding import fault_texts, specification_text
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.database import fault_texts, specification_text
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, Measure
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission, pool_of

@@ -18,9 +18,8 @@ from mrsfi_runtime.analysis.fronts import (
 )
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import Evaluation
+from mrsfi_runtime.record.store import Evaluation, Measure
 from tests.support.campaigns import columns_of, evaluation
 from tests.support.search import paper_mission
 

@@ -1,8 +1,8 @@
 from dataclasses import replace
 
 from mrsfi_runtime.analysis.columns import top
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.search import paper_mission
 

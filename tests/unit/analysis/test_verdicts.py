@@ -21,7 +21,7 @@ from mrsfi_runtime.causes.ways import ways
 from mrsfi_runtime.causes.weakness import Detection, Known, Yardstick
 from mrsfi_runtime.model.fault_types import Mode, Units
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 from tests.support.search import outcome_of
 from tests.support.weaknesses import weakness
 from tests.support.world import paper_code

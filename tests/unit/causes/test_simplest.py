@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import simplest
 from mrsfi_runtime.model.faults import TimedFault, value_bounds
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import outcome
 from tests.support.search import paper_mission, pool_of
 

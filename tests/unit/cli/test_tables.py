@@ -12,8 +12,8 @@ from mrsfi_runtime.analysis.campaign_tables import (
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
+from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import evaluation, outcome
 from tests.support.search import paper_mission, pool_of
 

@@ -9,7 +9,7 @@ import pytest
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import LAST, MOST, FaultPool, Gate, TimedFault, at_work
-from mrsfi_runtime.record import encoding
+from mrsfi_runtime.record import database
 from tests.support.world import paper_code
 
 CODE = paper_code()
@@ -142,6 +142,6 @@ def test_values_are_given_by_the_names_of_their_parameters(refused):
 @pytest.mark.parametrize("row", [["f9", 15.08, 20, []], ["f9", 1, 2, ["3"]], ["f9", 1, 2, [2e12]]])
 def test_a_record_takes_and_gives_no_other_fault_than_it_was_given(row, refused):
     with refused(ValueError):
-        encoding.specification([row])
+        database.specification([row])
     with refused(SpecificationError):
-        encoding.specification_text([TimedFault(*row)])
+        database.specification_text([TimedFault(*row)])

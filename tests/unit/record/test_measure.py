@@ -5,8 +5,8 @@ import pytest
 from mrsfi_runtime.analysis.campaign_tables import goal_table
 from mrsfi_runtime.analysis.table import in_words
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Measure, ticks
 from tests.support.measures import MEANS
 from tests.support.search import outcome_of, paper_mission
 

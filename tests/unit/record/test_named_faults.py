@@ -4,7 +4,7 @@ from mrsfi_runtime.analysis.campaign_tables import fault_table
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, Fault, FaultPool, TimedFault, Trigger
 from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import named_faults
 from tests.support.campaigns import outcome
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import paper_mission, pool_of

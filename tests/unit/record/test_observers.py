@@ -7,8 +7,7 @@ import pytest
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
-from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.observers import Events, SimulationLog
+from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults
 from tests.support.search import paper_mission, pool_of
 
 

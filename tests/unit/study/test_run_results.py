@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.encoding import canonical
+from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import RunResult, front_volume, measure_run
 from tests.support.campaigns import evaluation, store_of

@@ -37,7 +37,7 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission, Outcome
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import CampaignStore
 
 MOST_LISTED = 5000

@@ -16,7 +16,7 @@ from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.observers import NamedFault
 
 MOST_VALUES = 6_000_000
 """Numbers of all series of a page, at most; where there were more, ticks between are left out."""
