@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi.project import project
-from mrsfi_runtime.cosimulation.node.pace import ANSWER, BARRIER
+from mrsfi_runtime.cosimulation.node_mapping import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.record.engine_settings import (

@@ -5,7 +5,7 @@ from contextlib import closing
 from typing import Any
 
 from mrsfi_bridge.settings import full_name
-from mrsfi_runtime.cosimulation.waiting import Completion
+from mrsfi_runtime.cosimulation.bus_topics import Completion
 from mrsfi_runtime.errors import TransportTimeout, UsageError
 from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import Mission

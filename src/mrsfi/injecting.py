@@ -5,8 +5,7 @@ from dataclasses import replace
 from random import Random
 
 from mrsfi.engines import Tell
-from mrsfi_runtime.cosimulation.node.reach import out_of_reach
-from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import UsageError, counted
 from mrsfi_runtime.generated_code import MissionCode

@@ -1,9 +1,15 @@
 """The names that generated code may import, and nothing else."""
 
-from mrsfi_runtime.cosimulation.interface_parts import RobotInterface, SensorInterface
-from mrsfi_runtime.cosimulation.simulation_parts import SimulatedRobot, SimulatedSensor
-from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
-from mrsfi_runtime.cosimulation.world import initial_state, move
+from mrsfi_runtime.cosimulation.lockstep import (
+    RobotInterface,
+    RobotTopics,
+    SensorInterface,
+    SensorTopics,
+    SimulatedRobot,
+    SimulatedSensor,
+    initial_state,
+    move,
+)
 from mrsfi_runtime.kernel import commands, forecast, geometry, goal_tasks, guidance, randomness
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots

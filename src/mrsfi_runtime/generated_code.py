@@ -13,7 +13,7 @@ from types import CodeType, ModuleType
 from typing import Any, cast
 from zlib import crc32
 
-from mrsfi_runtime.cosimulation.sides import SimInterface, Simulation
+from mrsfi_runtime.cosimulation.lockstep import SimInterface, Simulation
 from mrsfi_runtime.errors import EvaluationError, GenerationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, words
 from mrsfi_runtime.imported_copies import importing

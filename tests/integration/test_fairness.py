@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.cosimulation.world import move
+from mrsfi_runtime.cosimulation.lockstep import move
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.state import excess
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault

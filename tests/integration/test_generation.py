@@ -19,7 +19,7 @@ from mrsfi_runtime.api import (
     Track,
     Visit,
 )
-from mrsfi_runtime.cosimulation.world import initial_state as true_state
+from mrsfi_runtime.cosimulation.lockstep import initial_state as true_state
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.generated_code import load_code, pool_from_text
 from mrsfi_runtime.kernel.flight import initial_state

@@ -10,8 +10,7 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.node.reach import out_of_reach
-from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import SimulationProcess

@@ -7,7 +7,7 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.record.engine_settings import CI, EngineSettings

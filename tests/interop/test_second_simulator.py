@@ -18,10 +18,9 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.lockstep_topics import GO, RESET, SETUP
-from mrsfi_runtime.cosimulation.node.pace import ANSWER
-from mrsfi_runtime.cosimulation.node.reach import out_of_reach
-from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.bus_topics import GO, RESET, SETUP
+from mrsfi_runtime.cosimulation.node_mapping import ANSWER
+from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.generated_code import load_code

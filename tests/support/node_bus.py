@@ -6,13 +6,12 @@ from threading import Thread
 from unittest.mock import patch
 
 from mrsfi_bridge.settings import TypeTable
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
-from mrsfi_runtime.cosimulation.node import node as node_of
-from mrsfi_runtime.cosimulation.node.node import Node
-from mrsfi_runtime.cosimulation.node.pace import BARRIER, Pace
-from mrsfi_runtime.cosimulation.node.speech import Speech
-from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.cosimulation import node as node_of
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import Patience
+from mrsfi_runtime.cosimulation.node import Node
+from mrsfi_runtime.cosimulation.node_mapping import BARRIER, Pace
+from mrsfi_runtime.cosimulation.node_speech import Speech
 from mrsfi_runtime.transport.rosbridge import ListenedTransport
 from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic
 from tests.support.two_sides import BusEngine

@@ -1,9 +1,8 @@
 """A mission whose two sides meet over two ends of any transport, in this process."""
 
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.topics import Transport

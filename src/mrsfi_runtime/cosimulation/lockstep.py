@@ -1,28 +1,252 @@
-"""Flights on plain objects: the kernel's tick, between an interface and a true state.
+"""The two sides of a mission in one process, and their lock-step.
+
+What a topic says in a tick: nothing of an earlier one can stand for what is missing.
+
+The topics of a team, named after its robots and sensors in the same way in all missions.
+
+docs/bus.md says what they carry.
+
+What a generated simulation interface is made of: one part per robot and per sensor.
+
+References
+----------
+Source paper, section III-F.
+
+What the hosts expect of generated code: a simulation and an interface.
+
+Flights on plain objects: the kernel's tick, between an interface and a true state.
 
 References
 ----------
 Source paper, section III-G and Figure 4.
+
+The true state of a robot as one message: for the judge of true verdicts, never for the CI.
+
+What a generated simulation is made of: one part per robot and per sensor.
+
+References
+----------
+Source paper, section III-F.
+
+The true state that a generated simulation moves, and the valid samples of each tick.
+
+Holds effects of a team's own to what their fault types name; anything else is an error.
 """
 
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Protocol, TypeAlias
 
-from mrsfi_runtime.cosimulation.sides import SimInterface
-from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, ProtocolError
+from mrsfi_runtime.kernel import commands, flight
+from mrsfi_runtime.kernel.commands import reported_place, reports_position
 from mrsfi_runtime.kernel.effects import Orders, issue
 from mrsfi_runtime.kernel.flight import (
     MissionFunctions,
+    Samples,
     Verdicts,
     hear,
-    initial_state,
     no_verdicts,
     reply,
+    valid_samples,
 )
-from mrsfi_runtime.kernel.injections import Plan
-from mrsfi_runtime.kernel.state import State, SwitchState
+from mrsfi_runtime.kernel.flight import (
+    initial_state as first_state,
+)
+from mrsfi_runtime.kernel.injections import OwnEffect, OwnFault, Plan
+from mrsfi_runtime.kernel.state import (
+    COLUMNS,
+    PROPERTIES,
+    RobotState,
+    SensorState,
+    State,
+    SwitchState,
+)
+from mrsfi_runtime.model.fault_types import FaultType
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.transport.topics import Payload, PubSub, Topic
+
+
+class Heard:
+    """The message of a topic that came in this tick, if one did."""
+
+    def __init__(self, transport: PubSub, topic: Topic) -> None:
+        self.name = topic.name
+        self._payload: Payload | None = None
+        transport.subscribe(topic, self._receive)
+
+    @property
+    def is_new(self) -> bool:
+        """Return whether a message came that nobody took."""
+        return self._payload is not None
+
+    def forget(self) -> None:
+        """Be as before the first message."""
+        self._payload = None
+
+    def take(self) -> Payload:
+        """Return the message of this tick, once; raise ``ProtocolError`` if none came."""
+        payload, self._payload = self._payload, None
+        if payload is None:
+            raise self.missing()
+        return payload
+
+    def missing(self) -> ProtocolError:
+        """Return what to raise where a tick had to bring a message."""
+        return ProtocolError(
+            f"nothing on {self.name}; the simulation has to publish it in this tick (docs/bus.md)"
+        )
+
+    def _receive(self, payload: Payload) -> None:
+        self._payload = payload
+
+
+class RobotTopics:
+    """Topics of a robot, by its identifier: what is said of it, what is true, its commands."""
+
+    def __init__(self, robot: str) -> None:
+        self.position = Topic(f"/{robot}/position", "geometry_msgs/Point")
+        self.speed = Topic(f"/{robot}/speed", "std_msgs/Float64")
+        self.energy = Topic(f"/{robot}/energy", "std_msgs/Float64")
+        self.truth = Topic(f"/truth/{robot}", "std_msgs/Float64MultiArray")
+        self.heading_command = Topic(f"/{robot}/command/heading", "geometry_msgs/Vector3")
+        self.speed_command = Topic(f"/{robot}/command/speed", "std_msgs/Float64")
+
+
+class SensorTopics:
+    """Topics of a sensor, by two identifiers: what the simulation says of it, and its switch."""
+
+    def __init__(self, robot: str, sensor: str) -> None:
+        self.samples = Topic(f"/{robot}/{sensor}/samples", "std_msgs/Int64")
+        self.active = Topic(f"/{robot}/{sensor}/active", "std_msgs/Bool")
+        self.active_command = Topic(f"/{robot}/{sensor}/command/active", "std_msgs/Bool")
+
+
+class RobotInterface:
+    """Hears what the simulation publishes about a robot, and commands it."""
+
+    def __init__(self, transport: PubSub, topics: RobotTopics) -> None:
+        self._position = Heard(transport, topics.position)
+        self._speed = Heard(transport, topics.speed)
+        self._energy = Heard(transport, topics.energy)
+        self._turn = transport.advertise(topics.heading_command)
+        self._drive = transport.advertise(topics.speed_command)
+
+    def reset(self) -> None:
+        """Forget what was received."""
+        self._position.forget()
+        self._speed.forget()
+        self._energy.forget()
+
+    def read(self, robot: RobotState) -> None:
+        """Copy what came in this tick; a position that it did not tell stays as it was."""
+        if self._position.is_new:
+            position = self._position.take()
+            robot.x = float(position["x"])
+            robot.y = float(position["y"])
+            robot.z = float(position["z"])
+        robot.speed = float(self._speed.take()["data"])
+        robot.energy = float(self._energy.take()["data"])
+
+    def require_position(self, *, is_due: bool) -> None:
+        """Raise ``ProtocolError`` unless it told its position if and only if that is due."""
+        if self._position.is_new and not is_due:
+            raise ProtocolError(
+                f"a message on {self._position.name} while the robot's GPS_POSITION sensor is off; "
+                "expected none (docs/bus.md)"
+            )
+        if is_due and not self._position.is_new:
+            raise self._position.missing()
+
+    def set_heading(self, x: float, y: float) -> None:
+        """Turn the robot to a unit heading."""
+        self._turn({"x": x, "y": y, "z": 0.0})
+
+    def set_speed(self, speed: float) -> None:
+        """Set its speed."""
+        self._drive({"data": speed})
+
+
+class SensorInterface:
+    """Hears what the simulation publishes about a sensor, and switches it."""
+
+    def __init__(self, transport: PubSub, topics: SensorTopics) -> None:
+        self._samples = Heard(transport, topics.samples)
+        self._active = Heard(transport, topics.active)
+        self._told: bool | None = None
+        self._switch = transport.advertise(topics.active_command)
+
+    def reset(self) -> None:
+        """Forget what was received."""
+        self._samples.forget()
+        self._active.forget()
+        self._told = None
+
+    def read(self, sensor: SensorState) -> None:
+        """Copy what came in this tick; whether it is active stays as it was told."""
+        count = int(self._samples.take()["data"])
+        if count < sensor.count:
+            raise ProtocolError(
+                f"{self._samples.name} carried {count} after {sensor.count}; a count never falls"
+            )
+        sensor.count = count
+        sensor.active = int(self._last_active())
+
+    def require_active(self, is_active: int) -> None:
+        """Raise ``ProtocolError`` unless it told last whether it is active now."""
+        if self._last_active() != is_active:
+            raise ProtocolError(
+                f"{self._active.name} said {self._told} last, and the true state says "
+                f"{bool(is_active)}; it has to speak whenever that changes (docs/bus.md)"
+            )
+
+    def set_active(self, active: bool) -> None:
+        """Switch the sensor on or off."""
+        self._switch({"data": active})
+
+    def _last_active(self) -> bool:
+        """Return what it told last, at the latest in this tick."""
+        if self._active.is_new or self._told is None:
+            self._told = bool(self._active.take()["data"])
+        return self._told
+
+
+class Simulation(Protocol):
+    """A generated simulation: moves the true state and publishes it."""
+
+    world: State
+
+    def __init__(self, transport: PubSub, mission: Mission) -> None: ...
+
+    def reset(self, seed: int) -> None:
+        """Go back to before the first tick."""
+
+    def step(self, tick: int) -> None:
+        """Fly one tick and publish the result."""
+
+    def publish_truth(self) -> None:
+        """Publish the true state, for the judge alone."""
+
+
+class SimInterface(Protocol):
+    """A generated simulation interface: getters and setters of the robots and sensors."""
+
+    @property
+    def robots(self) -> tuple[RobotInterface, ...]:
+        """What is heard of each robot, and told it."""
+
+    @property
+    def sensors(self) -> tuple[SensorInterface, ...]:
+        """What is heard of each sensor, and told it."""
+
+    def __init__(self, transport: PubSub) -> None: ...
+
+    def reset(self) -> None:
+        """Forget what was received."""
+
+    def read(self, inbox: State) -> None:
+        """Copy the newest message of every topic into the inbox."""
+
 
 Observer: TypeAlias = Callable[[State, State, Verdicts], None]
 """Called at the end of every tick with the true state, the belief, and the verdicts until now."""
@@ -47,13 +271,13 @@ class Flight:
         plan: Plan,
         observer: Observer | None = None,
     ) -> None:
-        self.world = self.belief = initial_state(mission, seed)
+        self.world = self.belief = first_state(mission, seed)
         self.sent = _orders(self.belief)
         self.verdicts = no_verdicts(len(mission.goals))
         self._functions = functions
         self.plan = plan
         self._interface = interface
-        self._inbox = initial_state(mission, seed)
+        self._inbox = first_state(mission, seed)
         self._orders = _orders(self.belief)
         self._observer = observer
 
@@ -146,4 +370,181 @@ def _orders(state: State) -> Orders:
     return Orders(
         [replace(command) for command in state.commands],
         [SwitchState(switch.active, 0) for switch in state.switches],
+    )
+
+
+def true_values(world: State, index: int) -> list[float]:
+    """Return what is true of a robot and its sensors.
+
+    That is ``[x, y, z, speed, energy]``, then ``count, active`` of each of its sensors.
+    """
+    robot = world.robots[index]
+    values = [robot.x, robot.y, robot.z, robot.speed, robot.energy]
+    for sensor in world.sensors[robot.first_sensor : robot.first_sensor + robot.n_sensors]:
+        values += (float(sensor.count), float(sensor.active))
+    return values
+
+
+def take_true_values(world: State, index: int, told: Heard) -> None:
+    """Make a state agree with what ``true_values`` said of a robot in this tick."""
+    robot = world.robots[index]
+    values = told.take()["data"]
+    expected = 5 + 2 * robot.n_sensors
+    if len(values) != expected:
+        raise ProtocolError(
+            f"{told.name} carried {values!r}; expected {expected} numbers: "
+            "x, y, z, speed, energy, then count and active of each of its sensors"
+        )
+    robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
+    for offset in range(robot.n_sensors):
+        sensor = world.sensors[robot.first_sensor + offset]
+        count, active = values[5 + 2 * offset : 7 + 2 * offset]
+        if active not in {0, 1} or not sensor.count <= count < 2**63 or count % 1:
+            raise ProtocolError(
+                f"{told.name} carried count {count} and active {active} of its sensor {offset + 1} "
+                f"after count {sensor.count}; expected a whole number that never falls, and 0 or 1"
+            )
+        sensor.count, sensor.active = int(count), int(active)
+
+
+class SimulatedRobot:
+    """Publishes a robot of the true state, at a place in it, and has it obey its commands."""
+
+    def __init__(self, transport: PubSub, topics: RobotTopics, world: State, index: int) -> None:
+        self._index = index
+        self.reset(world)
+        self._tell_position = transport.advertise(topics.position)
+        self._tell_speed = transport.advertise(topics.speed)
+        self._tell_energy = transport.advertise(topics.energy)
+        self._tell_truth = transport.advertise(topics.truth)
+        transport.subscribe(topics.heading_command, self._on_heading)
+        transport.subscribe(topics.speed_command, self._on_speed)
+
+    def reset(self, world: State) -> None:
+        """Begin a run with another true state."""
+        self._world = world
+        self._robot = world.robots[self._index]
+        self._command = world.commands[self._index]
+
+    def publish(self) -> None:
+        """Publish the robot; its position only while it knows it."""
+        robot = self._robot
+        if reports_position(self._world, self._index):
+            x, y = reported_place(self._world, self._index)
+            self._tell_position({"x": x, "y": y, "z": robot.z})
+        self._tell_speed({"data": robot.speed})
+        self._tell_energy({"data": robot.energy})
+
+    def publish_truth(self) -> None:
+        """Publish what is true of the robot and its sensors, for the judge alone."""
+        self._tell_truth({"data": true_values(self._world, self._index)})
+
+    def _on_heading(self, payload: Payload) -> None:
+        self._command.heading_x = float(payload["x"])
+        self._command.heading_y = float(payload["y"])
+
+    def _on_speed(self, payload: Payload) -> None:
+        self._command.speed = float(payload["data"])
+
+
+class SimulatedSensor:
+    """Publishes a sensor of the true state, at a place in it, and has it obey its switch."""
+
+    def __init__(self, transport: PubSub, topics: SensorTopics, world: State, index: int) -> None:
+        self._index = index
+        self.reset(world)
+        self._tell_samples = transport.advertise(topics.samples)
+        self._tell_active = transport.advertise(topics.active)
+        transport.subscribe(topics.active_command, self._on_active)
+
+    def reset(self, world: State) -> None:
+        """Begin a run with another true state."""
+        self._sensor = world.sensors[self._index]
+        self._switch = world.switches[self._index]
+        self._told_active = -1
+
+    def publish(self) -> None:
+        """Publish the sensor; whether it is active only when that changed."""
+        sensor = self._sensor
+        self._tell_samples({"data": sensor.count})
+        if sensor.active != self._told_active:
+            self._told_active = sensor.active
+            self._tell_active({"data": sensor.active == 1})
+
+    def _on_active(self, payload: Payload) -> None:
+        self._switch.active = int(payload["data"])
+
+
+@dataclass(slots=True)
+class World(State):
+    """A true state; ``samples[tick]`` has the valid samples of each sensor."""
+
+    samples: Samples
+
+
+def initial_state(mission: Mission, seed: int) -> World:
+    """Return what is true before the first tick; as ``kernel.initial.initial_state``."""
+    state = flight.initial_state(mission, seed)
+    known = {name: getattr(state, name) for name in State.__slots__}
+    return World(**known, samples=valid_samples(state))
+
+
+def move(world: World, tick: int) -> None:
+    """Fly a tick, as ``kernel.motion.move``."""
+    commands.move(world, world.samples[tick], tick)
+
+
+Place = tuple[str, int, str]
+"""A list of a state, such as ``ci.robots``; the index of a record in it, and a column."""
+
+
+def allowed_columns(kind: FaultType) -> tuple[str, list[str]]:
+    """Return which list of a state a fault may change, and which columns of its target there."""
+    places = [PROPERTIES[affected] for affected in kind.properties]
+    return places[0][0], [column for _, columns in places for column in columns]
+
+
+def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
+    """Return an effect that fails when it changes what its fault type does not name.
+
+    ``kinds`` are the fault types by the number of their effect.
+    """
+
+    def apply_guarded(ci: State, inbox: State, fault: OwnFault) -> None:
+        kind = kinds[fault.effect]
+        listed, columns = allowed_columns(kind)
+        allowed = {(f"ci.{listed}", fault.target, column) for column in columns}
+        before = _snapshot(ci, inbox, fault)
+        apply(ci, inbox, fault)
+        for place, value in _snapshot(ci, inbox, fault).items():
+            if value != before[place] and place not in allowed:
+                raise _changed(kind, place, before[place], value)
+
+    return apply_guarded
+
+
+def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[Place, Any]:
+    """Return all that a flight changes of two states, and all of a fault but its memory."""
+    records: dict[str, Sequence[Any]] = {"fault": [fault]}
+    for side, state in (("ci", ci), ("inbox", inbox)):
+        records |= {f"{side}.mission": [state.mission], f"{side}.map": [state.map]}
+        records |= {f"{side}.{name}": getattr(state, name) for name in COLUMNS}
+    found = {}
+    for name, listed in records.items():
+        for index, record in enumerate(listed):
+            for known in fields(record):
+                value = getattr(record, known.name)
+                is_number = isinstance(value, int | float)
+                found[name, index, known.name] = value if is_number else tuple(value)
+    del found["fault", 0, "memory"]
+    return found
+
+
+def _changed(kind: FaultType, place: Place, before: Any, after: Any) -> EvaluationError:
+    records, index, column = place
+    named = " and ".join(affected.name for affected in kind.properties)
+    return EvaluationError(
+        f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
+        f"{records}[{index}] from {before} to {after}; expected it to change "
+        f"{named} of its target alone, as faults.ecore says; correct either"
     )

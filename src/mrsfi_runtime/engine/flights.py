@@ -6,9 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Self
 
-from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
-from mrsfi_runtime.cosimulation.own_effects import guarded
-from mrsfi_runtime.cosimulation.sides import SimInterface
+from mrsfi_runtime.cosimulation.lockstep import Flight, Observer, SimInterface, guarded
 from mrsfi_runtime.engine.compiled.regions import measured_goals
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced

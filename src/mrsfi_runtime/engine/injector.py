@@ -12,15 +12,12 @@ from typing import TYPE_CHECKING
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bundle import BundlingTransport
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
-from mrsfi_runtime.cosimulation.node.node import Node
-from mrsfi_runtime.cosimulation.node.pace import Pace
-from mrsfi_runtime.cosimulation.node.reach import out_of_reach
-from mrsfi_runtime.cosimulation.node.relay import held_commands
-from mrsfi_runtime.cosimulation.node.speech import Speech
-from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
+from mrsfi_runtime.cosimulation.node import Node
+from mrsfi_runtime.cosimulation.node_mapping import Pace
+from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.node_process import NodeProcess
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError

@@ -16,10 +16,9 @@ from multiprocessing import Pipe
 from subprocess import DEVNULL, Popen, TimeoutExpired
 from threading import Thread
 
-from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.cosimulation.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.errors import (

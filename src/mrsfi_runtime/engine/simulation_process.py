@@ -15,8 +15,8 @@ from threading import Thread
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bundle import BundlingTransport
-from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
+from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.record.engine_settings import EngineSettings

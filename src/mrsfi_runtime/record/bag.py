@@ -18,9 +18,8 @@ from mcap.records import Schema
 from mcap_ros2.writer import Writer
 from rosbags.typesys import Stores, get_typestore
 
-from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK
-from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
-from mrsfi_runtime.cosimulation.truth import true_values
+from mrsfi_runtime.cosimulation.bus_topics import CLOCK
+from mrsfi_runtime.cosimulation.lockstep import RobotTopics, SensorTopics, true_values
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import RobotState, State

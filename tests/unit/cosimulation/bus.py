@@ -5,10 +5,9 @@ from contextlib import contextmanager
 from queue import SimpleQueue
 from threading import Thread
 
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.cosimulation.lockstep import Mind
-from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import TransportClosed
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.topics import (

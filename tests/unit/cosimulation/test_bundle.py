@@ -5,8 +5,14 @@ from functools import partial
 
 import pytest
 
-from mrsfi_runtime.cosimulation.bundle import BundlingTransport
-from mrsfi_runtime.cosimulation.lockstep_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
+from mrsfi_runtime.cosimulation.bus_topics import (
+    GO,
+    GO_BUNDLE,
+    SETUP,
+    TICK,
+    TICK_BUNDLE,
+    BundlingTransport,
+)
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.transport.topics import LocalBus, Topic
 

@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 
-from mrsfi_runtime.cosimulation.counted_topics import GRACE, CountedTopics
+from mrsfi_runtime.cosimulation.bus_topics import GRACE, CountedTopics
 from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.transport.topics import LocalBus, Topic
 

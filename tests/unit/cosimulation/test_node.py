@@ -7,10 +7,8 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_bridge.settings import TypeTable
-from mrsfi_runtime.cosimulation.node.mapping import GENERATED, NodeMapping
-from mrsfi_runtime.cosimulation.node.reach import out_of_reach
-from mrsfi_runtime.cosimulation.node.relay import held_commands
-from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.node_mapping import GENERATED, NodeMapping
+from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import TransportError, TransportTimeout
 from mrsfi_runtime.model.faults import FaultPool, TimedFault

@@ -6,8 +6,8 @@ import tomllib
 import pytest
 
 from mrsfi_bridge.settings import TypeTable
-from mrsfi_runtime.cosimulation.node.mapping import NodeMapping
-from mrsfi_runtime.cosimulation.node.speech import Speech
+from mrsfi_runtime.cosimulation.node_mapping import NodeMapping
+from mrsfi_runtime.cosimulation.node_speech import Speech
 from mrsfi_runtime.errors import UsageError
 from tests.support.tree import ROOT
 from tests.support.world import paper_code

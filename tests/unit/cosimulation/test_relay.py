@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.cosimulation.node.relay import Relay, held_commands
+from mrsfi_runtime.cosimulation.node_speech import Relay, held_commands
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from tests.support.fault_types import FAULT_TYPES

@@ -2,8 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.cosimulation.heard import Heard
-from mrsfi_runtime.cosimulation.truth import take_true_values, true_values
+from mrsfi_runtime.cosimulation.lockstep import Heard, take_true_values, true_values
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.transport.topics import LocalBus, Topic

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi.engines import AS_RECORDED, again, chosen
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.errors import RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.record.engine_settings import EngineSettings, Workers
 

@@ -12,8 +12,7 @@ from itertools import chain, pairwise
 
 import numpy as np
 
-from mrsfi_runtime.cosimulation.lockstep import Observer
-from mrsfi_runtime.cosimulation.own_effects import allowed_columns
+from mrsfi_runtime.cosimulation.lockstep import Observer, allowed_columns
 from mrsfi_runtime.engine.compiled.batch import Batch, Frame
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import laid_out, read_recorded

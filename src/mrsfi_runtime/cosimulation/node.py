@@ -1,4 +1,6 @@
-"""A team's node in place of the generated reactions: told what is believed, heard for its commands.
+"""A team's own node in place of the collective intelligence.
+
+A team's node in place of the generated reactions: told what is believed, heard for its commands.
 
 It stands between the two halves of the kernel's answer (``kernel.flight.hear`` and ``reply``), and
 is told what a collective intelligence would hear: where a fault withholds a message there is
@@ -10,12 +12,10 @@ from functools import partial
 from time import monotonic, sleep
 from typing import Any, Final, Protocol
 
+from mrsfi_runtime.cosimulation.bus_topics import CLOCK, SETUP, TICK, Completion, Patience, Setup
 from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
-from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK, SETUP, TICK, Setup
-from mrsfi_runtime.cosimulation.node.pace import ANSWER, Pace
-from mrsfi_runtime.cosimulation.node.relay import Held, Relay
-from mrsfi_runtime.cosimulation.node.speech import Hearing, Speech
-from mrsfi_runtime.cosimulation.waiting import Completion, Patience
+from mrsfi_runtime.cosimulation.node_mapping import ANSWER, Pace
+from mrsfi_runtime.cosimulation.node_speech import Hearing, Held, Relay, Speech
 from mrsfi_runtime.errors import (
     MrsfiError,
     ProtocolError,

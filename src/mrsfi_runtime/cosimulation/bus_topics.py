@@ -1,0 +1,425 @@
+"""Topics by which two processes keep in step.
+
+The topics and services of the lock-step itself; they are the same in every mission.
+
+The collective intelligence (CI) sends ``SETUP`` before it resets the simulation, and ``GO``
+after the commands that precede a tick's motion: all of them before tick 0, later those that
+changed. The simulation answers with the messages of the tick, and ``TICK`` last. Both say how
+many messages went before, and ``TICK`` also how many commands the simulation obeyed: a server
+that keeps order within a topic only may deliver ``GO`` before the commands that it follows.
+
+Counts the messages of every tick, so that none is lost, doubled or out of order unseen.
+
+All messages of a tick as one: for speed, where both sides know of it.
+
+What is published, what is counted and who hears what stays as without it; only the journey
+is shared. A bundle is a JSON list of ``[topic, message]`` pairs in the order in which they were
+published, the one that closes the tick last.
+
+How far a run has come: told by the thread of the callbacks, awaited by the main thread.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from threading import Event
+from time import monotonic
+from typing import Any, Final, NamedTuple, TypeVar
+
+from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
+from mrsfi_runtime.transport.topics import (
+    Payload,
+    Publisher,
+    PubSub,
+    Service,
+    Topic,
+    Transport,
+    seconds_of,
+)
+
+SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")
+"""CI to simulation: the run that the next reset begins, a ``Setup``."""
+
+GO = Topic("/mission/go", "std_msgs/Int64MultiArray")
+"""CI to simulation: fly a tick, a ``Go``."""
+
+TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")
+"""Simulation to CI: a tick was flown and told, a ``Tick``."""
+
+GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")
+"""CI to simulation: ``GO`` and all that goes before it, in one message."""
+
+TICK_BUNDLE = Topic("/mission/tick/bundle", "std_msgs/String")
+"""Simulation to CI: ``TICK`` and all that goes before it, in one message."""
+
+CLOCK = Topic("/clock", "rosgraph_msgs/Clock")
+"""Simulation to all: one tick is one second."""
+
+FAILURE = Topic("/mission/failure", "std_msgs/String")
+"""Simulation to CI: why it cannot go on."""
+
+RESET = Service("/mission/reset", "std_srvs/Trigger")
+"""Back to before tick 0, with the newest setup; answers ``run <run>``.
+
+A simulation of other rules of the world answers with ``REFUSAL`` first, and fails when it is
+asked no more.
+"""
+
+REFUSAL = "semantics"
+"""How the answer begins that no repetition changes; the simulation's version follows."""
+
+STOP = Service("/mission/stop", "std_srvs/Trigger")
+"""Ends the run."""
+
+
+RUNS_OF_A_SESSION = 1_000_000
+"""A run has the number session × this + its place in the session, from 1 on.
+
+The session is drawn at random: no two collective intelligences, and no simulation that an
+earlier one left behind, take each other's messages for their own.
+"""
+
+
+class Setup(NamedTuple):
+    """Numbers of ``SETUP``."""
+
+    run: int
+    seed: int
+    semantics: int
+
+
+class Go(NamedTuple):
+    """Numbers of ``GO``; ``n_commands`` were sent in this tick before it."""
+
+    run: int
+    tick: int
+    n_commands: int
+
+
+class Tick(NamedTuple):
+    """Numbers of ``TICK``.
+
+    ``n_messages`` were sent in this tick before it; ``n_commands`` were obeyed since the reset.
+    """
+
+    run: int
+    tick: int
+    n_messages: int
+    n_commands: int
+
+
+Numbers = TypeVar("Numbers", Setup, Go, Tick)
+
+
+def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
+    """Return the numbers of a message of the lock-step.
+
+    It is a ``ProtocolError`` if they are not as many integers as they should be.
+    """
+    found = payload.get("data")
+    if (
+        not isinstance(found, list)
+        or len(found) != len(kind._fields)
+        or not all(type(value) is int for value in found)
+    ):
+        raise ProtocolError(
+            f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
+            f"{', '.join(kind._fields)} (docs/bus.md)"
+        )
+    return kind(*found)
+
+
+GRACE = 1.0
+"""Seconds for which announced messages may be late: some servers keep order per topic only."""
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= sys.float_info.max  # no NaN either
+
+
+def _is_integer(value: Any) -> bool:
+    return type(value) is int and abs(value) < 2**63
+
+
+def _is_place(payload: Payload) -> bool:
+    return all(_is_number(payload[axis]) for axis in "xyz")
+
+
+_FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
+    "geometry_msgs/Point": _is_place,
+    "geometry_msgs/Vector3": _is_place,
+    "rosgraph_msgs/Clock": lambda payload: _is_integer(seconds_of(payload["clock"])),
+    "std_msgs/Bool": lambda payload: type(payload["data"]) is bool,
+    "std_msgs/Float64": lambda payload: _is_number(payload["data"]),
+    "std_msgs/Float64MultiArray": lambda payload: all(map(_is_number, payload["data"])),
+    "std_msgs/Int64": lambda payload: _is_integer(payload["data"]),
+}
+"""Whether a message is of its type, and all its numbers are finite: not every server looks."""
+
+
+class CountedTopics:
+    """The topics of generated code on one side of a run, every message counted in and out.
+
+    Each topic speaks at most once a tick. The last message of a tick announces how many there were;
+    ``proceed`` is called when a late one completes a tick that was announced before. ``tick`` is
+    that whose messages are expected, ``n_before`` counts those that came before it, ``n_sent`` what
+    was published in the run. Unless a run ``is_open``, nothing that comes in counts; while it
+    ``is_muted``, what is published is dropped, because no tick follows that it could act on.
+    """
+
+    def __init__(self, transport: PubSub, sender: str, proceed: Callable[[], None]) -> None:
+        self._transport = transport
+        self._sender = sender
+        self._proceed = proceed
+        self._topics: set[str] = set()
+        self._received: set[str] = set()
+        self._n_expected: int | None = None
+        self.open()
+        self.is_open = False
+
+    def open(self) -> None:
+        """Begin a run: expect tick 0."""
+        self.tick = self.n_before = self.n_sent = self._n_told = 0
+        self.is_open, self.is_muted = True, False
+        self._forget()
+
+    def close(self) -> None:
+        """End the run."""
+        self.is_open = False
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic and counts."""
+        publish = self._transport.advertise(topic)
+
+        def publish_counted(payload: Payload) -> None:
+            if not self.is_muted:
+                self.n_sent += 1
+                publish(payload)
+
+        return publish_counted
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic, after it was counted."""
+        name = topic.name
+        self._topics.add(name)
+        is_of_form = _FORMS[topic.type]
+
+        def receive(payload: Payload) -> None:
+            is_complete = self.count(name)
+            try:
+                is_sound = is_of_form(payload)
+            except (KeyError, TypeError):
+                is_sound = False
+            if not is_sound:
+                raise ProtocolError(
+                    f"{name} carried {payload!r}; expected {topic.type} of finite numbers"
+                )
+            callback(payload)
+            if is_complete:
+                self._proceed()
+
+        self._transport.subscribe(topic, receive)
+
+    def count(self, topic: str) -> bool:
+        """Count a message that came in; return whether it completes its tick."""
+        if not self.is_open:
+            return False
+        if topic in self._received:
+            raise ProtocolError(f"two messages on {topic}; expected one: a message came twice")
+        self._received.add(topic)
+        return self._is_complete()
+
+    def announced(self, tick: int, n_messages: int) -> bool:
+        """Take the number of messages of a tick; return whether all of them are there."""
+        if tick != self.tick or self._n_expected is not None:
+            raise ProtocolError(
+                f"the {self._sender} announced tick {tick}; expected tick "
+                f"{self.tick + (self._n_expected is not None)}: "
+                "messages were lost, doubled or reordered"
+            )
+        self._n_expected = n_messages
+        return self._is_complete()
+
+    def turn(self) -> None:
+        """Go on to the next tick."""
+        self.tick += 1
+        self.n_before += len(self._received)
+        self._forget()
+
+    def announce(self) -> int:
+        """Return how many messages were published since this was asked last."""
+        n_before, self._n_told = self._n_told, self.n_sent
+        return self.n_sent - n_before
+
+    def overdue(self, silence: float, timeout: float) -> MrsfiError | None:
+        """Return what is wrong after so many seconds without progress, if anything is."""
+        if not self.is_open:
+            return None
+        if self._n_expected is not None and silence > GRACE:
+            silent = ", ".join(sorted(self._topics - self._received))
+            return TransportError(
+                f"{len(self._received)} of {self._n_expected} messages of the {self._sender} "
+                f"arrived; nothing on {silent}: a message was lost"
+            )
+        if silence > timeout:
+            return TransportTimeout(
+                f"the {self._sender} was silent for {timeout:g} s; look whether it still runs, "
+                "or allow more with --timeout"
+            )
+        return None
+
+    def _forget(self) -> None:
+        self._received.clear()
+        self._n_expected = None
+
+    def _is_complete(self) -> bool:
+        if self._n_expected is None or len(self._received) < self._n_expected:
+            return False
+        if len(self._received) > self._n_expected:
+            raise ProtocolError(
+                f"{len(self._received)} messages of the {self._sender} arrived; it announced "
+                f"{self._n_expected}: a message came twice or out of order"
+            )
+        return True
+
+
+_ALONE = (SETUP, FAILURE)
+"""Topics that belong to no tick."""
+
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+
+
+class BundlingTransport:
+    """A transport that can send what belongs to one tick as one message.
+
+    ``closing`` is the topic whose message ends a tick of this side; ``sends`` and ``hears`` are
+    those of the bundles of this side and of the other. If ``is_first`` it bundles from the start;
+    otherwise it answers in kind: bundles with bundles, messages with messages.
+    """
+
+    def __init__(
+        self, transport: Transport, closing: Topic, sends: Topic, hears: Topic, *, is_first: bool
+    ) -> None:
+        self._transport = transport
+        self.provide, self.call = transport.provide, transport.call
+        self.watch, self.close = transport.watch, transport.close
+        self.ros = transport.ros
+        self._closing = closing
+        self._hears = hears
+        self._is_first = self._is_bundling = is_first
+        self._waiting: list[tuple[str, Payload]] = []
+        self._callbacks: dict[str, Callable[[Payload], None]] = {}
+        self._send = transport.advertise(sends)
+        transport.subscribe(hears, self._receive)
+
+    @classmethod
+    def of_ci(cls, transport: Transport) -> "BundlingTransport":
+        """Return the transport of a collective intelligence that bundles."""
+        return cls(transport, GO, GO_BUNDLE, TICK_BUNDLE, is_first=True)
+
+    @classmethod
+    def of_simulation(cls, transport: Transport) -> "BundlingTransport":
+        """Return the transport of a simulation that does as the collective intelligence does."""
+        return cls(transport, TICK, TICK_BUNDLE, GO_BUNDLE, is_first=False)
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic, alone or in the bundle of its tick."""
+        publish_alone = self._transport.advertise(topic)
+        is_alone, is_closing = topic in _ALONE, topic == self._closing
+
+        def publish(payload: Payload) -> None:
+            if is_alone:
+                self._waiting.clear()  # of a run that came to its end
+            if is_alone or not self._is_bundling:
+                publish_alone(payload)
+                return
+            self._waiting.append((topic.name, payload))
+            if is_closing:
+                pairs, self._waiting = self._waiting, []
+                self._send({"data": _encode(pairs)})
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic, however it came; one per topic."""
+
+        def receive(payload: Payload) -> None:
+            self._is_bundling = self._is_first
+            callback(payload)
+
+        self._callbacks[topic.name] = callback
+        self._transport.subscribe(topic, receive)
+
+    def _receive(self, payload: Payload) -> None:
+        """Take a bundle apart; as on the bus, what nobody subscribed to is left aside."""
+        self._is_bundling = True
+        for name, message in self._pairs(payload.get("data")):
+            callback = self._callbacks.get(name)
+            if callback is not None:
+                callback(message)
+
+    def _pairs(self, text: Any) -> list[tuple[str, Payload]]:
+        try:
+            pairs = [(str(name), dict(message)) for name, message in json.loads(text)]
+        except (TypeError, ValueError) as error:
+            raise ProtocolError(
+                f"{self._hears.name} carried {str(text)[:80]!r}; expected a JSON list of "
+                "[topic, message] pairs"
+            ) from error
+        return pairs
+
+
+_LOOK = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How many seconds one side waits for the other's part of a tick, and before tick 0."""
+
+    tick: float = 10.0
+    handshake: float = 30.0
+
+
+class Completion:
+    """What one thread brings to its end, good or bad, and another waits for; it goes by steps.
+
+    ``result`` is what came of it, once it has ended well.
+    """
+
+    def __init__(self) -> None:
+        self.result: Any = None
+        self._n_steps = 0
+        self._ended = Event()
+        self._failure: Exception | None = None
+
+    def advance(self) -> None:
+        """Note a step."""
+        self._n_steps += 1
+
+    def end(self, result: object = None) -> None:
+        """Note that all is done, and what came of it."""
+        self.result = result
+        self._ended.set()
+
+    def fail(self, error: Exception) -> None:
+        """Note why it cannot go on; the first reason counts."""
+        if self._failure is None and not self._ended.is_set():
+            self._failure = error
+            self._ended.set()
+
+    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> None:
+        """Wait for the end, and raise the failure, whoever noted it.
+
+        ``overdue`` gets the seconds since the last step; what it returns, if anything, is raised.
+        """
+        n_steps, since = self._n_steps, monotonic()
+        while not self._ended.wait(_LOOK):
+            if n_steps != self._n_steps:
+                n_steps, since = self._n_steps, monotonic()
+                continue
+            error = overdue(monotonic() - since)
+            if error is not None:
+                raise error
+        if self._failure is not None:
+            raise self._failure
