@@ -12,8 +12,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from benchmarks.measuring import drawn, seconds
-from mrsfi_runtime.engine.cluster.connection import Cluster
-from mrsfi_runtime.engine.cluster.pool import ClusterPool
+from mrsfi_runtime.engine.cluster import Cluster, ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.engine_settings import COMPILED, LOCAL, REFERENCE, EngineSettings

@@ -185,8 +185,7 @@ def evaluator(
         with WorkerPool(code, seed, n_workers, named(engine, code, seed, tell)) as pool:
             yield pool
         return
-    from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
-    from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
+    from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: PLC0415 - optional
 
     with Cluster(workers.dask, workers.number or _N_PROCESSORS) as cluster:
         on_reached(f"{cluster.n_workers()} workers of {cluster.address}")

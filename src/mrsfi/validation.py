@@ -11,9 +11,8 @@ from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi.project import from_here
-from mrsfi_runtime.engine.compiled.reach import Reached
-from mrsfi_runtime.engine.compiled.regions import CompilationError, own_regions
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, UsageError
 from mrsfi_runtime.files import changing
@@ -120,7 +119,7 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
         engine = ReferenceEngine(code, 1)
         outcome = engine.evaluate(())
         if engine.evaluate(()) != outcome:
-            from mrsfi_runtime.engine.compiled.self_check import unrepeated  # noqa: PLC0415 - numpy
+            from mrsfi_runtime.engine.compiled.engine import unrepeated  # noqa: PLC0415 - numpy
 
             raise unrepeated(engine, ())
     except (EvaluationError, ReplayMismatch) as error:

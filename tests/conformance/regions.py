@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from mrsfi_runtime.engine.compiled.compiler import compiled_region, register
+from mrsfi_runtime.engine.compiled.compiler import Checked, compiled_region, register
 from mrsfi_runtime.engine.compiled.layout import entries, laid_out
-from mrsfi_runtime.engine.compiled.pipeline import Checked
-from mrsfi_runtime.engine.compiled.reach import Reached
-from mrsfi_runtime.engine.compiled.regions import Region
+from mrsfi_runtime.engine.compiled.regions import Reached, Region
 from mrsfi_runtime.engine.compiled.views import seen_as
 from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.kernel.flight import initial_state

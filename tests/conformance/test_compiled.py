@@ -8,8 +8,8 @@ from itertools import islice
 import pytest
 from numba.core.errors import TypingError
 
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine, tried
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import initial_state

@@ -9,8 +9,8 @@ from hypothesis import given, note, settings
 from hypothesis import strategies as st
 
 from m2t.generate import generate
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import COLUMNS, state_bytes

@@ -8,8 +8,8 @@ from itertools import product
 
 import pytest
 
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.state import COLUMNS

@@ -6,7 +6,7 @@ the kernel's own code.
 
 import pytest
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault, touched
 from tests.support.fault_types import FAULT_TYPES

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from m2t.generate import generate
-from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError
+from mrsfi_runtime.engine.compiled.compiler import CompilationError
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import EvaluationError

@@ -8,9 +8,9 @@ import pytest
 
 from m2t.generate import generate, stale
 from mrsfi_runtime.causes.chain import Chain, Change, First, chain, chains
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.recording import Recording, moment_type
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import initial_state

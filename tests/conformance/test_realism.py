@@ -6,8 +6,8 @@ from itertools import pairwise
 import pytest
 
 from m2t.generate import generate
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings

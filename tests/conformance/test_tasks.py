@@ -7,7 +7,7 @@ makes of it, unedited.
 import pytest
 
 from m2t.generate import generate
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS as KNOWN
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault

@@ -19,7 +19,7 @@ from websockets.asyncio.server import serve
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport
 from mrsfi_runtime.transport.topics import CLIENTS, LocalBus, Service, Topic

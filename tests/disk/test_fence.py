@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError, WorkerLost
 from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.model.mission import FailedFlight

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from random import Random
 
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine, ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.state import state_bytes
 from tests.golden import frozen

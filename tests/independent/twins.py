@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from tests.independent.digest import digest
 from tests.independent.margins import Margins

@@ -23,9 +23,7 @@ require_dask()
 import dask  # noqa: E402 - needs dask
 import distributed  # noqa: E402 - needs dask
 
-from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: E402 - needs dask
-from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: E402 - needs dask
-from mrsfi_runtime.engine.cluster.worker import Shipment  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster import Cluster, ClusterPool, Shipment  # noqa: E402 - needs dask
 
 MISSION = "tight_margins"
 GENERATED = ROOT / "generated" / MISSION

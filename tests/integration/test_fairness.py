@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.cosimulation.lockstep import move
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.state import excess
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.world import code_of, paper_code, specifications

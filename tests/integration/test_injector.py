@@ -11,8 +11,8 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault

@@ -12,8 +12,8 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout
 from mrsfi_runtime.record.engine_settings import EngineSettings

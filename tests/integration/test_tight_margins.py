@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import code_of

@@ -4,8 +4,8 @@ from multiprocessing import active_children
 
 import pytest
 
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import FailedFlight

@@ -17,8 +17,8 @@ import pytest
 from benchmarks.fleets import write_fleet
 from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
 from mrsfi_runtime.analysis.page.document import document
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.recording import Recording
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.fault_types import Struck
 from mrsfi_runtime.model.faults import TimedFault

@@ -7,7 +7,7 @@ import pytest
 
 from m2t.generate import generate
 from m2t.metamodels import read_metamodels
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault

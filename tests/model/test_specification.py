@@ -14,7 +14,7 @@ from m2t.load import (
 )
 from m2t.specification import SpecificationRow, write_specification
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import pool_from_text
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger

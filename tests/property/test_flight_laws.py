@@ -6,7 +6,7 @@ from functools import cache
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Event, Gate, TimedFault, Trigger, touched

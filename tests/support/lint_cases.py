@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from mrsfi_runtime.engine.region_rules import NAMES
+from mrsfi_runtime.engine.region_lint import NAMES
 from tests.support.edited import write_region
 
 IMPORTS = "import math\nimport random\nimport time\nimport numpy as np\n"

@@ -21,8 +21,7 @@ from websockets.asyncio.client import connect
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine, ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.engine_settings import CI, EngineSettings

@@ -103,7 +103,7 @@ def command(
 
 
 def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
-    from mrsfi_runtime.engine.simulation_process import serve_simulation
+    from mrsfi_runtime.engine.rosbridge import serve_simulation
     from mrsfi_runtime.transport.topics import without_token
 
     def on_ready(url: str, _host: object) -> None:

@@ -1,4 +1,15 @@
-"""What engines share: what they offer and check, and flights with plain Python objects."""
+"""What an engine is, and the reference engine.
+
+What engines share: what they offer and check, and flights with plain Python objects.
+
+Evaluates fault specifications with plain Python objects and the in-process bus.
+
+The messages of every tick pass through the generated interface.
+
+References
+----------
+Source paper, section III-G and Figure 4.
+"""
 
 import hashlib
 import traceback
@@ -18,6 +29,7 @@ from mrsfi_runtime.kernel.state import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
 from mrsfi_runtime.model.mission import COUNTED, Evaluated, FailedFlight, Outcome
+from mrsfi_runtime.transport.topics import LocalBus
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -199,3 +211,20 @@ def digested(
     sha.update(belief)
     found = [(left, at) if has_one and left != NO_MARGIN else None for left, at, has_one in margins]
     return Outcome(*listed, sha.hexdigest(), tuple(found), tuple(detection))
+
+
+class ReferenceEngine(PlainEngine):
+    """Flies the mission once per fault specification."""
+
+    def __init__(self, code: MissionCode, seed: int) -> None:
+        super().__init__(code, seed)
+        bus = LocalBus()
+        self._simulation = code.simulation(bus, code.mission)
+        self.interface = code.interface(bus)
+
+    def _fly(self, flight: Flight, seed: int) -> None:
+        self._simulation.reset(seed)
+        flight.begin(self._simulation.world)
+        for tick in range(self.code.mission.duration):
+            self._simulation.step(tick)
+            flight.step(tick)

@@ -1,12 +1,31 @@
-"""Evaluates fault specifications with a team's own node as the collective intelligence.
+"""The engine that injects faults into a team's own node.
+
+Starts and ends a team's node, in a process between it and the engine that both die with.
+
+Run as ``python -m mrsfi_runtime.engine.injector`` it finds a connection to the engine's process,
+starts and ends nodes as that says, and says there how they ended. When the other end of the
+connection is gone, however its process came to that, so is the node, with all that it started.
+
+A team's node in a process of its own, started and ended as flights need it.
+
+Evaluates fault specifications with a team's own node as the collective intelligence.
 
 The node is told on topics of its own what would be believed, and its commands are flown. The world
 is ours, in this process, and the node joins a server that is embedded here; or the world is the
 team's, and world, injector and node are on one server.
 """
 
+import os
 import secrets
-from contextlib import ExitStack
+import shlex
+import signal
+import sys
+from collections import deque
+from contextlib import ExitStack, suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
+from threading import Thread
 from typing import TYPE_CHECKING
 
 from mrsfi_bridge.embedded import EmbeddedBridge
@@ -19,8 +38,13 @@ from mrsfi_runtime.cosimulation.node import Node
 from mrsfi_runtime.cosimulation.node_mapping import Pace
 from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.engine.node_process import NodeProcess
-from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    SpecificationError,
+    TransportClosed,
+    TransportError,
+    UsageError,
+)
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -31,6 +55,166 @@ from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport
 
 if TYPE_CHECKING:
     from mrsfi_runtime.transport.topics import Transport
+
+
+_GRACE = 1.0
+"""Seconds that a node has to end when it is told to."""
+
+_LOOK_S = 0.05
+_LAST_LINES = 5
+
+
+class _Child:
+    """A node that was started, and the last lines that it wrote."""
+
+    def __init__(self, words: list[str]) -> None:
+        self.process = Popen(
+            words, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, start_new_session=True
+        )
+        self._lines: deque[bytes] = deque(maxlen=_LAST_LINES)
+        self._reader = Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self._lines.append(line[:500])
+
+    def end(self) -> None:
+        """End the node and all that it started."""
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.process.pid, number)
+            with suppress(TimeoutExpired):
+                self.process.wait(_GRACE)
+
+    def last_words(self) -> str:
+        """Return how it ended, and what it wrote last."""
+        self._reader.join(_GRACE)
+        code = self.process.returncode
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        lines = [line.decode(errors="replace").strip() for line in self._lines]
+        said = " / ".join(line for line in lines if line)
+        return f"{how}{': ' if said else ''}{said}"
+
+
+class Keeper:
+    """Keeps one node at a time, as a connection says."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._child: _Child | None = None
+
+    def serve(self) -> None:
+        """Start what words name that come, or end what runs if none do; until nobody speaks."""
+        with suppress(EOFError, OSError):
+            while True:
+                self._look()
+                if wait([self._connection], None if self._child is None else _LOOK_S):
+                    self._change(self._connection.recv())
+        self._end()
+
+    def _look(self) -> None:
+        """Tell how the node ended, if it has."""
+        child = self._child
+        if child is not None and child.process.poll() is not None:
+            self._end()  # what it started, too
+            self._connection.send(("ended", child.last_words()))
+
+    def _change(self, words: list[str]) -> None:
+        self._end()
+        try:
+            self._child = _Child(words) if words else None
+        except OSError as error:
+            self._connection.send(("failed", f"{words[0]}: {error.strerror}"))
+            return
+        self._connection.send(("done", str(self._child.process.pid) if self._child else ""))
+
+    def _end(self) -> None:
+        child, self._child = self._child, None
+        if child is not None:
+            child.end()
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Keeper(Connection(int(sys.argv[1]))).serve()
+
+
+_ENDING_S = 4.0
+
+
+class NodeProcess:
+    """A node that dies with this process; ``pid`` is that of the last one that was started.
+
+    ``command`` is a line in which ``{url}``, ``{host}``, ``{port}`` and ``{seed}`` are filled in:
+    where it finds the server, and the mission seed. One that makes no sense is a ``UsageError``.
+    """
+
+    def __init__(self, command: str, url: str) -> None:
+        try:
+            self._words = shlex.split(command)
+        except ValueError as error:
+            raise UsageError(f"--node: found {command!r}: {error}; expected a command") from error
+        if not self._words:
+            raise UsageError("--node: found nothing; expected a command")
+        self._url = url
+        self.pid = 0
+        self._connection, other_end = Pipe()
+        with other_end:
+            self._keeper = Popen(
+                [sys.executable, "-m", __name__, str(other_end.fileno())],
+                pass_fds=[other_end.fileno()],
+                stdin=DEVNULL,
+                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+            )
+
+    def start(self, seed: int) -> None:
+        """End the node if it runs, and start it for a mission seed."""
+        address = self._url.partition("://")[2].partition("/")[0]
+        host, _, port = address.rpartition(":")
+        filled = {"{url}": self._url, "{host}": host, "{port}": port, "{seed}": str(seed)}
+        words = []
+        for word in self._words:
+            for name, value in filled.items():
+                word = word.replace(name, value)  # noqa: PLW2901 - one after the other
+            words.append(word)
+        self._say(words)
+
+    def stop(self) -> None:
+        """End the node if it runs."""
+        self._say([])
+
+    def ended(self) -> str:
+        """Return how the node ended and what it wrote last, or nothing while it runs."""
+        with suppress(EOFError, OSError):
+            if self._connection.poll():
+                _, said = self._connection.recv()
+                self.pid = 0
+                return str(said)
+        return ""
+
+    def close(self) -> None:
+        """End the node, and wait for that."""
+        self._connection.close()
+        try:
+            self._keeper.wait(_ENDING_S)
+        except TimeoutExpired:
+            self._keeper.kill()
+            self._keeper.wait()
+
+    def _say(self, words: list[str]) -> None:
+        """Have the keeper start what words name, or end what it keeps if there are none."""
+        try:
+            self._connection.send(words)
+            kind, said = "ended", ""
+            while kind == "ended":  # of the one before
+                kind, said = self._connection.recv()
+        except (EOFError, OSError) as error:
+            raise TransportClosed("the process that keeps the node has ended") from error
+        if kind == "failed":
+            raise TransportError(f"the node did not start: {said}; look at --node")
+        self.pid = int(said or 0)
 
 
 class InjectorEngine(PlainEngine):

@@ -32,7 +32,7 @@ def open_engine(
     settings.require_sense()
     settings = named(settings, code, seed, lambda _: None)
     if settings.name == REFERENCE:
-        from mrsfi_runtime.engine.reference import ReferenceEngine  # noqa: PLC0415 - for flights
+        from mrsfi_runtime.engine.flights import ReferenceEngine  # noqa: PLC0415 - for flights
 
         return ReferenceEngine(code, seed)
     if settings.name == COMPILED:

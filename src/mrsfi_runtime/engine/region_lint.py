@@ -1,4 +1,14 @@
-"""Says what is wrong with regions, before anything flies and without running or compiling them.
+"""What regions must not do.
+
+What in a function of a region compiles to something else than Python runs.
+
+Everything here was measured, CPython 3.11 against numba 0.68 on x86-64: see
+``tests/conformance/test_region_lint.py``. What is not named was found the same, such as ``//``,
+``%``, ``round(x)``, ``math.sqrt`` and, on this processor family, ``math.sin``. Rules speak of what
+they can see: a value that only a flight knows, such as the argument of ``math.sqrt`` or the size of
+a product of names, is left to the engine, which compares first ticks with the reference engine.
+
+Says what is wrong with regions, before anything flies and without running or compiling them.
 
 Errors are certain: a name or a field that does not exist ends a flight as soon as its line is
 reached. Warnings are for the compiled engine alone, and so of functions marked ``@kernel``: a
@@ -10,20 +20,287 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
+from itertools import pairwise
 from pathlib import Path
 from pkgutil import resolve_name
 from textwrap import shorten
-from types import ModuleType
-from typing import TypeAlias
+from types import MappingProxyType, ModuleType
+from typing import Any, NamedTuple, TypeAlias
 
 from pyflakes import messages
 from pyflakes.checker import Checker
 
-from mrsfi_runtime.engine.region_kinds import API, Kinds, fields
-from mrsfi_runtime.engine.region_rules import remarks
-from mrsfi_runtime.engine.region_sources import Source, sources
+from mrsfi_runtime.engine.region_sources import (
+    API,
+    Kinds,
+    Source,
+    bound,
+    element,
+    fields,
+    literal,
+    sources,
+)
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.readiness import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
+
+_LARGEST = 2**63 - 1
+_WIDE = 2**32
+_SHOWN = 50
+
+_LAST_BIT = "may differ in the last bit when compiled"
+_SET_ORDER = "takes a set in another order when compiled; write sorted(…)"
+_TEXT = "has another text when compiled if it is a float; compare numbers"
+_TOO_LARGE = "does not fit into 64 bits and wraps; use smaller numbers"
+
+_GAMMA = f"{_LAST_BIT}; read the values from a table in the team's own constants"
+_MATH = f"{_LAST_BIT}; write the function of math, or read a table"
+_SUM = "adds in another order when compiled; add in a loop"
+
+_ROUNDED = (
+    "arccos", "arcsin", "arcsinh", "arctan", "arctan2", "arctanh", "cbrt", "cosh", "exp", "exp2",
+    "expm1", "log10", "log1p", "power", "sinh", "tan", "tanh",
+)  # fmt: skip
+_SUMS = ("average", "linalg.norm", "mean", "nanmean", "nansum", "std", "sum", "var")
+
+NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "math.hypot": f"{_LAST_BIT}; write math.sqrt(x * x + y * y)",
+        "math.gamma": _GAMMA,
+        "math.lgamma": _GAMMA,
+        **{f"numpy.{name}": _MATH for name in _ROUNDED},
+        **{f"numpy.{name}": _SUM for name in _SUMS},
+        "numpy.argsort": (
+            "may order equals otherwise when compiled; sort tuples of value and index"
+        ),
+    }
+)
+"""What is said of functions of libraries: why it matters, and what to write instead."""
+
+_DRAWING = ("random.", "numpy.random.")
+_DRAWS = (
+    "draws other numbers when compiled, if it compiles at all; write randomness.uniform or "
+    "randomness.choice, which draw the same everywhere"
+)
+
+
+def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, str]]:
+    """Yield lines of a function that will be compiled: what was found, why, and what to write."""
+    at = _Function(function, source)
+    for node in at.nodes:
+        for why in _said(node, at):
+            yield getattr(node, "lineno", function.lineno), f"found `{_shown(node)}`, which {why}"
+
+
+def _said(node: ast.AST, at: "_Function") -> Iterator[str]:
+    name = at.dotted(node)
+    if name in NAMES or name.startswith(_DRAWING):
+        yield NAMES.get(name, _DRAWS)
+    keys = {type(node).__name__}
+    if isinstance(node, ast.Call):
+        method = f".{node.func.attr}" if isinstance(node.func, ast.Attribute) else ""
+        keys |= {at.dotted(node.func), method}
+    for rule in _RULES:
+        found = not keys.isdisjoint(rule.syntax.split()) and rule.applies(node, at)
+        if found:
+            yield rule.why.format(found)
+
+
+def _shown(node: ast.AST) -> str:
+    text = ast.unparse(node).partition("\n")[0]
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+
+
+class _Function(Kinds):
+    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
+        super().__init__(function, source)
+        self.nodes = [*ast.walk(function)]
+        self.masked = {
+            id(inner)
+            for node in self.nodes
+            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd)
+            if any(_is_mask(side) for side in (node.left, node.right))
+            for inner in ast.walk(node)
+        }
+
+    def is_whole(self, node: ast.AST) -> bool:
+        """Whether an expression is certainly no float."""
+        return self.of(node) in (int, bool, str)
+
+
+def _fits(number: float | None) -> bool:
+    return not isinstance(number, int) or -_LARGEST - 1 <= number <= _LARGEST
+
+
+def _is_mask(node: ast.AST) -> bool:
+    mask = literal(node)
+    return isinstance(mask, int) and 0 <= mask <= _LARGEST
+
+
+def _is_bounded(node: ast.AST) -> bool:
+    is_bounding = isinstance(node, ast.Call) and ast.unparse(node.func) in ("min", "max")
+    return is_bounding or isinstance(node, ast.Name) or literal(node) is not None
+
+
+def _power(node: ast.BinOp | ast.Call, at: _Function) -> str | None:
+    base, exponent = node.args[:2] if isinstance(node, ast.Call) else (node.left, node.right)
+    power = literal(exponent)
+    if literal(node) is not None or power in (0, 1):
+        return None
+    if at.of(base) is at.of(exponent) is int:
+        return None if power is not None and power >= 0 else _WHOLE_POWER
+    if power is None:
+        return "may differ; multiply"
+    instead = {2: "write x * x", 0.5: "write math.sqrt(x)"}.get(power, "multiply")
+    return f"{_LAST_BIT}; {instead}"
+
+
+_WHOLE_POWER = (
+    "is 0 when compiled if the exponent is below 0, and wraps beyond 64 bits; multiply in a loop"
+)
+
+
+def _is_wide(node: ast.BinOp, at: _Function) -> bool:
+    left, right = literal(node.left), literal(node.right)
+    is_known = literal(node) is not None or float in map(at.of, (node.left, node.right))
+    if is_known or id(node) in at.masked:
+        return False
+    if isinstance(node.op, ast.LShift):
+        return right is None or right >= 32
+    is_product = isinstance(node.op, ast.Mult)
+    return is_product and any(isinstance(x, int) and abs(x) >= _WIDE for x in (left, right))
+
+
+def _is_singleton(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
+
+
+def _compares_objects(node: ast.Compare, _at: _Function) -> bool:
+    pairs = zip(node.ops, pairwise([node.left, *node.comparators]), strict=True)
+    return any(
+        isinstance(operator, ast.Is | ast.IsNot) and not any(map(_is_singleton, sides))
+        for operator, sides in pairs
+    )
+
+
+def _targets(node: ast.Assign | ast.AugAssign) -> Iterator[ast.AST]:
+    for target, _ in bound(node):
+        yield from target.elts if isinstance(target, ast.Tuple | ast.List) else [target]
+
+
+def _cuts_off(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
+    """Whether a float goes where integers are kept."""
+    is_float = any(at.of(value) is float for _, value in bound(node))
+    kept = [
+        target for target in _targets(node) if isinstance(target, ast.Attribute | ast.Subscript)
+    ]
+    return is_float and any(at.of(target) is int for target in kept)
+
+
+def _copies(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
+    """Whether a record is stored in a list of records."""
+    lists = [target.value for target in _targets(node) if isinstance(target, ast.Subscript)]
+    return any(fields(element(at.of(each))) for each in lists)
+
+
+def _adds_floats(node: ast.Call, at: _Function) -> bool:
+    first = node.args[0] if node.args else None
+    is_whole = isinstance(first, ast.ListComp) and at.is_whole(first.elt)
+    return not is_whole and element(at.of(first)) is not int
+
+
+class Rule(NamedTuple):
+    """What is said of some syntax: kinds of nodes, and calls of functions and ``.methods``.
+
+    ``applies`` says whether it has something to say of such a node of a function; ``why`` says why
+    it matters and what to write instead, ``{}`` for what ``applies`` returned.
+    """
+
+    syntax: str
+    applies: Callable[[Any, _Function], object]
+    why: str
+
+
+_RULES: Sequence[Rule] = (
+    Rule("Name", lambda node, at: not _fits(at.constant(node.id)), _TOO_LARGE),
+    Rule("Constant BinOp", lambda node, _: not _fits(literal(node)), _TOO_LARGE),
+    Rule(
+        "BinOp",
+        _is_wide,
+        "may need more than 64 bits, where compiled integers wrap; mask the result with `& "
+        "0xFFFFFFFF`, or use smaller numbers",
+    ),
+    Rule("BinOp", lambda node, at: isinstance(node.op, ast.Pow) and _power(node, at), "{}"),
+    Rule("pow math.pow", lambda node, at: len(node.args) == 2 and _power(node, at), "{}"),
+    Rule(
+        "UnaryOp",
+        lambda node, at: isinstance(node.op, ast.Invert) and at.of(node.operand) is bool,
+        "is always true in Python and a `not` when compiled; write not",
+    ),
+    Rule(
+        "Compare",
+        _compares_objects,
+        "compares values when compiled, and objects in Python; write == or !=, or compare indices",
+    ),
+    Rule(
+        "Assign AugAssign",
+        _cuts_off,
+        "keeps the float in Python and cuts it off when compiled; write int(…) or round(…)",
+    ),
+    Rule(
+        "Assign AugAssign",
+        _copies,
+        "copies a record when compiled, and makes two names of one in Python; assign field by "
+        "field",
+    ),
+    Rule("For", lambda node, at: at.of(node.iter) is set, _SET_ORDER),
+    Rule(
+        "ListComp", lambda node, at: set in [at.of(one.iter) for one in node.generators], _SET_ORDER
+    ),
+    Rule("list tuple enumerate", lambda node, at: set in map(at.of, node.args[:1]), _SET_ORDER),
+    Rule(".pop", lambda node, at: at.of(node.func.value) is set, _SET_ORDER),
+    Rule(
+        "sorted .sort",
+        lambda node, _: "key" in [keyword.arg for keyword in node.keywords],
+        "may order elements of equal keys otherwise when compiled; sort tuples, or make every "
+        "key another",
+    ),
+    Rule(
+        "JoinedStr",
+        lambda node, at: (
+            not all(
+                at.is_whole(part.value)
+                for part in node.values
+                if isinstance(part, ast.FormattedValue) and part.format_spec is None
+            )
+        ),
+        _TEXT,
+    ),
+    Rule("str repr", lambda node, at: not all(map(at.is_whole, node.args[:1])), _TEXT),
+    Rule(
+        "round",
+        lambda node, at: len(node.args) == 2 and at.of(node.args[0]) is not int,
+        "may round halves otherwise when compiled; compare unrounded numbers, or write round(x * "
+        "100) / 100",
+    ),
+    Rule(
+        "sum",
+        _adds_floats,
+        "may add floats otherwise from Python 3.12 on than when compiled; add in a loop",
+    ),
+    Rule(
+        "math.sqrt math.log",
+        lambda node, _: [type(getattr(each, "op", None)) for each in node.args[:1]] == [ast.Sub],
+        "is an error in Python and NaN when compiled if the difference is below 0; write max(…, "
+        "0.0) around it",
+    ),
+    Rule(
+        "math.acos math.asin",
+        lambda node, _: not all(map(_is_bounded, node.args[:1])),
+        "is an error in Python and NaN when compiled beyond -1 and 1; write min(max(…, -1.0), "
+        "1.0) around it",
+    ),
+)
+
 
 _CERTAIN = (
     messages.UndefinedLocal,

@@ -1,18 +1,30 @@
-"""The files that regions stand in: a mission's own, and those of the team that it imports.
+"""The text of regions, and of which kind their values are.
+
+The files that regions stand in: a mission's own, and those of the team that it imports.
 
 They are read, never run.
+
+What can be told of the values in a region without running it.
+
+A kind is a type as an annotation gives it, such as ``float``, ``RobotState`` or ``list[int]``;
+``None`` is what cannot be told. Fields have the kinds that the records of the state declare; a
+local name has one if the same is assigned to it wherever something is.
 """
 
 import ast
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
+from dataclasses import is_dataclass
+from functools import cache, cached_property
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 from mrsfi_runtime.imported_copies import team_file
+from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.markers import lines_in_regions
 from mrsfi_runtime.readiness import region_files
 
@@ -159,3 +171,167 @@ def _texts(tree: ast.Module) -> Iterator[str]:
         text = node.value if isinstance(node, ast.Constant) else None
         if isinstance(text, str) and len(text) < _LONGEST and not _UNLIKELY.search(text):
             yield text
+
+
+Kind: TypeAlias = Any
+
+API = "mrsfi_runtime.api."
+_NUMBERS: Mapping[str, Kind] = {"int": int, "float": float, "bool": bool}
+_CALLS: Mapping[str, Kind] = {
+    **_NUMBERS, "len": int, "range": list[int], "round": int, "set": set, "math.sqrt": float,
+}  # fmt: skip
+_ANNOTATIONS: Mapping[str, Kind] = {**_NUMBERS, f"{API}State": State, f"{API}OwnFault": OwnFault}
+_GREATEST = 2**12  # number of which powers are worked out
+
+
+@cache
+def fields(kind: Kind) -> Mapping[str, Kind]:
+    """Return the kinds of the fields of the state or of a record in it; none of anything else."""
+    return get_type_hints(kind) if is_dataclass(kind) else {}
+
+
+def element(kind: Kind) -> Kind:
+    """Return the kind of what a list or a tuple holds."""
+    origin: Kind = get_origin(kind)
+    return get_args(kind)[0] if origin in (list, tuple, MutableSequence) else None
+
+
+_FIELDS: Mapping[str, Kind] = {
+    name: kind
+    for record in (State, OwnFault, *(element(kind) or kind for kind in fields(State).values()))
+    for name, kind in fields(record).items()
+}
+"""Kinds of fields: those of one name have one kind, whatever record they stand in."""
+
+
+def literal(node: ast.AST | None) -> int | float | None:
+    """Return the number that an expression of literals stands for, if it is one."""
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return number
+        case ast.UnaryOp(op=ast.USub()):
+            value = literal(node.operand)
+            return None if value is None else -value
+        case ast.BinOp(ast.Constant(int() as n), ast.LShift(), ast.Constant(int() as k)):
+            return n << k if k < _GREATEST else None
+        case ast.BinOp(ast.Constant(int() as n), ast.Pow(), ast.Constant(int() as k)):
+            return int(n**k) if max(n, k) < _GREATEST else None
+    return None
+
+
+def bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
+    """Yield what a node assigns to, and what is assigned, if that can be told."""
+    match node:
+        case ast.Assign():
+            yield from ((target, node.value) for target in node.targets)
+        case ast.AnnAssign() | ast.NamedExpr():
+            yield node.target, node.value
+        case ast.AugAssign():
+            yield node.target, ast.BinOp(node.target, node.op, node.value)
+        case ast.For() | ast.comprehension():
+            yield node.target, ast.Subscript(node.iter, ast.Constant(0))
+
+
+class Kinds:
+    """Kinds of the expressions of one function of a file.
+
+    ``local`` are its arguments and the names that it assigns to, with the kinds of what they hold.
+    """
+
+    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
+        self._imports, self._constants = source.imports, source.constants
+        nodes = [*ast.walk(function)]
+        values = {id(target): value for node in nodes for target, value in bound(node)}
+        held: dict[str, dict[str, ast.AST | None]] = {}
+        named = [node for node in nodes if isinstance(node, ast.arg | ast.Name)]
+        for node in sorted(named, key=lambda node: (node.lineno, node.col_offset)):
+            if isinstance(node, ast.arg):
+                held.setdefault(node.arg, {})[ast.dump(node)] = node
+            elif isinstance(node.ctx, ast.Store):
+                value = values.get(id(node))
+                held.setdefault(node.id, {})[ast.dump(value) if value else ""] = value
+        self.local: dict[str, Kind] = dict.fromkeys(held)
+        for name, found in held.items():
+            self.local[name] = self.of(*found.values()) if len(found) == 1 else None
+
+    def dotted(self, node: ast.AST | None) -> str:
+        """Return the dotted name that an expression stands for; empty if it is none."""
+        if isinstance(node, ast.Attribute):
+            parent = self.dotted(node.value)
+            return f"{parent}.{node.attr}" if parent else ""
+        if not isinstance(node, ast.Name) or node.id in self.local:
+            return ""
+        return self._imports.get(node.id, node.id)
+
+    def constant(self, name: str) -> int | float | None:
+        """Return the number that a name of the file stands for, if it is one."""
+        return None if name in self.local else literal(self._constants.get(name))
+
+    def of(self, node: ast.AST | None) -> Kind:
+        """Return the kind of an expression, or ``None`` where it cannot be told."""
+        number = literal(node)
+        if number is not None:
+            return type(number)
+        kind_of = _KIND_OF.get(type(node))
+        return None if kind_of is None else kind_of(self, node)
+
+
+def _of_name(kinds: Kinds, node: ast.Name) -> Kind:
+    number = kinds.constant(node.id)
+    return kinds.local.get(node.id) if number is None else type(number)
+
+
+def _of_argument(kinds: Kinds, node: ast.arg) -> Kind:
+    """Return the kind of an argument; one that is called ``ci`` needs no annotation."""
+    is_state = node.annotation is None and node.arg == "ci"
+    return State if is_state else _ANNOTATIONS.get(kinds.dotted(node.annotation))
+
+
+def _of_part(kinds: Kinds, node: ast.Subscript) -> Kind:
+    whole = kinds.of(node.value)
+    return whole if isinstance(node.slice, ast.Slice) else element(whole)
+
+
+def _of_operation(kinds: Kinds, node: ast.BinOp) -> Kind:
+    left, right = kinds.of(node.left), kinds.of(node.right)
+    if left == list[int] and isinstance(node.op, ast.Mult):
+        return left
+    if float in (left, right) or isinstance(node.op, ast.Div):
+        return float
+    return int if {left, right} <= {int, bool} else None
+
+
+def _of_call(kinds: Kinds, node: ast.Call) -> Kind:
+    name = kinds.dotted(node.func)
+    if name in ("abs", "min", "max"):
+        return _common(kinds, node.args)
+    return None if name == "round" and len(node.args) > 1 else _CALLS.get(name)
+
+
+def _common(kinds: Kinds, nodes: Sequence[ast.AST]) -> Kind:
+    """Return the kind of what may be any of these: int and float make float."""
+    found = {*map(kinds.of, nodes)}
+    if len(found) == 1:
+        return found.pop()
+    return float if found == {int, float} else None
+
+
+_KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
+    ast.Constant: lambda _, node: type(node.value),
+    ast.arg: _of_argument,
+    ast.Name: _of_name,
+    ast.Attribute: lambda kinds, node: (  # a module's is no field
+        None if kinds.dotted(node) else _FIELDS.get(node.attr)
+    ),
+    ast.Subscript: _of_part,
+    ast.Call: _of_call,
+    ast.BinOp: _of_operation,
+    ast.UnaryOp: lambda kinds, node: (
+        bool if isinstance(node.op, ast.Not) else kinds.of(node.operand)
+    ),
+    ast.Compare: lambda *_: bool,
+    ast.Set: lambda *_: set,
+    ast.IfExp: lambda kinds, node: _common(kinds, [node.body, node.orelse]),
+    ast.List: lambda kinds, node: list[int] if {*map(kinds.of, node.elts)} == {int} else None,
+}
+"""How the kind of an expression follows from those of its parts."""

@@ -1,4 +1,12 @@
-"""Evaluates fault specifications with simulation and CI as two processes on a rosbridge server.
+"""The engine over rosbridge.
+
+The simulation's side of a mission: served in this process, or as a process of its own.
+
+Run as ``python -m mrsfi_runtime.engine.rosbridge`` it finds a connection to the process
+that started it, says there when it is ready and why it fails, and ends when the other end of the
+connection does, however its process came to that.
+
+Evaluates fault specifications with simulation and CI as two processes on a rosbridge server.
 
 They meet on the topics of the mission only, in lock-step, as ROS messages. Results are those
 of the reference engine, bit for bit.
@@ -8,29 +16,112 @@ References
 Source paper, sections III-F and III-G.
 """
 
+import secrets
 import signal
 import sys
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import replace
 from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from subprocess import DEVNULL, Popen, TimeoutExpired
 from threading import Thread
 
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.errors import BridgeError
+from mrsfi_bridge.settings import ServerSettings, TypeTable
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.errors import (
+    MrsfiError,
     TransportClosed,
     TransportError,
     TransportTimeout,
     UsageError,
 )
-from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.record.engine_settings import BOTH, EngineSettings
-from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import PrefixedTransport
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
+from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
+
+
+def serve_simulation(
+    code: MissionCode,
+    settings: EngineSettings,
+    on_ready: Callable[[str, SimulationHost], None],
+) -> None:
+    """Serve the simulation of a mission until it is stopped, on the settings' server or its own.
+
+    Their patience is how long the collective intelligence may be silent in mid-run; ``on_ready`` is
+    told the server's URL, and the host that it may stop. Lost messages are a TransportError.
+    """
+    with _transport(settings) as (transport, reached):
+        bundling = BundlingTransport.of_simulation(transport)
+        host = SimulationHost(bundling, code.simulation, code.mission, settings.patience)
+        on_ready(reached, host)
+        try:
+            host.serve()
+        except Exception as error:
+            where = host.where()
+            with suppress(TransportError):
+                host.tell_failure(error)
+            if isinstance(error, TransportError):
+                raise type(error)(f"{where}: {error}") from error
+            raise
+
+
+@contextmanager
+def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
+    """Yield a transport and the URL of its server."""
+    url, ros = settings.url, settings.ros
+    if url is not None:
+        with closing(RosbridgeTransport(url, settings.client, ros)) as joined:
+            yield PrefixedTransport(joined, settings.world_prefix), url
+        return
+    token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
+    try:
+        with (
+            EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
+            closing(EmbeddedTransport(bridge)) as embedded,
+        ):
+            yield embedded, f"{bridge.url}/?token={token}"
+    except BridgeError as error:
+        raise as_ours(error) from error
+
+
+def main(number: int) -> None:
+    """Serve what the first message on a connection asks for; say there why that ended early."""
+    connection = Connection(number)
+    directory, settings = connection.recv()
+
+    def on_ready(reached: str, host: SimulationHost) -> None:
+        Thread(target=_stop_with_parent, args=(connection, host), daemon=True).start()
+        _say(connection, url=reached)
+
+    try:
+        serve_simulation(load_code(directory), settings, on_ready)
+    except MrsfiError as error:
+        _say(connection, error=str(error))
+    except BaseException as error:  # noqa: BLE001 - the parent tells it
+        _say(connection, error=f"{type(error).__name__}: {error}")
+
+
+def _stop_with_parent(connection: Connection, host: SimulationHost) -> None:
+    with suppress(EOFError, OSError):
+        connection.recv()  # the parent says nothing more; its end ends this
+    host.stop()
+
+
+def _say(connection: Connection, **said: str) -> None:
+    with suppress(BrokenPipeError):
+        connection.send(said)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
+
 
 _GREATEST_SEED = 2**63 - 1
 _LAST_WORDS = 2.0
@@ -50,7 +141,7 @@ class SimulationProcess:
         self._connection, other_end = Pipe()
         with other_end:
             self._process = Popen(
-                [sys.executable, "-m", simulation_process.__name__, str(other_end.fileno())],
+                [sys.executable, "-m", __name__, str(other_end.fileno())],
                 pass_fds=[other_end.fileno()],
                 stdin=DEVNULL,
                 stdout=DEVNULL,

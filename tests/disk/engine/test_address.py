@@ -25,7 +25,7 @@ def test_what_is_no_address_is_refused_with_what_was_expected(text, refused):
 
 def test_an_address_with_tls_is_refused_while_no_certificates_are_configured(refused):
     require_dask()
-    from mrsfi_runtime.engine.cluster.connection import Cluster
+    from mrsfi_runtime.engine.cluster import Cluster
 
     with refused(UsageError):
         Cluster("tls://127.0.0.1:8786")

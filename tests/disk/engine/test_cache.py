@@ -9,9 +9,16 @@ from tempfile import mkdtemp
 
 import pytest
 
-from mrsfi_runtime.engine.compiled import cache
-from mrsfi_runtime.engine.compiled.cache import FILE, N_KEPT, cache_folder, forget, kept
-from mrsfi_runtime.engine.compiled.machine_code import MachineCode, kept_code
+from mrsfi_runtime.engine.compiled import machine_code
+from mrsfi_runtime.engine.compiled.machine_code import (
+    FILE,
+    N_KEPT,
+    MachineCode,
+    cache_folder,
+    forget,
+    kept,
+    kept_code,
+)
 from mrsfi_runtime.errors import EvaluationError, UsageError
 
 MADE = b"machine\ncode"
@@ -127,7 +134,7 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
     user = given.stat().st_uid + owner
     monkeypatch.setattr(os, "getuid", lambda: user)
     made = mkdtemp(dir=tmp_path)
-    monkeypatch.setattr(cache, "mkdtemp", lambda **_: made)
+    monkeypatch.setattr(machine_code, "mkdtemp", lambda **_: made)
 
     found = cache_folder()
 

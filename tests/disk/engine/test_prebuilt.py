@@ -5,8 +5,7 @@ import json
 import pytest
 
 from mrsfi_runtime.engine.compiled import machine_code
-from mrsfi_runtime.engine.compiled.cache import sealed
-from mrsfi_runtime.engine.compiled.machine_code import Library, key_of, sources_key
+from mrsfi_runtime.engine.compiled.machine_code import Library, key_of, sealed, sources_key
 
 NAMES = ["fly", "check"]
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numba.core.typing import templates
 
-from mrsfi_runtime.engine.compiled.reach import Reached
-from mrsfi_runtime.engine.compiled.regions import CompilationError
+from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached
 from tests.support.edits import EDITS, MODULES, REFUSED, write_team
 
 

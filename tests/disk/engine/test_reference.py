@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.engine.compiled.self_check import require_same, trials
+from mrsfi_runtime.engine.compiled.engine import require_same, trials
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.recording import Recording
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import FaultPool, Gate
 from tests.support.world import paper_code

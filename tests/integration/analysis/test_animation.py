@@ -10,7 +10,7 @@ from PIL import Image
 
 from mrsfi_runtime.analysis.mission_plots import flight_gif, flight_map
 from mrsfi_runtime.analysis.story import story_of
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.record.observers import named_faults
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.world import paper_code, specifications

@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.analysis.weaknesses import failure_modes
 from mrsfi_runtime.causes.ways import ways
 from mrsfi_runtime.causes.weakness import Detection
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.weaknesses import weakness
 from tests.support.world import paper_code

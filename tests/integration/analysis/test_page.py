@@ -20,7 +20,7 @@ from mrsfi_runtime.analysis.page.flight import (
     stride,
 )
 from mrsfi_runtime.analysis.story import runs
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.observers import named_faults
 from tests.support.world import code_of, paper_code, specifications

@@ -7,8 +7,8 @@ from io import StringIO
 import pytest
 
 from mrsfi_runtime.causes.chain import FirstVerdict, chains, sentence
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.observers import TraceTable, named_faults

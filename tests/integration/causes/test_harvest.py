@@ -9,7 +9,7 @@ import pytest
 from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
 from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.causes.weakness import MEASURES, faults_of
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault, fault_ticks

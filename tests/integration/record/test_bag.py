@@ -11,7 +11,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.model.faults import robots_of, touched
 from mrsfi_runtime.model.mission import ROBOT_RADIUS

@@ -10,7 +10,7 @@ import pytest
 from mrsfi_runtime.cosimulation import bus_lockstep
 from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.cosimulation.lockstep import Mind
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import (
     EvaluationError,
     ProtocolError,

@@ -9,7 +9,7 @@ import pytest
 from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.node_mapping import GENERATED, NodeMapping
 from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import TransportError, TransportTimeout
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Message

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from mrsfi_runtime.engine.compiled.compiled_flight import kernel
+from mrsfi_runtime.engine.compiled.engine import kernel
 from mrsfi_runtime.engine.compiled.machine_code import LIBRARY, MANIFEST, PROCESSOR, library_seal
 
 

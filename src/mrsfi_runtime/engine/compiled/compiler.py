@@ -1,26 +1,299 @@
-"""Compiles the kernel's flight, and regions of a team, to object files; this alone takes numba."""
+"""The compiler of kernel and regions.
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+Numba's pipeline: for regions it refuses what Python does, and what others call it inlines.
+
+To numba alone a list of the state is an array, with more attributes and operators, and a record of
+an array of the team's is like one of the state.
+
+Numba optimises every function with all that it calls, and writes machine code for it. Here they
+are kept as they were lowered, and optimised once, where they end up. That takes some two fifths of
+compilation away.
+
+Says which line of which region cannot be compiled, and why, in plain words.
+
+Compiles the kernel's flight, and regions of a team, to object files; this alone takes numba.
+"""
+
+import ast
+import inspect
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
+from textwrap import dedent
+from types import FunctionType, ModuleType, SimpleNamespace
+from typing import Any, get_args, get_type_hints
 
+import numba
 from numba import types
 from numba.core import compiler
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, DefaultPassBuilder
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.errors import TypingError
 from numba.core.registry import cpu_target
+from numba.core.runtime.nrt import rtsys
+from numba.core.typed_passes import NopythonTypeInference
+from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled import views
-from mrsfi_runtime.engine.compiled.batch_flight import BY_TASK, Flights, fly_many
-from mrsfi_runtime.engine.compiled.compilation_errors import explain
-from mrsfi_runtime.engine.compiled.layout import CALLS
+from mrsfi_runtime.engine.compiled.layout import ALLOWED, CALLS
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
-from mrsfi_runtime.engine.compiled.pipeline import Inlined, jitable
-from mrsfi_runtime.engine.compiled.reach import Reached, names_of
-from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, CompilationError, Region
+from mrsfi_runtime.engine.compiled.regions import (
+    EFFECT,
+    ROLES,
+    CompilationError,
+    Reached,
+    Region,
+    names_of,
+)
+from mrsfi_runtime.engine.compiled.views import TASK_FUNCTIONS, Flights, arguments_of, fly_many
 from mrsfi_runtime.kernel.goal_tasks.table import FUNCTIONS
-from mrsfi_runtime.kernel.state import is_kernel
+from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.kernel.state import State, is_kernel
+from mrsfi_runtime.markers import lines_in_regions
+
+_KNOWN = tuple(
+    get_type_hints(record).keys()
+    for kind in (State, OwnFault, *get_type_hints(State).values())
+    for record in (*get_args(kind), kind)
+    if hasattr(record, "__dataclass_fields__")
+)
+"""Names of the fields of all records that a region is given."""
+
+_OPERATORS = ("binop", "inplace_binop", "unary")
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _LikePython(AnalysisPass):
+    """Refuses what objects of the reference engine do not have."""
+
+    _name = "like_python"
+
+    def __init__(self) -> None:
+        """Hold nothing."""
+
+    def run_pass(self, state: Any) -> bool:
+        is_ours = state.func_id.func.__module__.startswith("mrsfi_runtime.")
+        for block in () if is_ours else state.func_ir.blocks.values():
+            for found in block.find_exprs():
+                named = {"getattr": "attr", "static_getitem": "index"}.get(found.op)
+                name = getattr(found, named) if named else ""
+                if isinstance(name, str) and (named or found.op in _OPERATORS):
+                    kinds = [state.typemap[each.name] for each in found.list_vars()]
+                    if any(_refused(kind, found.op, name) for kind in kinds):
+                        what = f"'{name or found.fn.__name__}'"
+                        raise TypingError(f"{what} is not in Python what it is here", loc=found.loc)
+        return False
+
+
+def _refused(kind: Any, op: str, name: str) -> bool:
+    """Return whether Python refuses an operator, an attribute or an entry by name of an operand."""
+    if isinstance(kind, types.Record):
+        return (kind.fields.keys() - {ALLOWED} in _KNOWN) != (op == "getattr")
+    is_of_records = isinstance(kind, types.Array) and isinstance(kind.dtype, types.Record)
+    is_list = is_of_records or isinstance(kind, types.NestedArray)
+    return is_list or (isinstance(kind, types.Number) and name == "item")
+
+
+class Checked(Compiler):
+    """Numba's pipeline, and what Python refuses refused."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Return it."""
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_LikePython, NopythonTypeInference)
+        passes.finalize()
+        return [passes]
+
+
+class Inlined(Checked):
+    """Numba's pipeline, for ``pipeline_class`` of functions that others call."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)  # type: ignore[no-untyped-call]
+        codegen = self.state.targetctx.codegen()
+        self.state.library = _Library(codegen, "inlined")  # type: ignore[no-untyped-call]
+
+
+class _Library(JITCodeLibrary):
+    """A function's code, to be linked into what calls it."""
+
+    def finalize(self) -> None:
+        self._final_module.verify()
+        self._finalized = True
+
+    def get_pointer_to_function(self, _: str) -> int:
+        """Return the address of nothing."""
+        self.linked()
+        return 0
+
+    @property
+    def codegen(self) -> SimpleNamespace:
+        """What sets environments: there is no machine code yet that could have one."""
+        return SimpleNamespace(set_env=lambda *_: None)
+
+    def linked(self) -> Any:
+        """Return the code without that of what it calls."""
+        self._ensure_finalized()  # type: ignore[no-untyped-call]
+        return self._final_module
+
+    def reached(self) -> Iterator[Any]:
+        return iter(self._linking_libraries)
+
+    def whole(self) -> Any:
+        """Return the code with that of all functions that it calls, however deep."""
+        if self._shared_module is None:
+            module = self.linked().clone()
+            for library in sorted(_closure(self)[1:], key=_rank):
+                module.link_in(_code(library), preserve=True)
+            for function in module.functions:
+                if not function.is_declaration and function.linkage.name == "external":
+                    function.linkage = "linkonce_odr"
+            self._shared_module = module
+        return self._shared_module
+
+    _get_module_for_linking = whole
+
+
+def _closure(first: _Library) -> list[Any]:
+    found: list[Any] = [first]
+    for library in found:
+        for each in library.reached() if isinstance(library, _Library) else ():
+            if each not in found:
+                found.append(each)
+    return found
+
+
+def _rank(library: Any) -> int:
+    """Return when to link: of numba's own code only what is called by then is taken."""
+    return 2 if library is rtsys.library else not isinstance(library, _Library)
+
+
+def _code(library: Any) -> Any:
+    if isinstance(library, _Library):
+        return library.linked()
+    return library._get_module_for_linking()  # noqa: SLF001 - numba's own libraries ask each other
+
+
+jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)
+"""Lets compiled code call a function, which stays as it is."""
+
+
+_PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
+
+_NO_TEXT = "it makes a text; leave texts to the analysis"
+_REASONS = (
+    (r"Untyped global name '(\w+)'.*<class 'function'>", "'{0}' is not marked @kernel; mark it"),
+    (
+        r"Untyped global name '(\w+)'.*<class 'builtin_",
+        "'{0}' of Python is not known to the compiler; write a loop, or leave it out",
+    ),
+    (
+        r"Untyped global name '(\w+)'.*<class '(\w+)'>",
+        "'{0}' is a global {1}; write a number, or a tuple of numbers",
+    ),
+    (
+        r"a reflected (\w+).*? variable '(\w+)' in globals",
+        "'{1}' is a global {0}; write a tuple of numbers",
+    ),
+    (r"NameError: name '(\w+)'", "'{0}' is not defined"),
+    (r"Cannot unify (.+?) and (.+?) for '(\w+)", "'{2}' holds values of two types"),
+    (r"^'(\w+)'$", "records have no '{0}'"),
+    (r"\(UNPACK_EX\)", "it unpacks with a star; unpack by index"),
+    (
+        r"exception_match|Exception object",
+        "it tells exceptions apart; write `except Exception:`, or test before instead",
+    ),
+    (
+        r"Unknown attribute '(\w+)' of type Module\(<module '(\w+)'",
+        "'{1}.{0}' is not known to the compiler; write the formula, or leave it out",
+    ),
+    (r"Unknown attribute '(\w+)' of type array", "a list has no '{0}' when compiled; write a loop"),
+    (r"f-strings|'format' of type Literal|in function mod>[\s\S]*Literal\[str\]", _NO_TEXT),
+    (r"<built-in function (min|max)>", "'{0}' takes numbers alone; write a loop"),
+    (r"load_from_data_pointer", "it lists records; list their indices"),
+    (r"Cannot type empty list", "of an empty list no type is known; keep what lasts in `ci`"),
+    (
+        r"of function Function\(<function (\w+) ",
+        "'{0}' does not compile with what it is called with; a function cannot call itself",
+    ),
+)
+"""What numba says, and what that is in plain words."""
+
+_UNKNOWN: Mapping[type[ast.AST], str] = {
+    ast.GeneratorExp: "a generator expression; write a loop",
+    ast.SetComp: "a set comprehension; write a loop",
+    ast.NamedExpr: "`:=`; assign on a line of its own",
+    ast.With: "a `with`; leave it out: a region reads and commands `ci` alone",
+    ast.Import: "an import; import in the region 'imports'",
+    ast.ImportFrom: "an import; import in the region 'imports'",
+    ast.Global: "a `global`; keep what lasts in the fields of `ci`",
+    ast.ClassDef: "a class; write functions, or constants in the region 'helpers'",
+    ast.Delete: "a `del`; leave the name alone",
+}
+"""What numba knows in no place, where it says little of why and now and then another line."""
+
+
+def explain(
+    directory: Path, region: Region, functions: Sequence[FunctionType], error: Exception
+) -> CompilationError:
+    """Return which line of a region, or of the functions it reaches, does not compile, and why."""
+    for function in functions:
+        for line, why in _unknown(function):
+            return _error(directory, function, line, why)
+    called: list[Any] = [region.function]
+    if region.role == EFFECT:
+        names = region.function.__code__.co_names
+        called[:0] = [region.function.__globals__.get(name) for name in names]
+    for function in filter(is_kernel, called):
+        try:
+            numba.njit(pipeline_class=Checked)(function).compile(arguments_of(region.role))
+        except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
+            named = [
+                int(line or other_line)
+                for file, line, other, other_line in _PLACE.findall(str(found))
+                if Path(file or other).name == Path(inspect.getfile(function)).name
+            ]
+            return _error(directory, function, named[-1] if named else None, _why(found))
+    return _error(directory, region.function, None, _why(error))
+
+
+def _unknown(function: FunctionType) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a team's function that no compiler would take, and why."""
+    if not function.__module__.startswith("mrsfi_runtime."):
+        with suppress(OSError, SyntaxError):  # no file, or a function within a line
+            lines, first = inspect.getsourcelines(function)
+            for node in ast.walk(ast.parse(dedent("".join(lines)))):
+                if type(node) in _UNKNOWN:
+                    line = first - 1 + getattr(node, "lineno", 1)
+                    yield line, f"it has {_UNKNOWN[type(node)]}"
+
+
+def _error(
+    directory: Path, function: Callable[..., Any], line: int | None, why: str
+) -> CompilationError:
+    """Return an error with file, line and region; by default the first line of the region."""
+    path = Path(inspect.getfile(function))
+    lines, first = inspect.getsourcelines(function)
+    regions = lines_in_regions(path.read_text(encoding="utf-8"))
+    if line is None:
+        line = next(filter(regions.get, range(first, first + len(lines))), first + 1)
+    place = f"region {regions[line]}" if line in regions else f"function {function.__name__}"
+    path = directory / path.name if path.parent == directory.absolute() else path
+    return CompilationError(f"{path}:{line}: {place} cannot be compiled: {why}")
+
+
+def _why(error: Exception) -> str:
+    text = str(error) or type(error).__name__
+    for pattern, words in _REASONS:
+        match = re.search(pattern, text)
+        if match:
+            return words.format(*match.groups())
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return lines[1 if len(lines) > 1 and "pipeline" in lines[0] else 0].partition(" Raised from")[0]
+
 
 _FLIGHT = (views.View(Flights), types.int64, types.int64)
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
@@ -30,9 +303,9 @@ _REGISTERED: dict[FunctionType, str] = {}
 
 def compiled_kernel(machine: Any = None) -> MachineCode:
     """Compile the kernel's flight, for this machine or another."""
-    functions = (fly_many, *BY_TASK)
+    functions = (fly_many, *TASK_FUNCTIONS)
     register(each for one in functions for each in _reached_by(one)[1:])
-    arguments = (_FLIGHT, *(views.BY_TASK for _ in BY_TASK))
+    arguments = (_FLIGHT, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
     found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine)
     return found
 

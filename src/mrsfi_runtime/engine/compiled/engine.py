@@ -1,31 +1,270 @@
-"""Evaluates fault specifications with the kernel and the regions compiled, many in one call.
+"""The compiled engine.
+
+The flight of a mission: the kernel, compiled once, and the regions that a team wrote.
+
+Holds compiled flights to those of the reference engine, before anything relies on them.
+
+Every process does so, on as many first ticks as the time allows, with every fault of the pool at
+work: what compiles to something else mostly does so at once.
+
+Evaluates fault specifications with the kernel and the regions compiled, many in one call.
 
 References
 ----------
 Source paper, section III-G and Figure 4, without the bus between the two sides.
 """
 
-from collections.abc import Iterator, Sequence
+import ctypes
+import logging
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
 from itertools import chain, pairwise
+from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import Observer, allowed_columns
-from mrsfi_runtime.engine.compiled.batch import Batch, Frame
-from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
-from mrsfi_runtime.engine.compiled.layout import laid_out, read_recorded
-from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
-from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import EvaluationError, WorkerLost
-from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.engine.compiled.layout import Batch, Frame, laid_out, packed, read_recorded
+from mrsfi_runtime.engine.compiled.machine_code import (
+    FLIGHT,
+    Library,
+    MachineCode,
+    forget,
+    kept_code,
+    kernel_key,
+    key_of,
+    prebuilt_kernel,
+    sources_key,
+)
+from mrsfi_runtime.engine.compiled.regions import ROLES, Reached, Region, own_regions
+from mrsfi_runtime.engine.flights import Engine, ReferenceEngine
+from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording, Records, moment_type
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, WorkerLost
+from mrsfi_runtime.fence import TimeLimitReached, fenced, in_thread, words
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.kernel.flight import Verdicts, initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
-from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
-from mrsfi_runtime.model.mission import Evaluated, Outcome
+from mrsfi_runtime.kernel.state import COLUMNS, State, state_bytes
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault
+from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
+
+
+class CompiledFlight:
+    """Flies a mission compiled; all of it was found in the cache unless it ``is_new``."""
+
+    def __init__(self, code: MissionCode) -> None:
+        self._directory = code.directory
+        self._regions = [(each, Reached([each.function])) for each in own_regions(code)]
+        self._keys = [
+            key_of(kernel_key(), each.role, reached.text) for each, reached in self._regions
+        ]
+        self._n_calls = len(ROLES) * len(code.mission.goals) + 1 + len(ROLES)
+        self.key = key_of(sources_key(), *self._keys)
+        self._compile()
+
+    def _compile(self) -> None:
+        compiled, self.is_new = kernel()
+        flight, *by_task = compiled.addresses()
+        self._fly: Any = FLIGHT(flight)
+        self.calls = np.zeros(self._n_calls, np.int64)
+        self.calls[-len(by_task) :] = by_task
+        for (region, reached), key in zip(self._regions, self._keys, strict=True):
+            found, is_new = kept_code(key, partial(self._compiled, region, reached))
+            self.calls[region.place] = found.addresses()[0]
+            self.is_new |= is_new
+
+    def _compiled(self, region: Region, reached: Reached) -> MachineCode:
+        from mrsfi_runtime.engine.compiled.compiler import compiled_region  # noqa: PLC0415 - slow
+
+        return compiled_region(self._directory, region, reached)
+
+    def forget(self) -> None:
+        """Compile its regions anew, or the kernel if there are none and none was prebuilt."""
+        for key in self._keys or ([] if prebuilt_kernel() else [kernel_key()]):
+            forget(key)
+        self._compile()
+
+    def __call__(self, frame: Frame, first: int, last: int) -> None:
+        """Fly the specifications ``first … last - 1`` of a frame."""
+
+        def told(error: BaseException) -> EvaluationError:
+            if not isinstance(error, TimeLimitReached):
+                return EvaluationError(words(error))
+            return WorkerLost(
+                f"{self._directory}: compiled, the mission stays at "
+                f"tick {frame.tick}: {error}; --engine reference tells the line"
+            )
+
+        with fenced(told, lambda: (frame.at, frame.tick)):
+            in_thread(partial(self._call, frame, first, last))
+
+    def _call(self, frame: Frame, first: int, last: int) -> None:
+        result, error = ctypes.c_int64(), ctypes.c_void_p()
+        status = self._fly(result, error, frame.directory.ctypes.data, first, last)
+        if status:
+            raise EvaluationError(f"{self._directory}: a compiled flight failed")
+
+
+def kernel() -> tuple[MachineCode | Library, bool]:
+    """Return the kernel: prebuilt, or of the cache, compiled if need be, and whether it was."""
+    prebuilt = prebuilt_kernel()
+    return (prebuilt, False) if prebuilt else kept_code(kernel_key(), _compiled_kernel)
+
+
+def _compiled_kernel() -> MachineCode:
+    from mrsfi_runtime.engine.compiled.compiler import compiled_kernel  # noqa: PLC0415 - slow
+
+    log = logging.getLogger(__name__)
+    log.warning("compiling the kernel, once for this installation; it takes some ten seconds")
+    began = perf_counter()
+    found = compiled_kernel()
+    log.warning("compiled the kernel in %.1f s", perf_counter() - began)
+    return found
+
+
+SECONDS = 0.05
+"""How long the reference engine flies for it."""
+
+_WINDOWS = ((0, 7), (16, None))
+"""First and last ticks at which a fault acts; ``None`` is the mission's last."""
+
+_HINT = (
+    "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
+)
+
+_UNREPEATED = (
+    "expected the same: look for a region that keeps state from flight to flight, reads a clock or "
+    "draws unseeded random numbers"
+)
+
+Record = Callable[[Specification, int], Recording | None]
+"""Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
+
+
+def trials(gate: Gate) -> list[Specification]:
+    """Return specifications with all faults of a pool, as many in each as may act at once."""
+    others, last = gate.conflicts(), gate.mission.duration - 1
+    flown: list[Specification] = [()]
+    for fault in gate.pool:
+        windows = [(a, last if b is None else min(b, last)) for a, b in _WINDOWS if a <= last]
+        timed = tuple(TimedFault(fault.id, *window, fault.values) for window in windows)
+        for k, before in enumerate(flown):
+            if others[fault.id].isdisjoint(each.fault for each in before):
+                flown[k] += timed
+                break
+        else:
+            flown.append(timed)
+    return flown
+
+
+def require_same(
+    reference: Engine, record: Record, flown: Sequence[Specification], seconds: float
+) -> None:
+    """Refuse compiled flights that differ: an EvaluationError says where, and in which region.
+
+    What the reference engine itself does not repeat is a ReplayMismatch.
+    """
+    for specification in flown:
+        seen, failure = _seen(reference, specification, process_time() + seconds / len(flown))
+        recording = record(specification, len(seen))
+        if recording is None:
+            continue
+        found = _difference(reference.code.mission, recording, seen)
+        if found is not None:
+            if reference.evaluate(specification) != reference.evaluate(specification):
+                raise unrepeated(reference, specification)  # nothing could be held to it
+            tick, what, a, b = found
+            acting = [one.fault for one in specification if one.start <= tick <= one.finish]
+            where, under = reference.code.directory, ", ".join(acting) or "no fault"
+            raise EvaluationError(
+                f"{where}: compiled, {what} is {b}; the reference engine has {a} at tick {tick} "
+                f"under {under}; {_HINT}"
+            )
+        if failure is not None:
+            raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
+
+
+def unrepeated(engine: Engine, specification: Specification) -> ReplayMismatch:
+    """Return the error of a mission whose flights differ; it says what does first, and why."""
+    what = differing(engine.code, specification, engine.seed)
+    return ReplayMismatch(f"the mission does not repeat itself: {what}")
+
+
+def differing(code: MissionCode, specification: Specification, seed: int) -> str:
+    """Fly twice what does not repeat itself, from fresh code; return what differs first, and why.
+
+    The specification is of the mission's own pool.
+    """
+    engine = ReferenceEngine(load_code(code.directory, code.pool), seed)
+    try:
+        first, second = (engine.record(specification) for _ in range(2))
+        found = _difference(code.mission, second, _moments(first))
+    except EvaluationError as error:
+        return f"{error}; {_UNREPEATED}"
+    place = "at tick {}, {} is {} and then {}".format(*found) if found else "two more flights agree"
+    return f"{place}; {_UNREPEATED}"
+
+
+class _EnoughError(MrsfiError):
+    """Ends a flight of which enough was seen."""
+
+
+def _seen(
+    reference: Engine, specification: Specification, ends: float
+) -> tuple[list[list[Any]], EvaluationError | None]:
+    """Return as many ticks as there is time for, two at least, and how the flight failed if so."""
+    seen: list[list[Any]] = []
+
+    def observe(world: State, belief: State, verdicts: Verdicts) -> None:
+        judged = [list(getattr(verdicts, name)) for name in VERDICTS]
+        seen.append([*judged, state_bytes(world), state_bytes(belief)])
+        if len(seen) > 1 and process_time() > ends:
+            raise _EnoughError
+
+    try:
+        reference.evaluate(specification, observer=observe)
+    except _EnoughError:
+        return seen, None
+    except WorkerLost:  # it got no further, which is no result
+        raise
+    except EvaluationError as error:
+        return seen, error
+    return seen, None
+
+
+def _moments(recording: Recording) -> Iterator[list[Any]]:
+    for moments in recording.moments():
+        columns = [moments[name].tolist() for name in VERDICTS]
+        sides = [[bytes(row) for row in packed(moments[side])] for side in SIDES]
+        yield from map(list, zip(*columns, *sides, strict=True))
+
+
+def _difference(
+    mission: Mission, recording: Recording, expected: Iterable[list[Any]]
+) -> tuple[int, str, Any, Any] | None:
+    """Return what differs first: the tick, in words the field and its region, and both values."""
+    pairs = enumerate(zip(expected, _moments(recording), strict=True))
+    tick, moments = next(((tick, both) for tick, both in pairs if both[0] != both[1]), (0, ()))
+    if not moments:
+        return None
+    moment = recording.moment(0)
+    name, left, right = next(
+        pair for pair in zip((*VERDICTS, *SIDES), *moments, strict=True) if pair[1] != pair[2]
+    )
+    places = [f"{name} of goal '{goal.id}' (region '{goal.id}.check')" for goal in mission.goals]
+    if name in SIDES:
+        left, right = np.frombuffer(left), np.frombuffer(right)
+        places = [
+            f"{column} of {name}.{listed}[{index}] (a reaction or an effect)"
+            for listed, columns in COLUMNS.items()
+            for index in range(len(moment[name][listed]))
+            for column in columns
+        ] + ["what goals remember"] * len(left)
+    differing = (each for each in zip(places, left, right, strict=False) if each[1] != each[2])
+    return (tick, *next(differing, ("what goals remember", "something", "nothing")))
+
 
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""

@@ -6,7 +6,7 @@ from tests.support.cluster import require_dask
 
 require_dask()
 
-from mrsfi_runtime.engine.cluster.pool import CHUNK_SECONDS, Pace  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster import CHUNK_SECONDS, Pace  # noqa: E402 - needs dask
 
 
 def test_every_worker_gets_a_chunk_while_there_are_enough_specifications():

@@ -8,7 +8,7 @@ from tests.support.world import ROOT
 
 require_dask()
 
-from mrsfi_runtime.engine.cluster.worker import Shipment  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster import Shipment  # noqa: E402 - needs dask
 
 GENERATED = ROOT / "generated" / "tight_margins"
 

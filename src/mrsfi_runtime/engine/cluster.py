@@ -1,0 +1,489 @@
+"""Evaluation on a dask cluster.
+
+The side of a worker, which may be on another machine: what travels there, and what it keeps.
+
+It unpacks a mission once, in an empty folder, builds an engine once, and keeps both.
+
+The connection to a dask cluster: tasks go out, results or clear errors come back.
+
+Evaluates many fault specifications on a cluster, in chunks.
+
+Their size decides no result; a chunk whose worker was lost is evaluated again on another.
+"""
+
+import logging
+import pickle
+import platform
+import shutil
+import sys
+import warnings
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from functools import cache, partial
+from hashlib import sha256
+from importlib import metadata
+from multiprocessing.resource_tracker import ensure_running
+from pathlib import Path
+from threading import Lock
+from time import monotonic, perf_counter
+from typing import Any, Self, cast
+from uuid import uuid4
+
+from distributed import Client, KilledWorker, LocalCluster, Security, WorkerPlugin, get_worker, wait
+
+import mrsfi_runtime
+from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.engine.pools import starting_workers
+from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
+from mrsfi_runtime.generated_code import MissionCode, load_code
+from mrsfi_runtime.imported_copies import copied_files
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight
+from mrsfi_runtime.record.engine_settings import LOCAL, EngineSettings
+
+_ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})
+"""Rooms of mrsfi whose source no evaluation depends on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shipment:
+    """The generated code of a mission, and what a worker needs to fly it with the same bits.
+
+    Its name follows from the content. ``given`` and ``absolute`` are the folder it comes from, as
+    the user names it and from the root; ``environment`` is what the worker has to have.
+    """
+
+    name: str
+    files: dict[str, bytes]
+    pool: FaultPool | None
+    given: str
+    absolute: str
+    environment: dict[str, str]
+
+    @classmethod
+    def of(cls, directory: Path, pool: FaultPool | None = None) -> Self:
+        """Return the shipment of a folder of generated code, and of the faults to fly."""
+        paths = [path for path in sorted(directory.iterdir()) if path.is_file()]
+        paths += copied_files(directory)
+        files = {path.relative_to(directory).as_posix(): path.read_bytes() for path in paths}
+        digest = sha256(pickle.dumps(pool))
+        for name, content in files.items():
+            digest.update(f"{name} {len(content)}\n".encode() + content)
+        return cls(
+            name=f"mrsfi-{digest.hexdigest()[:16]}",
+            files=files,
+            pool=pool,
+            given=str(directory),
+            absolute=str(directory.absolute()),
+            environment=environment(),
+        )
+
+    def unpack(self, folder: Path) -> None:
+        """Write the files into a folder."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in self.files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(content)
+
+    def told_as_at_home(self, text: str, folder: Path) -> str:
+        """Return a message or traceback with the places of the code where it comes from."""
+        framed = text.replace(f'File "{folder}', f'File "{self.absolute}')
+        return framed.replace(str(folder), self.given)
+
+    def differences(self) -> str:
+        """Return what of this process is not as it has to be, for a message; empty if nothing."""
+        found = environment()
+        return ", ".join(
+            f"{name} {found[name]} where this command has {expected}"
+            for name, expected in self.environment.items()
+            if found[name] != expected
+        )
+
+
+@cache
+def environment() -> dict[str, str]:
+    """Return what decides the bits of a result, and whether two processes understand each other."""
+    return {
+        "mrsfi": f"{_version('mrsfi')} (source {_source_hash()})",
+        "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
+        "numba": _version("numba"),
+        "distributed": _version("distributed"),
+        "processor": platform.machine(),
+    }
+
+
+def _source_hash() -> str:
+    """Return a hash of all source of mrsfi on which evaluations depend."""
+    package = Path(str(mrsfi_runtime.__file__)).parent
+    digest = sha256()
+    for path in sorted(package.rglob("*.py")):
+        if path.relative_to(package).parts[0] not in _ELSEWHERE:
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:8]
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluatedChunk:
+    """What came of a chunk, in its order, and how long the evaluations took."""
+
+    results: tuple[Evaluated, ...]
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Specifications for any worker, on which unpickling this evaluates them in one go.
+
+    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on. It
+    names the ``MissionPlugin`` that has the mission.
+    """
+
+    plugin: str
+    seed: int
+    settings: EngineSettings
+    specifications: tuple[Specification, ...]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _evaluate, (self.plugin, self.seed, self.settings, self.specifications)
+
+
+def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
+    return cast("MissionPlugin", get_worker().plugins[plugin]).evaluate(*chunk)
+
+
+class MissionPlugin(WorkerPlugin):
+    """Keeps the code of a mission on a worker, and its engines, one for each of their settings.
+
+    A worker evaluates one chunk at a time. Compiled code shares it among the worker's threads;
+    plain Python would gain nothing from them, and a region need not know of threads.
+    """
+
+    def __init__(self, name: str, shipment: Shipment) -> None:
+        self.name = name
+        self._shipment = shipment
+
+    def setup(self, worker: Any) -> None:
+        """Unpack the code into the folder of a worker that finds the same results."""
+        self._address = str(worker.address)
+        self._folder = Path(worker.local_directory) / self.name
+        self._n_threads = int(worker.state.nthreads)
+        self._engines: dict[EngineSettings, Engine] = {}
+        self._lock = Lock()
+        self._require_same_environment()
+        try:
+            self._shipment.unpack(self._folder)
+        except OSError as error:
+            raise TransportError(
+                f"the worker at {self._address} cannot keep the mission's code: {error}"
+            ) from error
+
+    def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
+        """Give up engines and folder."""
+        for engine in self._engines.values():
+            engine.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def evaluate(
+        self, seed: int, settings: EngineSettings, specifications: tuple[Specification, ...]
+    ) -> EvaluatedChunk:
+        """Evaluate a chunk; errors and failures tell of the places of the code at home."""
+        self._require_same_environment()  # it may have joined late
+        told = partial(self._shipment.told_as_at_home, folder=self._folder)
+        with self._lock:
+            try:
+                engine = self._engine(seed, settings)
+                start = perf_counter()
+                results = tuple(engine.evaluate_many(specifications, seed))
+                seconds = perf_counter() - start
+            except MrsfiError as error:
+                raise type(error)(told(str(error))) from error
+        results = tuple(
+            FailedFlight(told(each.traceback)) if isinstance(each, FailedFlight) else each
+            for each in results
+        )
+        return EvaluatedChunk(results, seconds)
+
+    def _require_same_environment(self) -> None:
+        differences = self._shipment.differences()
+        if differences:
+            raise TransportError(
+                f"the worker at {self._address} would not give the same results: it has "
+                f"{differences}; install the same there, or stop that worker"
+            )
+
+    def _engine(self, seed: int, settings: EngineSettings) -> Engine:
+        if settings not in self._engines:
+            try:
+                code = load_code(self._folder, self._shipment.pool)
+                self._engines[settings] = open_engine(settings, code, seed, self._n_threads)
+            except MrsfiError as error:
+                raise type(error)(
+                    f"on the worker at {self._address}: {error}; what regions import has to be "
+                    "installed on every worker"
+                ) from error
+        return self._engines[settings]
+
+
+CONNECT_SECONDS = 5.0
+"""How long a scheduler may take to answer."""
+
+WORKER_SECONDS = 30.0
+"""How long there may be no worker."""
+
+_LOOK_SECONDS = 1.0  # between two looks at whether anybody still works
+_INSTALL = "expected the same mrsfi[dask,fast] on every worker as here"
+_LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application")
+_LOOPBACK = "127.0.0.1"
+_SILENT = logging.CRITICAL + 1
+
+
+class Cluster(AbstractContextManager["Cluster"]):
+    """A scheduler with workers that come and go, or ``LOCAL`` with so many processes."""
+
+    def __init__(self, address: str, n_workers: int = 1, patience: float = WORKER_SECONDS) -> None:
+        self.address = address
+        self._patience = patience
+        self._has_workers_until = monotonic()
+        self._plugins: dict[str, str] = {}
+        with ExitStack() as stack:
+            for log in map(logging.getLogger, _LOGGERS):  # what matters becomes an error
+                stack.callback(log.setLevel, log.level)
+                log.setLevel(_SILENT)
+            target = _local(n_workers, stack) if address == LOCAL else address
+            self._client = self._connected(target)
+            stack.callback(self._client.close, timeout=CONNECT_SECONDS)
+            stack.callback(self._take_back)
+            self._wait_for_workers()
+            self._stack = stack.pop_all()
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the cluster as it was; a local one ends."""
+        self._stack.close()
+
+    def n_workers(self) -> int:
+        """Return how many workers there are now, but not 0: who waits will see about that."""
+        return max(self._count_workers(), 1)
+
+    def ship(self, shipment: Shipment) -> str:
+        """Give every worker, also those to come, a mission's code once; name it for chunks."""
+        if shipment.name not in self._plugins:
+            name = f"{shipment.name}-{self._client.id}"  # another command's end must not take it
+            try:
+                self._client.register_plugin(MissionPlugin(name, shipment), name)
+            except MrsfiError:
+                raise
+            except Exception as error:  # dask tells in a bare one what a worker cannot load
+                raise TransportError(
+                    f"a worker of {self.address} cannot take the mission's code: {error}; "
+                    f"{_INSTALL}"
+                ) from error
+            self._plugins[shipment.name] = name
+        return self._plugins[shipment.name]
+
+    def begin(self, chunk: Chunk) -> Any:
+        """Have a chunk evaluated on any worker; return dask's future for it."""
+        key = f"evaluate-{uuid4()}"
+        with self._told():
+            return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
+
+    def result(self, future: Any) -> EvaluatedChunk:
+        """Return what came of a chunk, or raise why nothing did."""
+        with self._told():
+            found: EvaluatedChunk = future.result()
+        return found
+
+    def wait(self, futures: Iterable[Any]) -> None:
+        """Wait until another chunk is done, or for a moment; without workers not for long."""
+        open_ones = [future for future in futures if not future.done()]
+        with suppress(TimeoutError, CancelledError), self._client.as_current():
+            if open_ones:
+                wait(open_ones, timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
+            return
+        if self._count_workers():
+            self._has_workers_until = monotonic()
+        elif monotonic() > self._has_workers_until + self._patience:
+            raise TransportError(
+                f"no worker has been left on {self.address} for {self._patience:g} s; "
+                f"{self._advice()}"
+            )
+
+    def give_up(self, futures: Sequence[Any]) -> None:
+        """Drop chunks that nobody waits for any more."""
+        if futures and self._client.status == "running":
+            with suppress(OSError, CancelledError):
+                self._client.cancel(futures)
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except KilledWorker as error:
+            raise WorkerLost(
+                f"{error.allowed_failures + 1} workers of {self.address} died, one after the "
+                f"other, while they had the same chunk, the last at {error.last_worker.address}; "
+                "resume the campaign without --dask and with --workers 1 to see why"
+            ) from error
+        except ImportError as error:
+            raise TransportError(
+                f"a worker of {self.address} cannot evaluate: {error}; {_INSTALL}"
+            ) from error
+        except (OSError, CancelledError) as error:
+            raise TransportError(
+                f"{self.address}: the connection to the scheduler is lost "
+                f"({type(error).__name__}); see whether it still runs, and resume"
+            ) from error
+
+    def _connected(self, target: Any) -> Any:
+        _require_certificates(self.address)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of versions that differ: we refuse them
+                return Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
+        except OSError as error:
+            raise TransportError(
+                f"--dask {self.address}: no scheduler answers: {error}; start one with "
+                "`dask scheduler`, or correct the address"
+            ) from error
+
+    def _wait_for_workers(self) -> None:
+        try:
+            self._client.wait_for_workers(1, timeout=self._patience)
+        except TimeoutError as error:
+            raise TransportError(
+                f"--dask {self.address}: found no worker within {self._patience:g} s; "
+                f"{self._advice()}"
+            ) from error
+        self._has_workers_until = monotonic()
+
+    def _advice(self) -> str:
+        if self.address == LOCAL:
+            return "expected processes of this machine; use --workers without --dask"
+        return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
+
+    def _count_workers(self) -> int:
+        with self._told():
+            return len(self._client.nthreads())
+
+    def _take_back(self) -> None:
+        for name in self._plugins.values():
+            if self._client.status == "running":
+                with suppress(OSError, CancelledError):
+                    self._client.unregister_worker_plugin(name)
+
+
+def _require_certificates(address: str) -> None:
+    """Refuse an address with TLS while dask's configuration has nothing to connect with."""
+    if not address.startswith("tls:"):
+        return
+    try:
+        found = Security().get_connection_args("client").get("ssl_context")
+        reason = "has none"
+    except OSError as error:
+        found, reason = None, f"has some that cannot be used: {error}"
+    if found is None:
+        raise UsageError(
+            f"--dask {address}: expected certificates in dask's configuration "
+            f"(distributed.comm.tls), which {reason}"
+        )
+
+
+def _local(n_workers: int, stack: ExitStack) -> Any:
+    """Run a cluster of processes of one thread each, that only this machine can reach."""
+    ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
+    try:
+        with starting_workers():
+            cluster = LocalCluster(
+                n_workers=n_workers,
+                threads_per_worker=1,
+                host=_LOOPBACK,
+                dashboard_address=f"{_LOOPBACK}:0",
+                silence_logs=_SILENT,
+                memory_limit=0,
+            )
+            return stack.enter_context(cluster)
+    except RuntimeError as error:
+        raise TransportError(f"--dask {LOCAL}: {error}; use --workers without --dask") from error
+
+
+CHUNK_SECONDS = 0.35
+"""What a chunk should take: long beside dask's 2 ms for a task, short if its worker is lost."""
+
+_FIRST_GUESS = 0.05
+_N_AHEAD = 2  # chunks for each worker, so that the next is there when one is done
+
+
+class ClusterPool(Evaluator):
+    """The workers of a cluster, with an engine each; every one gets the generated code once.
+
+    An engine that cannot be opened is told before any worker begins. Workers keep their engines for
+    the next pool of the cluster.
+    """
+
+    def __init__(
+        self, cluster: Cluster, code: MissionCode, seed: int, settings: EngineSettings
+    ) -> None:
+        open_engine(settings, code, seed).close()
+        self._cluster = cluster
+        self._seed = seed
+        self._settings = settings
+        self._pace = Pace()
+        self._plugin = cluster.ship(Shipment.of(code.directory, code.pool))
+
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+        seed = self._seed if seed is None else seed
+        self.n_workers = n_workers = self._cluster.n_workers()
+        first = 0
+        waiting: deque[Any] = deque()
+        try:
+            while waiting or first < len(specifications):
+                while first < len(specifications) and _n_open(waiting) < _N_AHEAD * n_workers:
+                    size = self._pace.chunk_size(len(specifications), n_workers)
+                    some = tuple(specifications[first : first + size])
+                    chunk = Chunk(self._plugin, seed, self._settings, some)
+                    waiting.append(self._cluster.begin(chunk))
+                    first += size
+                while waiting and waiting[0].done():
+                    evaluated = self._cluster.result(waiting.popleft())
+                    self._pace.learn(len(evaluated.results), evaluated.seconds)
+                    yield from evaluated.results
+                if waiting:
+                    self._cluster.wait(waiting)
+        finally:
+            self._cluster.give_up(waiting)
+
+
+def _n_open(futures: deque[Any]) -> int:
+    return sum(not future.done() for future in futures)
+
+
+class Pace:
+    """Follows how long one evaluation takes on a worker; only the speed depends on it."""
+
+    def __init__(self) -> None:
+        self._seconds: float | None = None
+
+    def learn(self, n_evaluations: int, seconds: float) -> None:
+        """Take a chunk into account; the later it came, the more it counts."""
+        found = seconds / n_evaluations
+        self._seconds = found if self._seconds is None else (self._seconds + found) / 2
+
+    def chunk_size(self, n_specifications: int, n_workers: int) -> int:
+        """Return how many of some specifications to evaluate in one go, all workers alike."""
+        seconds = _FIRST_GUESS if self._seconds is None else self._seconds
+        most = max(1, int(CHUNK_SECONDS / max(seconds, 1e-6))) * n_workers
+        n_rounds = max(1, -(-n_specifications // most))
+        return max(1, -(-n_specifications // (n_rounds * n_workers)))

@@ -1,1 +1,0 @@
-"""Evaluates on the workers of a dask cluster, on this machine or on others."""
