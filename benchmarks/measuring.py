@@ -15,8 +15,7 @@ from typing import Any
 
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 
 MEBI = 1 << 20
 _STAT = Path("/proc/stat")

@@ -23,9 +23,7 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Judge
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.variation import mutated
+from mrsfi_runtime.search.space import SearchSpace, mutated, random_specification
 
 FORMS = 200
 SEARCHES = (("guided", "focused"), ("guided", "nearest"), ("random", "focused"))

@@ -18,8 +18,7 @@ from typing import Any
 from benchmarks.fleets import fleet
 from mrsfi_runtime.engine.compiled import engine as compiled
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 
 MISSION = "uuv_sampling"
 LEAST_SECONDS = 1.0

@@ -11,8 +11,7 @@ from mrsfi_runtime.errors import UsageError, counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.engine_settings import INJECTOR, EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 
 N_LOOKS = 3
 """Times that a specification is flown to see whether a node repeats itself, and if it does not."""

@@ -15,8 +15,7 @@ from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Outcome
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 from tests.golden.frozen import FrozenTrace, outcome_digest
 from tests.support.tree import ROOT
 

@@ -12,18 +12,26 @@ from hypothesis import strategies as st
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, touched
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.search.eda import FaultModel
+from mrsfi_runtime.search.algorithms import FaultModel
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.space import Candidate, SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import MUTATIONS, STEPS, dropped, filled, resized, widened
-from mrsfi_runtime.search.variation import (
+from mrsfi_runtime.search.loop import (
+    MUTATIONS,
+    STEPS,
+    Individual,
+    dropped,
+    filled,
+    resized,
+    widened,
+)
+from mrsfi_runtime.search.space import (
     CROSSOVERS,
+    Candidate,
+    SearchSpace,
     crossed,
     freely_crossed,
     freely_mutated,
     mutated,
+    random_specification,
     repaired,
     transformed,
 )

@@ -6,8 +6,7 @@ from random import Random
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission, Outcome
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 from tests.support.world import paper_code
 
 _PAPER = paper_code()

@@ -20,8 +20,7 @@ from mrsfi_runtime.model.mission import (
     Robot,
     Sensor,
 )
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 from tests.support.tree import ROOT
 
 MEMBERS = ("a", "b")

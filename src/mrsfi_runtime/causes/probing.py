@@ -12,8 +12,7 @@ from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import Broken, FaultSet, Known, form
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_fault, varied_specification
+from mrsfi_runtime.search.space import SearchSpace, varied_fault, varied_specification
 
 N_ALONE = 10
 """Forms in which each fault is flown alone before several are flown together."""

@@ -29,13 +29,10 @@ from mrsfi_runtime.search.fitness import (
     Judge,
     Score,
     averaged,
+    chosen,
 )
-from mrsfi_runtime.search.individuals import SELECTIONS
-from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.steps import MUTATIONS
-from mrsfi_runtime.search.user_functions import chosen
-from mrsfi_runtime.search.variation import CROSSOVERS
+from mrsfi_runtime.search.loop import MUTATIONS, SELECTIONS, AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.space import CROSSOVERS, SearchSpace
 
 WORST_FITNESS = 0.0
 """Fitness of a specification whose evaluation failed; that of one without a violation."""

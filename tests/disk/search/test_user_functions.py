@@ -7,8 +7,8 @@ import pytest
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.fitness import chosen
 from mrsfi_runtime.search.run import require_settings, run_campaign
-from mrsfi_runtime.search.user_functions import chosen
 from tests.support.campaigns import store_of
 from tests.support.search import evaluate_stand_in, paper_mission, pool_of
 

@@ -17,8 +17,7 @@ from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_specification
+from mrsfi_runtime.search.space import SearchSpace, varied_specification
 from tests.support.rendezvous import PLANTED, harmless, write_rendezvous
 from tests.support.search import outcome_of, paper_space
 

@@ -9,8 +9,7 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import GenerationSummary
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import SearchSpace, random_specification
 
 
 class Walk:

@@ -10,7 +10,7 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm, GenerationSummary
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.space import random_specification
 from tests.support.search import paper_space, stand_in_outcome
 
 

@@ -4,7 +4,7 @@ from typing import Any
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import Breeder
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.loop import Individual
 from tests.support.search import paper_space, random_pair
 
 

@@ -8,7 +8,7 @@ from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import Criticality, Individual, foremost
+from mrsfi_runtime.search.loop import Criticality, Individual, foremost
 from tests.support.search import paper_space, stand_in_outcome
 
 SPACE = paper_space()

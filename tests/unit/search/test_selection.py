@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import (
+from mrsfi_runtime.search.loop import (
     Individual,
     best,
     lent_to_deap,

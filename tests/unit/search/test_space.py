@@ -6,9 +6,8 @@ import pytest
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Event, FaultPool, TimedFault, Trigger, fault_ticks
-from mrsfi_runtime.search.space import SearchSpace, random_window
-from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import MUTATIONS, filled, forced
+from mrsfi_runtime.search.loop import MUTATIONS, filled, forced
+from mrsfi_runtime.search.space import SearchSpace, random_specification, random_window
 from tests.support.search import paper_mission, paper_space, pool_of
 
 
