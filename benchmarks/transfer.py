@@ -25,10 +25,9 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from mrsfi_runtime.analysis.table import Table, to_markdown
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.mildest import Deviation, mildest
-from mrsfi_runtime.causes.probing import Probing
-from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.cause_set import Column
+from mrsfi_runtime.causes.harvest import Probing
+from mrsfi_runtime.causes.mildest import Deviation, mildest, ways
 from mrsfi_runtime.causes.weakness import Known, Weakness, form, parts, yardstick_of
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine

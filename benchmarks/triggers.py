@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
-from mrsfi_runtime.causes.cover import ALGORITHMS
+from mrsfi_runtime.causes.harvest import ALGORITHMS
 from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine
@@ -27,7 +27,7 @@ from mrsfi_runtime.search.fitness import Judge
 from mrsfi_runtime.search.space import SearchSpace
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.causes.counts import Column
+    from mrsfi_runtime.causes.cause_set import Column
 
 FILE = Path("benchmarks/results/triggers.csv")
 SEARCHES = ("paper", "guided", "cover")

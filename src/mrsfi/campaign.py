@@ -23,7 +23,7 @@ from mrsfi_runtime.analysis.table import to_html
 from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers

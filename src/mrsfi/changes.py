@@ -10,7 +10,7 @@ from mrsfi.engines import Given, Tell, silent
 from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.verdicts import cause_in_words
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted

@@ -16,7 +16,7 @@ from mrsfi.injecting import looked_at, within_reach
 from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
-from mrsfi_runtime.causes.cover import ALGORITHMS
+from mrsfi_runtime.causes.harvest import ALGORITHMS
 from mrsfi_runtime.engine.compiled.engine import differing
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.opening import tried

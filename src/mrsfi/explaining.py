@@ -9,8 +9,7 @@ from mrsfi.engines import Tell, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import SpecificationWriter, specification_rows
-from mrsfi_runtime.causes.cause_set import chosen
-from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.cause_set import Flights, chosen
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.flights import Engine

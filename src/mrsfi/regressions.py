@@ -13,9 +13,8 @@ from mrsfi.project import project
 from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import verdict
-from mrsfi_runtime.causes.cause import find_cause
-from mrsfi_runtime.causes.cause_set import KEEP
-from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.cause_set import KEEP, Flights
+from mrsfi_runtime.causes.chain import find_cause
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError

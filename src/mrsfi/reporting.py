@@ -11,7 +11,7 @@ from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
 from mrsfi_runtime.analysis.report import Shown, look_at, write_report
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.causes.mildest import least
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError

@@ -21,10 +21,10 @@ from mrsfi_runtime.analysis.weaknesses import (
     modes_as_markdown,
 )
 from mrsfi_runtime.causes import mildest as shrinking
-from mrsfi_runtime.causes.counts import Prober
+from mrsfi_runtime.causes.cause_set import Prober
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record

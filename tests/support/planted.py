@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.store import Measure

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.weakness import Detection, Weakness
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.search import PAPER_FAULTS

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 from mrsfi_runtime.analysis.table import printable
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
 

@@ -7,7 +7,7 @@ from mrsfi_runtime.analysis.illustrations import Illustration
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Cell, Table, in_words, printable
 from mrsfi_runtime.analysis.weaknesses import matrix_table, way_table
-from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.causes.mildest import least
 
 _HEAD = r"""\documentclass[twocolumn]{article}
 \usepackage[T1]{fontenc}

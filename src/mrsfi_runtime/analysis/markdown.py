@@ -22,7 +22,7 @@ from mrsfi_runtime.analysis.weaknesses import (
     matrix_table,
     way_table,
 )
-from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.causes.mildest import least
 from mrsfi_runtime.record.observers import named_faults
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"

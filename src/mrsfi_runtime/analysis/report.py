@@ -22,7 +22,7 @@ from mrsfi_runtime.analysis.story import places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
-from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered

@@ -19,7 +19,7 @@ from mrsfi_runtime.analysis.fronts import (
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
 from mrsfi_runtime.analysis.verdicts import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool

@@ -15,9 +15,9 @@ from types import MappingProxyType
 from mrsfi_runtime.analysis.campaign_tables import nearness
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.weaknesses import detection
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
-from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode

@@ -6,9 +6,9 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis.table import Cell, Table, as_csv, plain, to_markdown
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.chain import chains, local_effect
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted

@@ -16,9 +16,8 @@ from operator import mul, sub
 from random import Random
 from statistics import stdev
 
-from mrsfi_runtime.causes.cause import Cause, find_cause
-from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
-from mrsfi_runtime.causes.counts import Counts, Flights
+from mrsfi_runtime.causes.cause_set import Counts, Flights, Places, Question, chosen, floor, without
+from mrsfi_runtime.causes.chain import Cause, find_cause
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault, value_bounds
 from mrsfi_runtime.model.mission import Mission, Outcome

@@ -1,4 +1,14 @@
-"""What a search has left unexplained: the flights after it that tell all the ways goals break.
+"""The flights after a search.
+
+Probes: what is flown to find the least sets of faults that break each goal.
+
+First each fault is flown alone, in varied forms: most weaknesses are one fault. Then come random
+specifications, for each goal by each measure, without a set that is known to break that; what
+breaks it nevertheless is reduced to a minimal one, by ddmin. Every flight is judged for all goals.
+
+The search ``cover``: all the ways in which goals break, without a fitness, by ``probing``.
+
+What a search has left unexplained: the flights after it that tell all the ways goals break.
 
 The evaluations of a search show that goals break, under many faults at a time. So each fault is
 flown alone, in varied forms; then random specifications are drawn and reduced, as by ``cover``. If
@@ -7,22 +17,24 @@ found is flown in more mission seeds; a search by ``cover`` has done all until h
 breaks each goal is shrunk to its mildest form, which takes flights beyond those of the harvest.
 """
 
+import json
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from random import Random
+from types import MappingProxyType
 from typing import NamedTuple, Self
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn, Prober
+from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
-from mrsfi_runtime.causes.mildest import Mildest, mildest
-from mrsfi_runtime.causes.probing import N_ALONE, Probing
-from mrsfi_runtime.causes.ways import Way, least, ways
+from mrsfi_runtime.causes.mildest import Mildest, Way, least, mildest, ways
 from mrsfi_runtime.causes.weakness import (
     MEASURES,
+    Broken,
+    FaultSet,
     Known,
     Weakness,
     Yardstick,
@@ -30,6 +42,7 @@ from mrsfi_runtime.causes.weakness import (
     dated,
     detected,
     flown_with,
+    form,
     in_seeds,
     yardstick_of,
 )
@@ -37,9 +50,186 @@ from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
 from mrsfi_runtime.record import database
-from mrsfi_runtime.record.settings import COVERING, following
+from mrsfi_runtime.record.settings import COVERING, CampaignSettings, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
-from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search import algorithms
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.space import SearchSpace, varied_fault, varied_specification
+
+N_ALONE = 10
+"""Forms in which each fault is flown alone before several are flown together."""
+
+_N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
+
+
+class Probing:
+    """Asks for flights, turn by turn, and learns from what they break.
+
+    In each of ``n_alone`` first turns every fault is alone in another form; then one specification
+    of at most ``n_faults`` faults for each column, random or ``given``, and half as many faults
+    alone.
+    """
+
+    def __init__(
+        self,
+        space: SearchSpace,
+        known: Known,
+        n_faults: int,
+        rng: Random,
+        n_alone: int = N_ALONE,
+        given: Callable[[Column], Specification | None] = lambda _: None,
+    ) -> None:
+        self._space = space
+        self._known = known
+        self._n_faults = n_faults
+        self._given = given
+        self._rng = rng
+        self._n_first = n_alone
+        self._n_turns = 0
+        self._probes = {column: self._probe(column) for column in known.sets}
+        self._wishes: dict[Column, Specification] = {}
+        self._alone = self._faults_in_turn()
+
+    def turn(self) -> list[Specification]:
+        """Return what is to be flown next, each form once; nothing if there seems to be no more."""
+        for _ in range(self._n_first + 1):
+            self._n_turns += 1
+            if new := {form(each): each for each in self._wanted()}:
+                return [*new.values()]
+        return []
+
+    def _wanted(self) -> Iterator[Specification]:
+        wishes: list[Specification] = []
+        n_alone = len(self._space.candidates)
+        if self._n_turns > self._n_first:
+            wishes = [wish for column in self._probes if (wish := self._wish(column))]
+            n_alone = -(-len(self._probes) // 2)
+        wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
+        return (each for each in wanted if form(each) not in self._known.flown)
+
+    def _faults_in_turn(self) -> Iterator[Specification]:
+        whole = [(0, self._space.duration - 1)]
+        while True:
+            for fault in self._space.candidates:
+                for _ in range(_N_TRIES):
+                    timed = (varied_fault(self._space, fault, whole, self._rng),)
+                    if timed not in self._known.flown:
+                        break
+                yield timed
+
+    def _wish(self, column: Column) -> Specification | None:
+        """Return what one column wants flown; ``None`` if it knows all that it draws."""
+        probe = self._probes[column]
+        wish = self._wishes.get(column)
+        for _ in range(_N_TRIES):
+            if wish is None:
+                wish = next(probe)
+            elif form(wish) in self._known.flown:
+                wish = probe.send(self._known.flown[form(wish)])
+            if wish and form(wish) not in self._known.flown:
+                self._wishes[column] = wish
+                return wish
+        self._wishes[column] = wish or ()
+        return None
+
+    def _probe(self, column: Column) -> Generator[Specification, Broken, None]:
+        def is_unknown(faults: FaultSet) -> bool:
+            return not self._known.has_part_of(column, faults)
+
+        space, most, rng = self._space, self._n_faults, self._rng
+        while True:
+            drawn = self._given(column) or varied_specification(space, most, rng, is_unknown)
+            if column not in (yield drawn):
+                self._known.n_kept[column] += 1
+            else:
+                yield from self._reduced(column, drawn)
+
+    def _reduced(
+        self, column: Column, broken: Specification
+    ) -> Generator[Specification, Broken, None]:
+        """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
+        faults = tuple(dict.fromkeys(timed.fault for timed in broken))
+        trials = reduction(tuple(range(len(faults))))
+        trial = next(trials)
+        left = frozenset(faults)
+        while not self._known.has_part_of(column, left):
+            kept = frozenset(faults[place] for place in trial)
+            is_broken = column in (yield tuple(each for each in broken if each.fault in kept))
+            left = kept if is_broken else left
+            try:
+                trial = trials.send(is_broken)
+            except StopIteration:
+                self._known.add(column, left)
+
+
+class Cover:
+    """The algorithm: see the module; ``known`` is what it has learnt until now.
+
+    It ends after as many evaluations as the settings say, when all bounds are as low as they say,
+    or where there is nothing left to try.
+    """
+
+    def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
+        self._space = space
+        self._most, self._until = settings.evaluations, settings.until
+        self._rng = Random(settings.seed)
+        self.known = Known(space.gate.mission)
+        self._probing = Probing(space, self.known, settings.faults, self._rng)
+        self._yardstick: Yardstick | None = None
+        self._n_asked = 0
+        self._n_generations = 0
+        self._next: list[Specification] = [(), *self._probing.turn()][: self._most]
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether all evaluations are used up, or all is known."""
+        return not self._next
+
+    def ask(self) -> list[Specification]:
+        """Return the specifications of the next turn."""
+        return self._next
+
+    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+        """Learn what they break, and end the turn."""
+        for specification, score in zip(self._next, scores, strict=True):
+            if not specification and score.outcome is not None:
+                self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
+            broken = self._yardstick.broken(score.outcome) if self._yardstick else frozenset()
+            self.known.learn(specification, broken)
+        first, self._n_asked = self._n_asked, self._n_asked + len(scores)
+        fitness = [score.fitness for score in scores]
+        self._n_generations += 1
+        left = None if self._most is None else self._most - self._n_asked
+        turn = self._probing.turn()[:left]
+        bounds = map(self.known.bound, self.known.sets)
+        self._next = [] if self._until is not None and max(bounds) <= self._until else turn
+        population = range(first, self._n_asked)
+        return GenerationSummary.of(self._n_generations - 1, len(scores), fitness, population)
+
+    def random_state(self) -> str:
+        """Return the state of the random generator as JSON text."""
+        return json.dumps(self._rng.getstate())
+
+
+def covered(
+    space: SearchSpace, settings: CampaignSettings, outcomes: Mapping[Specification, Outcome | None]
+) -> Known:
+    """Return what a search knew after it was told the outcomes of a record; ``None`` is a failure.
+
+    It may have been ended in the midst of a turn.
+    """
+    search = Cover(space, settings)
+    while not search.is_finished and all(each in outcomes for each in search.ask()):
+        search.tell([Score(0.0, (), outcomes[each]) for each in search.ask()])
+    return search.known
+
+
+ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
+    {**algorithms.ALGORITHMS, "cover": Cover}
+)
+"""All algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
+
 
 N_SEEDS = 5
 """Mission seeds, the campaign's first among them, in which a weakness is looked at."""
@@ -229,8 +419,6 @@ def _unfailed(flown: Mapping[Specification, Evaluated | None]) -> dict[Specifica
 
 
 def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
-    from mrsfi_runtime.causes.cover import covered  # noqa: PLC0415 - brings DEAP
-
     searched = _searched(store)
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None

@@ -1,21 +1,26 @@
-"""The least that does it: the mildest form in which a set of faults still breaks a goal.
+"""The mildest variants.
+
+The least that does it: the mildest form in which a set of faults still breaks a goal.
 
 A form is mild whose values are near to what is true, and whose windows are short. One after the
 other is bisected, while the goal breaks in several mission seeds at once. That takes for granted
 that what is milder than a form that keeps the goal keeps it, too, which need not be so: what comes
 of it is the mildest form that was found.
+
+Ways to break a goal: its least sets of faults, numbered, and the one that is told first.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import combinations, starmap, takewhile
+from itertools import combinations, groupby, starmap, takewhile
 from operator import add
 from typing import Any, NamedTuple, Self
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.cause_set import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
+    MEASURES,
     Breaking,
     FaultSet,
     Known,
@@ -265,3 +270,70 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
         n_tries = "1 try" if len(kept) == 1 else f"{len(kept)} tries"
         less = f"up to {words(max(kept, key=size))} never, in {n_tries}"
     return f"{' and '.join(weakness.faults)}: {goal} {_BROKEN[kind]} {how}; {less}"
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A way to break a goal: a least set of the pool's faults that does, numbered from 1.
+
+    ``by`` has a weakness for each measure by which they break it, in the order of ``MEASURES``;
+    ``mildest`` is the mildest form, by the gravest measure, where one was looked for.
+    """
+
+    number: int
+    goal: str
+    faults: tuple[str, ...]
+    by: tuple[Weakness, ...]
+    mildest: Mildest | None = None
+
+    @property
+    def shown(self) -> Weakness:
+        """That of the gravest measure: missed before true, true before believed."""
+        return self.by[-1]
+
+    @property
+    def is_undetected(self) -> bool:
+        """Whether the collective intelligence does not detect at least one of the variants."""
+        return self.shown.detection is not None and self.shown.detection.n_never > 0
+
+    @property
+    def is_mildest(self) -> bool:
+        """Whether the mildest form is the one that is shown."""
+        return self.mildest is not None and self.mildest.weakness == self.shown
+
+    @property
+    def at_least(self) -> Self:
+        """The same in its mildest form, if one is known."""
+        if self.mildest is None:
+            return self
+        return replace(self, by=(*self.by[:-1], self.mildest.weakness))
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """Return the weaknesses as plain values."""
+        return [{"number": self.number, **each.as_json()} for each in self.by]
+
+
+def ways(found: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
+    """Return weaknesses, in the order in which they are known, as ways to break goals."""
+    grouped = groupby(found, key=_way)
+    least_of = {_way(each.weakness): each for each in mildest}
+    return tuple(
+        Way(number, *way, tuple(each), least_of.get(way))
+        for number, (way, each) in enumerate(grouped, 1)
+    )
+
+
+def _way(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
+    return weakness.column.goal, weakness.faults
+
+
+def least(found: Iterable[Way]) -> tuple[Way, ...]:
+    """Return a way for each goal: of fewest faults, in truth, in most mission seeds and forms."""
+
+    def size(each: Way) -> tuple[int, bool, int, float]:
+        shown = each.shown
+        n_lost = shown.n_seeds - shown.n_held
+        return len(each.faults), shown.column.kind == MEASURES[0], n_lost, -shown.share
+
+    by_goal = groupby(found, key=lambda each: each.goal)
+    return tuple(min(some, key=size).at_least for _, some in by_goal)

@@ -14,7 +14,7 @@ from itertools import chain
 from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn, Prober
+from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.model.fault_types import Units

@@ -10,7 +10,7 @@ from mrsfi.weaknesses import untried
 from mrsfi_runtime.analysis.verdicts import State, facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import harmless, matrix_table, not_found, way_table
 from mrsfi_runtime.causes.harvest import Harvest
-from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.terminal import print_table, print_words

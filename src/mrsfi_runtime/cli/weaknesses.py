@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mrsfi.campaign_folders import OpenCampaign
-    from mrsfi_runtime.causes.ways import Way
+    from mrsfi_runtime.causes.mildest import Way
 
 
 @click.command(name="weaknesses")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.analysis.weaknesses import failure_modes
-from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.mildest import ways
 from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
-from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.causes.mildest import least
 from mrsfi_runtime.causes.weakness import MEASURES, faults_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost

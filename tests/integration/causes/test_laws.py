@@ -8,7 +8,7 @@ from math import comb
 
 import pytest
 
-from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.causes.explanation import attribute, explain
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings

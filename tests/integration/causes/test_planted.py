@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.causes.chain import FirstVerdict
-from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
 from mrsfi_runtime.cli.explained import Shown, print_explanation
 from mrsfi_runtime.engine.flights import ReferenceEngine

@@ -15,9 +15,9 @@ from mrsfi_runtime.analysis.verdicts import (
     verdicts,
 )
 from mrsfi_runtime.analysis.weaknesses import detection
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Harvest
-from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.mildest import ways
 from mrsfi_runtime.causes.weakness import Detection, Known, Yardstick
 from mrsfi_runtime.model.fault_types import Mode, Units
 from mrsfi_runtime.model.faults import TimedFault

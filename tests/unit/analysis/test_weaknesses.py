@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.analysis.weaknesses import harmless
-from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.mildest import ways
 from tests.support.search import pool_of
 from tests.support.weaknesses import weakness
 

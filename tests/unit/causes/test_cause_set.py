@@ -3,8 +3,7 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.causes.cause_set import Question, floor
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column, Question, floor
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.planted import faults, flights

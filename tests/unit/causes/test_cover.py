@@ -3,9 +3,8 @@ from hashlib import sha256
 
 import pytest
 
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.cover import ALGORITHMS, Cover
-from mrsfi_runtime.causes.probing import N_ALONE
+from mrsfi_runtime.causes.cause_set import Column
+from mrsfi_runtime.causes.harvest import ALGORITHMS, N_ALONE, Cover
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.errors import EvaluationError

@@ -1,4 +1,4 @@
-from mrsfi_runtime.causes.cause import Robustness, robustness
+from mrsfi_runtime.causes.chain import Robustness, robustness
 
 
 def test_it_is_median_range_and_in_how_many_seeds_a_goal_is_violated():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.causes.explanation import simplest
 from mrsfi_runtime.model.faults import TimedFault, value_bounds
 from mrsfi_runtime.record.store import Measure

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.mildest import ways
 from mrsfi_runtime.causes.weakness import Detection
 from tests.support.weaknesses import weakness
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import FailedFlight

@@ -32,7 +32,7 @@ from mrsfi_runtime.analysis.verdicts import (
 from mrsfi_runtime.analysis.weaknesses import detection, goal_in_words, harmless, verdict
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
-from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
