@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.measuring import Aims, seconds
-from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.mission import Mission

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.stats import wilcoxon
 
 import mrsfi
-from mrsfi_runtime.analysis.table import Table, as_csv, to_markdown
+from mrsfi_runtime.analysis.tables import Table, as_csv, to_markdown
 from mrsfi_runtime.study.comparison import RunResult, compare_ranks, holm
 from mrsfi_runtime.study.variants import PAPERS, Variant
 

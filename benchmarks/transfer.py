@@ -24,7 +24,7 @@ from statistics import median
 from time import monotonic
 from typing import Any, NamedTuple
 
-from mrsfi_runtime.analysis.table import Table, to_markdown
+from mrsfi_runtime.analysis.tables import Table, to_markdown
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Probing
 from mrsfi_runtime.causes.mildest import Deviation, mildest, ways

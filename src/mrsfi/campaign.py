@@ -16,11 +16,10 @@ from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
-from mrsfi_runtime.analysis.campaign_tables import evaluations_table
-from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.analysis.report import Shown
-from mrsfi_runtime.analysis.table import to_html
-from mrsfi_runtime.analysis.verdicts import verdict_table
+from mrsfi_runtime.analysis.tables import evaluations_table, to_html
+from mrsfi_runtime.analysis.weaknesses import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.mildest import Way

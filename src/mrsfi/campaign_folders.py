@@ -11,7 +11,7 @@ from m2t.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.project import from_here, project
-from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError

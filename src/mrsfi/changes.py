@@ -8,8 +8,8 @@ from typing import Any
 from mrsfi.campaign_folders import FlyableCampaign, open_campaign
 from mrsfi.engines import Given, Tell, silent
 from mrsfi.weaknesses import flying_again, harvested
-from mrsfi_runtime.analysis.table import Table
-from mrsfi_runtime.analysis.verdicts import cause_in_words
+from mrsfi_runtime.analysis.tables import Table
+from mrsfi_runtime.analysis.weaknesses import cause_in_words
 from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from mrsfi_runtime.analysis.campaign_tables import goal_table
 from mrsfi_runtime.analysis.story import Story, story_of
-from mrsfi_runtime.analysis.table import Table, to_html
+from mrsfi_runtime.analysis.tables import Table, goal_table, to_html
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recorder, Recording
 from mrsfi_runtime.errors import UsageError, expected

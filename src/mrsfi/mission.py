@@ -70,8 +70,7 @@ class Mission:
         return f"<Mission {self.name} in {self.folders.models}>"
 
     def _repr_html_(self) -> str:
-        from mrsfi_runtime.analysis.campaign_tables import mission_table  # noqa: PLC0415 - as above
-        from mrsfi_runtime.analysis.table import to_html  # noqa: PLC0415
+        from mrsfi_runtime.analysis.tables import mission_table, to_html  # noqa: PLC0415 - as above
 
         return to_html(mission_table(self.name, self.model, self.pool))
 

@@ -8,7 +8,7 @@ from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.engines import AS_RECORDED, silent
 from mrsfi.loading import specification_writer
 from mrsfi.weaknesses import flying_again, harvested, way_of
-from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
+from mrsfi_runtime.analysis.illustrations import Draw, DrawingProcess
 from mrsfi_runtime.analysis.report import Shown, look_at, write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.causes.mildest import least

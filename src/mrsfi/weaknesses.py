@@ -11,9 +11,9 @@ from types import MappingProxyType
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly, tried_again
 from mrsfi.engines import Given, Tell, again, flying
-from mrsfi_runtime.analysis import fault_tree
-from mrsfi_runtime.analysis.drawing import Drawing, drawn
-from mrsfi_runtime.analysis.table import as_csv
+from mrsfi_runtime.analysis import documents
+from mrsfi_runtime.analysis.illustrations import Drawing, drawn
+from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import (
     failure_modes,
     goal_in_words,
@@ -38,7 +38,7 @@ from mrsfi_runtime.search.space import SearchSpace
 
 FMEA = MappingProxyType({".csv": modes_as_csv, ".md": modes_as_markdown})
 FAULT_TREES = MappingProxyType(
-    {".xml": fault_tree.as_open_psa, ".txt": fault_tree.as_pfta, ".pft": fault_tree.as_pfta}
+    {".xml": documents.as_open_psa, ".txt": documents.as_pfta, ".pft": documents.as_pfta}
 )
 """What files are written as, by what their names end in."""
 

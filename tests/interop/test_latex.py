@@ -5,8 +5,8 @@ import subprocess
 
 import pytest
 
-from mrsfi_runtime.analysis.latex import _HEAD, in_latex, to_latex
-from mrsfi_runtime.analysis.table import Table
+from mrsfi_runtime.analysis.documents import _HEAD, in_latex, to_latex
+from mrsfi_runtime.analysis.tables import Table
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import mrsfi
 from tests.support.missing import skip

@@ -15,8 +15,7 @@ from xml.sax.saxutils import escape
 import pytest
 
 from benchmarks.fleets import write_fleet
-from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
-from mrsfi_runtime.analysis.page.document import document
+from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.generated_code import load_code

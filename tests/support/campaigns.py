@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from random import Random
 
-from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Area, Coordinates, Outcome
 from mrsfi_runtime.record import database

@@ -24,15 +24,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
-from mrsfi_runtime.analysis.patterns import Trend, TypePattern
-from mrsfi_runtime.analysis.table import every
+from mrsfi_runtime.analysis.tables import Trend, TypePattern, every
 from mrsfi_runtime.causes.mildest import Tried
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.record.store import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
 BLUE, ORANGE, GREEN, ROCK, SAND = "#1b6ca8", "#d9622b", "#2a8c6a", "#6b7681", "#a9b4bd"
-BELIEVED, TRUE = ORANGE, BLUE  # those of page/assets/page.css
+BELIEVED, TRUE = ORANGE, BLUE  # those of assets/page.css
 SERIES = (BLUE, ORANGE, GREEN, "#8a5aa8", "#b8902a", "#c2476f", "#3a8fb7", "#5b6b2f")
 AGES = ("#b9d3e6", "#7fb0d2", "#4189b9", "#1b5e93", "#0b2f52")  # early to late generations
 

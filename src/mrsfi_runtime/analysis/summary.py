@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.fronts import (
+    Columns,
     Front,
     Harm,
     Pick,
@@ -16,8 +16,8 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     parse_ratio,
 )
-from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
-from mrsfi_runtime.analysis.verdicts import GoalVerdict, facts, headline, verdicts
+from mrsfi_runtime.analysis.tables import Trend, TypePattern, find_patterns, find_trend
+from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import faults_of

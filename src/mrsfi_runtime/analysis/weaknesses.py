@@ -1,20 +1,35 @@
-"""What breaks which goal at the least, as people and scripts read of it."""
+"""Weaknesses in words.
+
+What breaks which goal at the least, as people and scripts read of it.
+
+What a campaign says of each goal in sentences: does it break, by what, and who sees it.
+
+Names come before identifiers. A goal *fails* if its purpose is certainly not met, is *violated* if
+it breaks in truth, and has a *false alarm* if it breaks only in what the collective intelligence
+believes.
+"""
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from functools import cache, lru_cache
+from types import MappingProxyType
 from typing import NamedTuple
 
-from mrsfi_runtime.analysis.table import Cell, Table, as_csv, plain, to_markdown
+from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, to_markdown
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.chain import chains, local_effect
-from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.harvest import Harvest, Nearest
+from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.fault_types import Units
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, Target, robots_of, touched
+from mrsfi_runtime.model.mission import Goal, Mission, starvation
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE
 
@@ -220,3 +235,290 @@ def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
     title = f"Failure modes of mission {mission}"
     modes_table = Table(title, [name.replace("_", " ") for name in FailureMode._fields], modes)
     return f"# {plain(title)}\n\n{to_markdown(modes_table)}\n".encode()
+
+
+class State(IntEnum):
+    """What may become of a goal, the gravest first."""
+
+    FAILS = 0
+    VIOLATED = 1
+    BROKEN_ANYWAY = 2
+    FALSE_ALARM = 3
+    HOLDS = 4
+
+
+_ONE = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
+"""What is one of something."""
+
+_STATES = dict(
+    zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
+)
+_WORDS = (
+    "fails",
+    "is violated",
+    "is violated without any fault",
+    "is only believed broken",
+    "is broken by nothing that was found",
+)
+"""What stands for each state in a sentence."""
+
+_DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
+    {
+        Mode.DELAY: ("come{s} {first} late", "late"),
+        Mode.BLOCK: ("{is_} held back", "lost"),
+        Mode.RANDOM: ("{is_} reported at random", "random"),
+        Mode.ZERO: ("{is_} reported as 0", "zero"),
+        Mode.FIXED: ("stick{s} {fixed}", "stuck"),
+        Mode.INCREMENT: ("{is_} reported {first} too high", "too high"),
+        Mode.DECREMENT: ("{is_} reported {first} too low", "too low"),
+        Mode.INCREMENT_PERCENT: ("{is_} reported {first} too high", "too high"),
+        Mode.DECREMENT_PERCENT: ("{is_} reported {first} too low", "too low"),
+        Mode.STOP: ("{is_} stopped", "stopped"),
+        Mode.START: ("{is_} set going", "set going"),
+        Mode.DEACTIVATE: ("{is_} switched off", "off"),
+        Mode.ACTIVATE: ("{is_} switched on", "on"),
+        Mode.OWN: ("suffer{s}", ""),
+    }
+)
+"""What a fault of each mode does, as a sentence goes on, and in a word or two."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoalVerdict:
+    """What is known of a goal: its state, the way that is told of, and how many others there are.
+
+    ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
+    ``detection`` whether the CI detects it; ``sure`` in how many mission seeds and forms,
+    ``unknown`` how seldom it may break otherwise, ``nearest`` how near a goal ever came to it that
+    never truly breaks; each is empty where there is nothing to say.
+    """
+
+    goal: str
+    name: str
+    label: str
+    state: State
+    way: Way | None
+    n_others: int
+    cause: str
+    detection: str
+    sure: tuple[str, ...]
+    unknown: str
+    nearest: str = ""
+
+    @property
+    def words(self) -> str:
+        """The state."""
+        return _WORDS[self.state]
+
+    @property
+    def sentence(self) -> str:
+        """All but how sure it is, in one sentence."""
+        return f"{self.label} {self.words}{self.because}"
+
+    @property
+    def because(self) -> str:
+        """By what it breaks, and whether that is detected, as a sentence goes on."""
+        cause = f" {self.cause}" if self.cause else ""
+        return f"{cause}; {self.detection}" if self.detection else cause
+
+    @property
+    def evidence(self) -> tuple[str, ...]:
+        """The faults, how sure it is, what else breaks the goal, and what is unknown."""
+        near = (self.nearest,) if self.nearest else ()
+        if self.way is None:
+            return (self.unknown, *near)
+        number = f"weakness {self.way.number}: {' and '.join(self.way.faults)}"
+        others = (f"{counted(self.n_others, 'ways')} more",) if self.n_others else ()
+        return (number, *self.sure, *others, self.unknown, *near)
+
+
+def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
+    """Return what is known of each goal of a mission, the gravest first."""
+    told = {way.goal: way for way in least(known.ways)}
+    found = (_verdict(mission, pool, known, goal, told.get(goal.id)) for goal in mission.goals)
+    return tuple(
+        sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_undetected)))
+    )
+
+
+def _verdict(
+    mission: Mission, pool: FaultPool, known: Harvest, goal: Goal, way: Way | None
+) -> GoalVerdict:
+    unknown = max(known.known.bound(Column(goal.id, measure)) for measure in MEASURES)
+    state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
+    if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
+        state = State.BROKEN_ANYWAY
+    cause = seen = ""
+    sure: tuple[str, ...] = ()
+    if state is State.BROKEN_ANYWAY:  # not by what it would break
+        cause = starvation(mission, goal)
+    elif way is not None:
+        cause, seen = f"if {cause_in_words(mission, pool, way)}", detection(way, mission.units)
+    if way is not None:
+        seeds = f"{way.shown.n_held}/{way.shown.n_seeds} seeds"
+        sure = seeds, f"{100 * way.shown.share:.0f} % of forms"
+    return GoalVerdict(
+        goal=goal.id,
+        name=mission.name_of(goal),
+        label=mission.label_of(goal),
+        state=state,
+        way=way,
+        n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
+        cause=cause,
+        detection=seen,
+        sure=sure,
+        nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
+        unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
+    )
+
+
+def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> str:
+    if found is None:
+        return ""
+    evaluation = f"evaluation {found.evaluation}"
+    if found.margin is None:
+        return f"was violated in {evaluation} all the same"
+    least, tick = found.margin
+    if least < 0.0:
+        return f"was violated at tick {tick} of {evaluation} all the same"
+    return f"came within {nearness(mission, goal, found.margin)} at tick {tick} of {evaluation}"
+
+
+def _is_broken_anyway(known: Harvest, goal: str) -> bool:
+    yardstick = known.yardstick
+    return yardstick is not None and any(
+        most > 0 and column.goal == goal and column.kind != MEASURES[0]
+        for column, most in zip(yardstick.columns, yardstick.most, strict=True)
+    )
+
+
+def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
+    """Say what has to happen for a way to break its goal."""
+    faults = named_faults(mission, pool, way.shown.witness)
+    off = way.mildest.off if way.is_mildest and way.mildest else ()
+    told = zip(faults, off or [None] * len(faults), strict=True)
+    return " and ".join(deed(mission, fault, apart) for fault, apart in told)
+
+
+def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
+    """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
+    subject, s = _subject(mission, fault.fault)
+    kind, values = fault.fault.kind, fault.timed.values
+    told = zip(values, kind.parameters, strict=True)
+    words = [_ONE.sub(r"\1", fault.units.told(value, each.range)) for value, each in told]
+    first = words[0].replace(" percent", " %") if words else ""
+    fixed = off
+    if off is None:
+        fixed = f"at ({', '.join(words[:2])})" if kind.is_place else f"at {first}"
+    done = _DEEDS[kind.mode][0].format(s=s, is_="is" if s else "are", first=first, fixed=fixed)
+    begin, end = fault.window or (0, -1)
+    of = f" from {kind.name}" if kind.mode is Mode.OWN else ""
+    waits = "" if fault.trigger is None else f" at most, {fault.trigger.when}"
+    n_ticks = min(end - begin + 1, fault.most)
+    return f"{subject} {done.rstrip()}{of} for {fault.units.ticks(n_ticks)}{waits}"
+
+
+def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:
+    """Return what a fault strikes, in names, and the ending of a verb that goes with it."""
+    targets = touched(mission, fault)
+    if not targets:
+        return f"{fault.kind.struck.value} {fault.target}", "s"
+    by_owner: dict[str, list[str]] = {}
+    for target in targets:
+        owner, what = _owned(mission, target)
+        by_owner.setdefault(owner, []).append(what)
+    parts = [
+        f"{owner}'s {' and '.join(filter(None, what))}" if any(what) else owner
+        for owner, what in by_owner.items()
+    ]
+    is_one = len(targets) == 1 and not parts[0].endswith("samples")
+    return " and ".join(parts), "s" if is_one else ""
+
+
+def _owned(mission: Mission, target: Target) -> tuple[str, str]:
+    """Return in names who has a property, and what it is called; nothing for a robot as a whole."""
+    affected, index = target
+    if affected is Field.OBSTACLE:
+        obstacle = mission.obstacles[index]
+        return f"obstacle {obstacle.id}", "place on the map"
+    if affected not in {*OF_SENSOR, Field.ACTIVATION}:
+        robot = mission.robots[index]
+        what = "" if affected is Field.MOTION else affected.name.lower()
+        return robot.name or robot.id, what
+    sensor, robot = mission.sensors[index], mission.robots[mission.sensor_robot[index]]
+    owned = {Field.COUNT: "samples", Field.RATE: "rate", Field.COST: "cost", Field.ACTIVATION: ""}
+    measured = sensor.type.lower().replace("_", " ")
+    return robot.name or robot.id, f"{measured} {owned[affected]}".rstrip()
+
+
+def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
+    """Return whom a fault strikes, by place and in names, and in two or three words what it does.
+
+    Robots come in the mission's order, then what is of none.
+    """
+    targets = touched(mission, fault)
+    does = _DEEDS[fault.kind.mode][1] or fault.kind.name
+    robots = sorted(robots_of(mission, targets))
+    what = " ".join(dict.fromkeys(_owned(mission, each)[1] for each in targets)) or fault.target
+    if not targets or targets[0][0] in {Field.MOTION, Field.OBSTACLE}:
+        what = fault.target if targets[:1] and targets[0][0] is Field.OBSTACLE else ""
+    if not robots:
+        return (len(mission.robots), "map"), f"{what} {does}".strip()
+    robot = mission.robots[robots[0]]
+    return (robots[0], f"{robot.name} {robot.id}".strip()), f"{what} {does}".strip()
+
+
+def headline(found: Sequence[GoalVerdict]) -> str:
+    """Say in a sentence how many goals break, and under how many faults."""
+    broken = [each for each in found if each.state <= State.VIOLATED]
+    if not broken:
+        return "Nothing was found that breaks a goal"
+    is_failing = all(each.state is State.FAILS for each in broken)
+    verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
+    alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]
+    if len(alone) == len(broken):
+        by = "under one single fault" if len(broken) == 1 else "each under one single fault"
+    elif alone:
+        by = f"{_number(len(alone))} of them under one single fault"
+    else:
+        by = "under several faults together"
+    many = f"{_number(len(broken)).capitalize()} of {_number(len(found))}"
+    told = f"All {_number(len(found))}" if len(broken) == len(found) > 2 else many
+    return f"{told} goals {verb}, {by}"
+
+
+def facts(
+    mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict], ways: Sequence[Way]
+) -> Iterator[str]:
+    """Yield what stands out, in sentences: what is not detected, what is worth protecting first."""
+    unseen = [each.name for each in found if each.way is not None and each.way.is_undetected]
+    if unseen:
+        number = _number(len(unseen)).capitalize()
+        yield f"{number} undetected in at least one variant: {', '.join(unseen)}"
+    alarms = [each.name for each in found if each.state is State.FALSE_ALARM]
+    if alarms:
+        yield f"{_number(len(alarms)).capitalize()} held, with false alarms: {', '.join(alarms)}"
+    struck: defaultdict[str, list[Way]] = defaultdict(list)
+    for way in ways:
+        if len(way.faults) == 1 and way.shown.column.kind != MEASURES[0]:
+            struck[_subject(mission, pool[way.faults[0]])[0]].append(way)
+    n_goals = {subject: len({way.goal for way in some}) for subject, some in struck.items()}
+    first = max(struck, key=n_goals.__getitem__, default="")
+    if n_goals.get(first, 0) > 1:
+        by = ", ".join(sorted({way.faults[0] for way in struck[first]}))
+        yield f"Protect first: {first} ({by}), which alone breaks {_number(n_goals[first])} goals"
+
+
+def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
+    """Return a row for each goal: what becomes of it, by what, and how sure that is."""
+    found = verdicts(mission, pool, known)
+    rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
+    columns = ("goal", "how sure")
+    return Table(headline(found), columns, rows, texts=columns)
+
+
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+
+
+def _number(n: int) -> str:
+    return _NUMBERS[n] if n < len(_NUMBERS) else str(n)

@@ -190,8 +190,8 @@ def _compare_runs(
     is_json: bool,
 ) -> None:
     from mrsfi.changes import change_table, changes, sentence
-    from mrsfi_runtime.analysis.page.document import document
-    from mrsfi_runtime.analysis.table import to_markdown, to_page
+    from mrsfi_runtime.analysis.report import document
+    from mrsfi_runtime.analysis.tables import to_markdown, to_page
     from mrsfi_runtime.cli.terminal import print_table, print_words
     from mrsfi_runtime.files import whole_file
 
@@ -256,7 +256,7 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
 
 
 def _print(comparison: "Comparison", n_evaluations: int) -> None:
-    from mrsfi_runtime.analysis.table import Table
+    from mrsfi_runtime.analysis.tables import Table
     from mrsfi_runtime.cli.terminal import print_table
 
     title = (

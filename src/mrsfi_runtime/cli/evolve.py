@@ -120,8 +120,7 @@ def command(
     --resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
     """
     from mrsfi.evolving import evolve
-    from mrsfi_runtime.analysis.drawing import DrawingProcess
-    from mrsfi_runtime.analysis.illustrations import map_drawing
+    from mrsfi_runtime.analysis.illustrations import DrawingProcess, map_drawing
     from mrsfi_runtime.cli.progress import search_progress
     from mrsfi_runtime.cli.summary import report
 

@@ -8,8 +8,7 @@ from typing import Any
 import click
 
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
-from mrsfi_runtime.analysis.campaign_tables import fault_table
-from mrsfi_runtime.analysis.table import Table
+from mrsfi_runtime.analysis.tables import Table, fault_table
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.cli.terminal import print_table

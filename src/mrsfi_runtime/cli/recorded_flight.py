@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mrsfi.versions import installed_version
-from mrsfi_runtime.analysis.campaign_tables import (
+from mrsfi_runtime.analysis.tables import (
     fault_table,
     faults_as_json,
     goal_table,
@@ -151,8 +151,7 @@ def _page(
     outcome: Outcome,
     recording: "Recording",
 ) -> bytes:
-    from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
-    from mrsfi_runtime.analysis.page.document import document
+    from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
 
     mission = engine.code.mission
     told = PageEntry(subject.title, "", faults, (), outcome, subject.command, subject.xmi)

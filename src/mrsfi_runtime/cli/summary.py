@@ -4,9 +4,9 @@ import click
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.reporting import report as write_report
-from mrsfi_runtime.analysis.campaign_tables import critical_table, front_table, harm_table
-from mrsfi_runtime.analysis.drawing import Draw
+from mrsfi_runtime.analysis.illustrations import Draw
 from mrsfi_runtime.analysis.summary import Summary, as_json
+from mrsfi_runtime.analysis.tables import critical_table, front_table, harm_table
 from mrsfi_runtime.analysis.weaknesses import matrix_table
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.terminal import print_table

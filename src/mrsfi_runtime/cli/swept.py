@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import astuple, replace
 from typing import TYPE_CHECKING
 
-from mrsfi_runtime.analysis.table import Cell, Table
+from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.cli.terminal import print_table, print_words
 
 if TYPE_CHECKING:

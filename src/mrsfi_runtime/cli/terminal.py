@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table as Grid
 
-    from mrsfi_runtime.analysis.table import Table
+    from mrsfi_runtime.analysis.tables import Table
 
 _WIDTH = 100
 """Columns of a table in a pipe or a file, unless the variable COLUMNS says otherwise."""
@@ -87,7 +87,7 @@ def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> 
     from rich.table import Table as Grid
     from rich.text import Text
 
-    from mrsfi_runtime.analysis.table import in_words
+    from mrsfi_runtime.analysis.tables import in_words
 
     padding = (0, 1, 0, 0) if table.is_compact else (0, 1)
     grid = Grid(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import click
 
 from mrsfi.regressions import Checked
-from mrsfi_runtime.analysis.table import Table
+from mrsfi_runtime.analysis.tables import Table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.store import NONE

@@ -7,8 +7,16 @@ import click
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.weaknesses import untried
-from mrsfi_runtime.analysis.verdicts import State, facts, headline, verdicts
-from mrsfi_runtime.analysis.weaknesses import harmless, matrix_table, not_found, way_table
+from mrsfi_runtime.analysis.weaknesses import (
+    State,
+    facts,
+    harmless,
+    headline,
+    matrix_table,
+    not_found,
+    verdicts,
+    way_table,
+)
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.causes.weakness import Known

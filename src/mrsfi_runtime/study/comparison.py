@@ -24,8 +24,7 @@ from moocore import hypervolume
 from numpy.typing import NDArray
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.fronts import find_front, is_more
+from mrsfi_runtime.analysis.fronts import Columns, find_front, is_more
 from mrsfi_runtime.analysis.story import first
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.database import object_from_text

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from mrsfi_runtime.analysis.plots import rendered
-from mrsfi_runtime.analysis.table import Cell, Table, as_csv
+from mrsfi_runtime.analysis.tables import Cell, Table, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.database import CampaignFolder

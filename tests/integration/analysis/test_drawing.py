@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
-from mrsfi_runtime.analysis.drawing import Drawing, DrawingProcess, draw_here
-from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend
+from mrsfi_runtime.analysis.illustrations import Drawing, DrawingProcess, draw_here
+from mrsfi_runtime.analysis.tables import GenerationFitness, Trend
 from tests.support.search import paper_mission
 from tests.tiers import slow
 

@@ -10,16 +10,15 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
-from mrsfi_runtime.analysis.page.document import document
-from mrsfi_runtime.analysis.page.flight import (
+from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
+from mrsfi_runtime.analysis.story import (
     MOST_VALUES,
     Flown,
     flight_content,
     mission_content,
+    runs,
     stride,
 )
-from mrsfi_runtime.analysis.story import runs
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.observers import named_faults

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from mrsfi_runtime.analysis import mission_plots, plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
-from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_patterns
+from mrsfi_runtime.analysis.tables import GenerationFitness, Trend, find_patterns
 from tests.support.campaigns import random_specification
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission, pool_of
@@ -179,6 +179,6 @@ def test_a_pick_says_its_ratio(violations, expected):
 
 
 def test_figures_and_pages_have_the_same_colours_for_believed_and_true():
-    css = (Path(plots.__file__).parent / "page" / "assets" / "page.css").read_text("utf-8")
+    css = (Path(plots.__file__).parent / "assets" / "page.css").read_text("utf-8")
 
     assert f"--believed: {plots.BELIEVED}; --true: {plots.TRUE};" in css

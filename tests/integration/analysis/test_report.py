@@ -6,13 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.campaign_tables import fault_table
-from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
-from mrsfi_runtime.analysis.illustrations import illustrate
-from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.page.content import campaign_page
-from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi_runtime.analysis.documents import report_text
+from mrsfi_runtime.analysis.illustrations import DrawingProcess, Drawings, draw_here, illustrate
+from mrsfi_runtime.analysis.report import campaign_page, specification_rows
 from mrsfi_runtime.analysis.summary import summarise
+from mrsfi_runtime.analysis.tables import fault_table
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import Manifest

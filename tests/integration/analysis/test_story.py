@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
-from mrsfi_runtime.analysis.page.flight import Flown, flight_content
-from mrsfi_runtime.analysis.story import Collision, places_table, story_of, timeline_table
+from mrsfi_runtime.analysis.story import (
+    Collision,
+    Flown,
+    flight_content,
+    places_table,
+    story_of,
+    timeline_table,
+)
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger, numbered

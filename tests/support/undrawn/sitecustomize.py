@@ -4,9 +4,9 @@ from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
-from mrsfi_runtime.analysis import drawing
+from mrsfi_runtime.analysis import illustrations
 
 empty = {".png": b"", ".svg": b""}
-replaced: Any = drawing
+replaced: Any = illustrations
 replaced.drawn = lambda _: empty
-replaced.DrawingProcess = lambda *_: nullcontext(SimpleNamespace(draw=drawing.draw_here))
+replaced.DrawingProcess = lambda *_: nullcontext(SimpleNamespace(draw=illustrations.draw_here))

@@ -12,10 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
-from mrsfi_runtime.analysis.columns import Columns, _met
+from mrsfi_runtime.analysis.fronts import Columns, _met
 from mrsfi_runtime.analysis.summary import summarise
-from mrsfi_runtime.analysis.table import every
+from mrsfi_runtime.analysis.tables import MOST_LISTED, evaluations_table, every
 from mrsfi_runtime.errors import RecordError, SpecificationError
 from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
 from mrsfi_runtime.record.database import fault_texts, specification_text

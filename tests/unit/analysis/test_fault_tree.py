@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lxml import etree
 
-from mrsfi_runtime.analysis.fault_tree import as_open_psa, as_pfta, cut_sets
+from mrsfi_runtime.analysis.documents import as_open_psa, as_pfta, cut_sets
 from mrsfi_runtime.causes.mildest import ways
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.search import PAPER_FAULTS, paper_mission, pool_of

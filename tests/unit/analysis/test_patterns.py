@@ -2,7 +2,7 @@ from collections import Counter
 
 import pytest
 
-from mrsfi_runtime.analysis.patterns import find_patterns
+from mrsfi_runtime.analysis.tables import find_patterns
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 

@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import columns_of, evaluation, store_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.analysis.table import Table, as_csv, plain, to_markdown, to_page
+from mrsfi_runtime.analysis.tables import Table, as_csv, plain, to_markdown, to_page
 
 
 def test_no_name_is_a_formula_in_a_spreadsheet():

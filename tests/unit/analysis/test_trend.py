@@ -1,6 +1,6 @@
 import pytest
 
-from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_trend
+from mrsfi_runtime.analysis.tables import GenerationFitness, Trend, find_trend
 from mrsfi_runtime.record.store import Generation
 
 

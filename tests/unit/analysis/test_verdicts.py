@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.analysis.campaign_tables import nearest_in_words
-from mrsfi_runtime.analysis.verdicts import (
+from mrsfi_runtime.analysis.tables import nearest_in_words
+from mrsfi_runtime.analysis.weaknesses import (
     GoalVerdict,
     State,
     deed,
+    detection,
     headline,
     owner_of,
     verdicts,
 )
-from mrsfi_runtime.analysis.weaknesses import detection
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import ways

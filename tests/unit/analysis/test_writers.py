@@ -5,8 +5,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from mrsfi_runtime.analysis.latex import in_latex, to_latex
-from mrsfi_runtime.analysis.table import Table, to_html
+from mrsfi_runtime.analysis.documents import in_latex, to_latex
+from mrsfi_runtime.analysis.tables import Table, to_html
 from tests.integration.analysis.test_page import HOSTILE
 
 SPECIAL = ["\\input{/etc/passwd}", "100 % & $x_1^2$ #{~}", "\\end{document}", "a\nb"]

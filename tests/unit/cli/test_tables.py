@@ -3,13 +3,13 @@ from typing import Any
 
 import pytest
 
-from mrsfi_runtime.analysis.campaign_tables import (
+from mrsfi_runtime.analysis.tables import (
+    Table,
     critical_table,
     fault_table,
     goal_table,
     goals_as_json,
 )
-from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.observers import named_faults

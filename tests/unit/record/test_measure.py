@@ -2,8 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.analysis.campaign_tables import goal_table
-from mrsfi_runtime.analysis.table import in_words
+from mrsfi_runtime.analysis.tables import goal_table, in_words
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Measure, ticks

@@ -1,6 +1,6 @@
 import pytest
 
-from mrsfi_runtime.analysis.campaign_tables import fault_table
+from mrsfi_runtime.analysis.tables import fault_table
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, Fault, FaultPool, TimedFault, Trigger
 from mrsfi_runtime.model.mission import Area, Coordinates

@@ -1,0 +1,401 @@
+"""Documents.
+
+The report of a campaign as Markdown, in which nothing of a model becomes markup.
+
+The report of a campaign for a paper: tables with booktabs, figures as PDF at column width.
+
+Fault trees: for each goal, the least sets of faults that truly break it or let it be missed.
+
+Sets by which a goal is only believed broken are left out: nothing happens to it.
+
+References
+----------
+Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``, its ``DOCS.md``.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain, count
+from textwrap import fill
+from typing import NamedTuple
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
+
+from mrsfi_runtime.analysis.illustrations import Illustration
+from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.tables import (
+    COUNTS,
+    MOST_LISTED,
+    Cell,
+    Table,
+    Trend,
+    TypePattern,
+    critical_table,
+    every,
+    fault_table,
+    front_table,
+    goal_table,
+    harm_table,
+    in_words,
+    pattern_table,
+    plain,
+    printable,
+    settings_table,
+    to_markdown,
+)
+from mrsfi_runtime.analysis.weaknesses import (
+    broken_by,
+    goal_in_words,
+    matrix_table,
+    way_table,
+)
+from mrsfi_runtime.causes.mildest import Way, least
+from mrsfi_runtime.model.faults import Fault, FaultPool
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.observers import named_faults
+
+_BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
+_MISSED = "and the tick from which on it was certain that the goal's purpose is not met, if it was"
+_POPULAR = (
+    "Popular is not guilty: compare the occurrences of a type with what its share in the pool, and "
+    "in everything the campaign tried, would give by chance. A type may also ride along with the "
+    "one that does the harm."
+)
+_FEW_GENERATIONS = 3
+
+
+def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
+    """Return the report, which links the figures that ``captions`` names."""
+    sections = [
+        f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.name)}",
+        _extent(summary),
+        *([f"**Caution**: {plain(summary.unrepeated)}."] if summary.unrepeated else []),
+        *_weaknesses(summary),
+        *_section(settings_table(summary.settings)),
+        "## Fitness over the generations",
+        trend_in_words(summary.trend),
+        *_linked(captions, "fitness"),
+        *_top(summary),
+        *_section(_occurring("Fault types among them", summary.patterns), _POPULAR),
+        *_linked(captions, "fault_types"),
+    ]
+    if summary.ways:
+        words = (
+            "The same over the least sets that break a goal: a type that is above but not here "
+            "rode along."
+        )
+        sections += _section(_occurring("Fault types in the least sets", summary.guilty), words)
+        sections += _linked(captions, "figure_12_weaknesses")
+    if summary.front is not None:
+        words = "Non-dominated specifications; of equal ones the earliest."
+        sections += [*_section(front_table(summary.front), words), *_linked(captions, "front")]
+    if summary.harm is not None:
+        words = (
+            "The most goals violated, and the most violations in all, by a specification of at "
+            f"most so many {summary.measure.minimised}, and the evaluations that found it. What is "
+            "not listed does no more than the line above."
+        )
+        table = harm_table(summary.harm, summary.measure)
+        sections += [*_section(table, words), *_linked(captions, "harm")]
+    if summary.pick is not None:
+        picked = summary.pick.in_words(summary.measure)
+        words = f"The specification {picked}. `mrsfi replay` flies any evaluation again."
+        sections += ["## Pick by ratio", words]
+    sections += ["## Mission", *_linked(captions, "mission_map")]
+    return "\n\n".join(sections) + "\n"
+
+
+def _section(table: Table, *words: str, level: int = 2) -> Iterator[str]:
+    yield f"{'#' * level} {plain(table.title)}"
+    yield from words
+    yield to_markdown(table)
+
+
+def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
+    return pattern_table(title, [each for each in patterns if each.n_occurrences])
+
+
+def trend_in_words(trend: Trend) -> str:
+    """Return how mean fitness went in this run, which is no test: generations are dependent."""
+    rows = trend.generations
+    if len(rows) < _FEW_GENERATIONS:
+        return f"{len(rows)} finished generations: too few to speak of a trend."
+    return (
+        f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
+        f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
+        "generation (least squares). This describes one run and tests nothing, because its "
+        "generations depend on each other; `mrsfi compare` tests over many seeds. "
+        f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
+    )
+
+
+def _extent(summary: Summary) -> str:
+    step = every(summary.n_evaluations, MOST_LISTED)
+    listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
+    return (
+        f"{summary.counted} of {summary.n_distinct} distinct specifications in "
+        f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
+        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}."
+        f"{listed if step > 1 else ''}"
+    )
+
+
+def _top(summary: Summary) -> Iterator[str]:
+    measure, top = summary.measure, summary.top
+    table = critical_table(measure, summary.pool, top, summary.n_distinct)
+    if not top:
+        yield f"## {table.title}"
+        yield "No evaluation is recorded yet."
+        return
+    words = _BELIEVED_TRUE + (" on the first mission seed" if measure.n_seeds > 1 else "")
+    if not measure.is_shown_by_outcomes:
+        words = f"{measure}: {words}"
+    yield from _section(table, f"Violations per goal in ticks, {words}; {_MISSED}.")
+    yield (
+        "The faults of each: *start* and *finish* are the window, *applied* and *changed* the "
+        "numbers of ticks at which it was active and changed a value; *target* is what it "
+        "touches, behind the message that carries it."
+    )
+    of_each = zip(top, summary.faults, summary.contained, strict=True)
+    for rank, (evaluation, faults, found) in enumerate(of_each, 1):
+        title = f"Faults of {rank}, evaluation {evaluation.index}"
+        yield from _section(fault_table(title, faults, evaluation.outcome), level=3)
+        yield (
+            f"Of generation {evaluation.generation}, {evaluation.fault_ticks} fault-ticks; "
+            f"[critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
+        )
+        if found:
+            some = (f"{way.goal} by {' and '.join(way.faults)} ({way.number})" for way in found)
+            yield f"Of the least sets it has: {'; '.join(some)}."
+
+
+def _weaknesses(summary: Summary) -> Iterator[str]:
+    if summary.harvest is None:
+        return
+    mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.said
+    yield f"## {plain(headline)}"
+    facts += [f"{each.sentence} ({', '.join(each.evidence)})" for each in summary.verdicts]
+    yield "\n".join(f"- {plain(each)}." for each in facts)
+    if not summary.ways:
+        return
+    yield from _section(matrix_table(mission, pool, summary.ways), level=3)
+    title = "The least sets of faults, by goal"
+    yield from _section(
+        way_table(title, mission, pool, summary.ways),
+        "The share of the forms tried that break it by each measure, in how many mission seeds the "
+        "form that is shown does, and this form. `weaknesses/` has each by its number, as a fault "
+        "specification; of what is the least that breaks each goal also the mildest form that was "
+        "found, which is told of below. `mrsfi show RUN N` draws number N in time and in space.",
+        level=3,
+    )
+    for way in least(summary.ways):
+        title = f"{goal_in_words(mission, way.goal)}, broken by weakness {way.number}"
+        outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
+        goals, by = goal_table(title, mission, outcome), broken_by(way, mission.units)
+        yield from _section(goals, f"{by} {COUNTS} It flew in the first mission seed.", level=3)
+        yield to_markdown(fault_table("", faults, outcome))
+        if sentences := summary.sentences.get(way.number):
+            yield "\n".join(f"- {plain(each)}" for each in sentences)
+
+
+def _linked(captions: Mapping[str, str], part: str) -> list[str]:
+    return [
+        f"![{caption}](figures/{name}.png)" for name, caption in captions.items() if part in name
+    ]
+
+
+_HEAD = r"""\documentclass[twocolumn]{article}
+\usepackage[T1]{fontenc}
+\usepackage{booktabs,graphicx,textcomp}
+\begin{document}
+"""
+_SPECIAL = {
+    **{letter: f"\\{letter}" for letter in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "[": "{[}",  # which after the end of a row would say how much space to leave, as would a star
+    "*": "{*}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "–": "--",
+    "…": r"\ldots{}",
+    "·": r"\textperiodcentered{}",
+    "×": r"\texttimes{}",
+    "±": r"\textpm{}",
+    "≤": r"$\leq$",
+    "→": r"$\to$",
+}
+"""What letters become that mean something to LaTeX, or that its usual fonts lack."""
+
+_USUAL = {chr(n) for n in (*range(0x20, 0x7F), *range(0xA0, 0x17F))} - {*"ĦħĸĿŀŉŦŧ"} | {
+    *"\u2018\u2019\u201c\u201d\u2014\u2022\u20ac\u2122"
+}
+"""Letters that pdfLaTeX sets with these packages; of others the number is shown."""
+
+
+def in_latex(text: str) -> str:
+    """Return a text in one line that LaTeX sets as it stands."""
+    return "".join(
+        _SPECIAL.get(letter, letter if letter in _USUAL else f"{{[}}U+{ord(letter):04X}]")
+        for letter in printable(text)
+    )
+
+
+def to_latex(table: Table) -> str:
+    """Return a table that floats, at most as wide as the page, with its title as caption."""
+
+    def line(cells: Sequence[Cell]) -> str:
+        return " & ".join(in_latex(in_words(cell)) for cell in cells) + r" \\"
+
+    words = {*table.words, *table.texts}
+    columns = "".join("l" if name in words else "r" for name in table.columns)
+    rows = "\n".join(map(line, table.rows))
+    return (
+        f"\\begin{{table*}}\n\\centering\n\\caption{{{in_latex(table.title)}}}\n"
+        f"\\resizebox{{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}}{{!}}{{%\n"
+        f"\\begin{{tabular}}{{{columns}}}\n\\toprule\n{line(table.columns)}\n\\midrule\n{rows}\n"
+        f"\\bottomrule\n\\end{{tabular}}}}\n\\end{{table*}}"
+    )
+
+
+def report_latex(summary: Summary, shown: Iterable[Illustration]) -> str:
+    """Return ``report.tex``; its figures are the PDFs in ``figures/``."""
+    return "\n\n".join((_HEAD, *_parts(summary, shown), "\\end{document}\n"))
+
+
+def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
+    mission, pool = summary.mission, summary.pool
+    yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.name)}}}"
+    halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
+    yield "\\\\\n".join((f"{summary.counted}, of digest", *halves))
+    if summary.unrepeated:
+        yield f"Caution: {in_latex(summary.unrepeated)}."
+    if summary.harvest is not None:
+        yield "\n".join(f"{in_latex(each)}." for each in summary.said)
+        items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
+        yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
+    if summary.ways:
+        yield to_latex(matrix_table(mission, pool, summary.ways))
+        title = "The least that breaks each goal, in its mildest form"
+        yield to_latex(way_table(title, mission, pool, least(summary.ways)))
+    yield to_latex(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
+    yield to_latex(settings_table(summary.settings))
+    for each in shown:
+        yield (
+            "\\begin{figure}\n\\centering\n"
+            f"\\includegraphics[width=\\columnwidth]{{figures/{each.name}.pdf}}\n"
+            f"\\caption{{{in_latex(each.table.title)}}}\n\\end{{figure}}"
+        )
+
+
+_SAYS = (
+    "Least sets of faults that truly break a goal of the mission or let it be missed, as far as is "
+    "known. A goal that is not here is broken so by none."
+)
+_OF_PFTA = (
+    "For pfta 0.4 or newer. The probability of an event is the likelihood of the fault in its "
+    "pool, nan where that gives none; then nothing is known of what depends on it. That of a gate "
+    "is the sum over its sets (order 1), which is never too low; exact ones (all orders) take time "
+    "that doubles with each set."
+)
+
+
+def cut_sets(found: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
+    """Return the least sets of faults that break a goal truly or let it be missed, by size."""
+    real = {way.faults for way in found if way.goal == goal and way.shown.column.kind != "believed"}
+    least = (faults for faults in real if not any({*other} < {*faults} for other in real))
+    return sorted(least, key=lambda faults: (len(faults), faults))
+
+
+class _Gate(NamedTuple):
+    """A gate that needs one of its inputs (``or``) or all of them (``and``)."""
+
+    name: str
+    label: str
+    kind: str
+    inputs: tuple[str, ...]
+
+
+def _trees(
+    mission: Mission, pool: FaultPool, found: Sequence[Way]
+) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
+    """Return the gates of each goal, its own first; name and label of the faults below them."""
+    taken: set[str] = set()
+
+    def named(*words: str) -> str:
+        """Return a name of ASCII letters, digits, ``_`` and ``-`` that none has in any case."""
+        stem = "-".join(re.sub(r"\W", "_", word, flags=re.ASCII) for word in words)[:100]
+        names = chain([stem], (f"{stem}-{number}" for number in count(2)))
+        name = next(each for each in names if each.lower() not in taken)
+        taken.add(name.lower())
+        return name
+
+    sets = {goal.id: cut_sets(found, goal.id) for goal in mission.goals}
+    tops = {goal: named(goal) for goal in sets if sets[goal]}
+    used = {fault for some in sets.values() for faults in some for fault in faults}
+    event = {fault.id: named(fault.id) for fault in pool if fault.id in used}
+    trees = []
+    for goal in (each for each in mission.goals if each.id in tops):
+        below = {
+            event[faults[0]] if len(faults) == 1 else named(goal.id, *faults): faults
+            for faults in sets[goal.id]
+        }
+        label = printable(f"{goal.name} ({goal.id}): truly violated or missed")
+        joint = [
+            _Gate(name, " and ".join(faults), "and", tuple(event[fault] for fault in faults))
+            for name, faults in below.items()
+            if len(faults) > 1
+        ]
+        trees.append([_Gate(tops[goal.id], label, "or", tuple(below)), *joint])
+    return trees, [
+        (event[each.id], printable(f"{each.name} ({each.id}): {each.words}"), each)
+        for each in pool
+        if each.id in used
+    ]
+
+
+def as_open_psa(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> bytes:
+    """Return the fault trees in Open-PSA's exchange format, XML that many tools read."""
+    trees, events = _trees(mission, pool, found)
+    root = Element("opsa-mef")
+    root.append(Comment(f" {_SAYS} "))
+    for tree in trees:
+        of_goal = SubElement(root, "define-fault-tree", name=tree[0].name)
+        joint = {gate.name for gate in tree}
+        for gate in tree:
+            defined = _defined(of_goal, "gate", gate.name, gate.label)
+            formula = SubElement(defined, gate.kind) if len(gate.inputs) > 1 else defined
+            for name in gate.inputs:
+                SubElement(formula, "gate" if name in joint else "basic-event", name=name)
+    known = SubElement(root, "model-data")
+    for name, label, fault in events:
+        defined = _defined(known, "basic-event", name, label)
+        if fault.likelihood is not None:
+            SubElement(defined, "float", value=repr(fault.likelihood))
+    indent(root)
+    content: bytes = tostring(root, encoding="utf-8", xml_declaration=True)
+    return content + b"\n"
+
+
+def _defined(parent: Element, what: str, name: str, label: str) -> Element:
+    defined = SubElement(parent, f"define-{what}", name=name)
+    SubElement(defined, "label").text = label
+    return defined
+
+
+def as_pfta(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> bytes:
+    """Return the fault trees as text for ``pfta``."""
+    trees, events = _trees(mission, pool, found)
+    said = fill(f"{_SAYS} {_OF_PFTA}", 98, initial_indent="# ", subsequent_indent="# ")
+    parts = [said, "- times: nan\n- computational_order: 1"]
+    for gate in (gate for tree in trees for gate in tree):
+        kind = gate.kind.upper() if len(gate.inputs) > 1 else "NULL"
+        inputs = ", ".join(gate.inputs)
+        parts.append(
+            f"Gate: {gate.name}\n- label: {gate.label}\n- type: {kind}\n- inputs: {inputs}"
+        )
+    for name, label, fault in events:
+        chance = "nan" if fault.likelihood is None else fault.likelihood
+        model = f"- model_type: Fixed\n- probability: {chance}\n- intensity: nan"
+        parts.append(f"Event: {name}\n- label: {label}\n{model}")
+    return "\n\n".join((*parts, "")).encode()

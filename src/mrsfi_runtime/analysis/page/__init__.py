@@ -1,1 +1,0 @@
-"""The page: what was found and flown as one HTML file, which needs nothing but a browser."""
