@@ -20,8 +20,7 @@ from scipy.stats import wilcoxon
 
 import mrsfi
 from mrsfi_runtime.analysis.tables import Table, as_csv, to_markdown
-from mrsfi_runtime.study.comparison import RunResult, compare_ranks, holm
-from mrsfi_runtime.study.variants import PAPERS, Variant
+from mrsfi_runtime.study.comparison import PAPERS, RunResult, Variant, compare_ranks, holm
 
 KEPT = Path("benchmarks/results")
 N_SEEDS, N_EVALUATIONS = 20, 909

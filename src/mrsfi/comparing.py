@@ -22,9 +22,16 @@ from mrsfi_runtime.record.database import CampaignFolder, canonical, file_hashes
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from mrsfi_runtime.study.comparison import Comparison, RunResult, as_json, compare, measure_run
+from mrsfi_runtime.study.comparison import (
+    Comparison,
+    RunResult,
+    Sweep,
+    Variant,
+    as_json,
+    compare,
+    measure_run,
+)
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.variants import Sweep, Variant
 
 _DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""

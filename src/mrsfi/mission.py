@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.model.mission import Evaluated
     from mrsfi_runtime.model.mission import Mission as Model
     from mrsfi_runtime.search.run import CampaignProgress
-    from mrsfi_runtime.study.comparison import Comparison, RunResult
-    from mrsfi_runtime.study.variants import Variant
+    from mrsfi_runtime.study.comparison import Comparison, RunResult, Variant
 
 
 def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":
@@ -365,7 +364,7 @@ class Mission:
             If the folder is another comparison's.
         """
         from mrsfi.comparing import compared, default_folder, settings_of  # noqa: PLC0415
-        from mrsfi_runtime.study.variants import Sweep, variants_of  # noqa: PLC0415
+        from mrsfi_runtime.study.comparison import Sweep, variants_of  # noqa: PLC0415
 
         swept = None if sweep is None else Sweep.parse(sweep)
         variants = variants_of(algorithms, swept)

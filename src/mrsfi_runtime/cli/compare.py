@@ -129,8 +129,8 @@ def command(  # noqa: PLR0913 - one for each option
     (mission,) = targets
     import mrsfi
     from mrsfi.comparing import default_folder
+    from mrsfi_runtime.study.comparison import Sweep
     from mrsfi_runtime.study.folder import ComparisonFolder
-    from mrsfi_runtime.study.variants import Sweep
 
     flown_by = chosen(engine, AUTO)
     workers.require_sense(flown_by)

@@ -8,8 +8,7 @@ from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.cli.terminal import print_table, print_words
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.study.comparison import Comparison
-    from mrsfi_runtime.study.variants import Sweep
+    from mrsfi_runtime.study.comparison import Comparison, Sweep
 
 
 def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) -> None:

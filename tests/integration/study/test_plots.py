@@ -3,9 +3,8 @@ from dataclasses import asdict
 
 import pytest
 
-from mrsfi_runtime.study import plots as study_plots
-from mrsfi_runtime.study.comparison import Comparison, RunResult, compare
-from mrsfi_runtime.study.variants import Sweep
+from mrsfi_runtime.study import folder as study_plots
+from mrsfi_runtime.study.comparison import Comparison, RunResult, Sweep, compare
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
 from tests.tiers import slow

@@ -1,8 +1,7 @@
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.study.comparison import compare
-from mrsfi_runtime.study.variants import Sweep, Variant, variants_of
+from mrsfi_runtime.study.comparison import Sweep, Variant, compare, variants_of
 from tests.support.comparisons import run_result
 
 PAPERS = "crossover=0.7,population=20"
