@@ -17,8 +17,8 @@ from mkdocs.structure.pages import Page
 
 from m2t.metaclasses import features
 from m2t.metamodels import load_metamodels
-from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.main import cli
+from mrsfi_runtime.project_file import installed_version
 
 ROOT = Path(__file__).parent.parent
 SOURCES = "tree"

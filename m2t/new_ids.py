@@ -26,7 +26,7 @@ from m2t.protected_regions import parse, text_lines
 from m2t.read.model_files import ModelFiles
 from m2t.saving import edited
 from mrsfi_runtime.errors import ProtectedRegionError, UsageError, expected
-from mrsfi_runtime.markers import MARKER, lines_in_regions
+from mrsfi_runtime.files import MARKER, lines_in_regions
 
 
 @dataclass(frozen=True, slots=True)

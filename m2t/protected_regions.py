@@ -20,7 +20,7 @@ from io import StringIO
 from itertools import zip_longest
 
 from mrsfi_runtime.errors import ProtectedRegionError
-from mrsfi_runtime.markers import MARKER
+from mrsfi_runtime.files import MARKER
 
 _ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", re.IGNORECASE)
 

@@ -15,8 +15,8 @@ from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
+from mrsfi_runtime.fence import IMPORTED, copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
-from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root

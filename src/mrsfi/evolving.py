@@ -13,7 +13,6 @@ from mrsfi.engines import Tell, own_engine, silent
 from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
 from mrsfi.injecting import looked_at, within_reach
-from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.harvest import ALGORITHMS
@@ -25,6 +24,7 @@ from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission
+from mrsfi_runtime.project_file import installed_version
 from mrsfi_runtime.record.database import CampaignFolder, only_writer
 from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Manifest, Workers
 from mrsfi_runtime.record.settings import CampaignSettings

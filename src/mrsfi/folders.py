@@ -12,8 +12,8 @@ from m2t.load import MISSION_XMI, LoadedModels
 from mrsfi.project import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
+from mrsfi_runtime.generated_code import require_semantics
 from mrsfi_runtime.project_file import root
-from mrsfi_runtime.readiness import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"
 _MISSION_CODE = "mission_loader.py"

@@ -26,8 +26,8 @@ from mrsfi.reporting import report
 from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
+from mrsfi_runtime.fence import IMPORTED
 from mrsfi_runtime.files import telling, whole_file
-from mrsfi_runtime.imported_copies import IMPORTED
 from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import Workers
 from mrsfi_runtime.record.store import CampaignStore

@@ -16,11 +16,10 @@ from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
 from mrsfi.folders import find_mission
 from mrsfi.found_node import node_table, topics_of
-from mrsfi.versions import installed_version
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import whole_folder
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.project_file import SETTINGS
+from mrsfi_runtime.project_file import SETTINGS, installed_version
 
 _TEMPLATE = Path(__file__).parent / "template"
 _PLACES = {

@@ -1,15 +1,20 @@
-"""Files that are written: one as a whole, or several as one change.
+"""Files.
+
+Files that are written: one as a whole, or several as one change.
 
 A change survives a kill at any moment. ``.mrsfi-change`` in its folder is lock and journal in one,
 and there only while a command changes something, or after one was killed. It has a line with the
 process, one with what is to replace what, and, once all that is new is on the disk, beside what it
 replaces, the line ``"whole"``. Who holds the lock next replaces then, or removes what is new.
+
+The lines between which a protected region stands in a generated file.
 """
 
 import errno
 import fcntl
 import json
 import os
+import re
 import shutil
 import stat
 import sys
@@ -291,3 +296,23 @@ def telling_of_temporary_files() -> Iterator[None]:
             f"{tempfile.tempdir or 'TMPDIR'}: mrsfi cannot write temporary files there: "
             f"{error.strerror}; set TMPDIR to a folder with more room"
         ) from error
+
+
+MARKER = re.compile(
+    r"^[ \t]*# protected region (?P<id>\S+) (?:(?P<state>on|off) begin|end)[ \t]*(?:\n|\Z)",
+    re.MULTILINE,
+)
+"""A marker line with its line end; one that ends a region has no ``state``."""
+
+
+def lines_in_regions(text: str) -> Mapping[int, str]:
+    """Return the region of each line that stands in one, by the number of the line."""
+    found = {}
+    region = ""
+    for number, line in enumerate(text.split("\n"), start=1):
+        marker = MARKER.fullmatch(line)
+        if marker is not None:
+            region = marker["id"] if marker["state"] else ""
+        elif region:
+            found[number] = region
+    return found

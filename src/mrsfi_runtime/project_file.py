@@ -1,4 +1,9 @@
-"""The settings file of a team's project, and the metamodels that the project chooses."""
+"""The project file, and which versions are installed.
+
+The settings file of a team's project, and the metamodels that the project chooses.
+
+Versions of what is installed.
+"""
 
 import os
 import tomllib
@@ -81,3 +86,16 @@ def _require(file: Path, name: str, value: Any) -> None:
         raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
     if name in FOLDERS and (not isinstance(value, str) or not value):
         raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
+
+
+def installed_version(name: str) -> str:
+    """Return the version of a distribution, or of python; mrsfi run from its source has none."""
+    import platform  # noqa: PLC0415 - as below
+    from importlib import metadata  # noqa: PLC0415 - takes half as long as `mrsfi --help`
+
+    if name == "python":
+        return platform.python_version()
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"

@@ -9,8 +9,8 @@ import pytest
 
 from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.fence import importing
 from mrsfi_runtime.generated_code import load_module
-from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.record.database import CampaignFolder
 
 REGIONS = "collective_intelligence.py"

@@ -50,7 +50,7 @@ def command(mission: str, generated: Path | None, check: bool, diff: bool, force
 
 def _write(folders: "MissionFolders", *, force: bool) -> None:
     from mrsfi.folders import generate
-    from mrsfi_runtime.readiness import unfilled_regions
+    from mrsfi_runtime.generated_code import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)
     for verb in ("written", "removed", "unchanged"):

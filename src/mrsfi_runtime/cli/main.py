@@ -10,10 +10,9 @@ from typing import Any, cast
 
 import click
 
-from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.console import steady_output
 from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError
-from mrsfi_runtime.project_file import metamodels_chosen
+from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 
 _INTERRUPTED = 130
 

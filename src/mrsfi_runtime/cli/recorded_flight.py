@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.tables import (
     fault_table,
     faults_as_json,
@@ -25,6 +24,7 @@ from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
 from mrsfi_runtime.model.mission import Mission, Outcome
+from mrsfi_runtime.project_file import installed_version
 from mrsfi_runtime.record.observers import (
     Events,
     NamedFault,

@@ -39,8 +39,8 @@ from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.pools import starting_workers
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
+from mrsfi_runtime.fence import copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code
-from mrsfi_runtime.imported_copies import copied_files
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight
 from mrsfi_runtime.record.engine_settings import LOCAL, EngineSettings

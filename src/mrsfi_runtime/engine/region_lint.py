@@ -41,7 +41,7 @@ from mrsfi_runtime.engine.region_sources import (
     sources,
 )
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.readiness import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
+from mrsfi_runtime.generated_code import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
 
 _LARGEST = 2**63 - 1
 _WIDE = 2**32

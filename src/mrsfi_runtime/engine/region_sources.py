@@ -22,11 +22,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
-from mrsfi_runtime.imported_copies import team_file
+from mrsfi_runtime.fence import team_file
+from mrsfi_runtime.files import lines_in_regions
+from mrsfi_runtime.generated_code import region_files
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.markers import lines_in_regions
-from mrsfi_runtime.readiness import region_files
 
 _LONGEST = 200  # letters of a text that may be the name of a file
 _UNLIKELY = re.compile(r"^/|\.\.|[\0\n]|\.py$")

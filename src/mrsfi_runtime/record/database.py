@@ -31,8 +31,8 @@ from types import MappingProxyType
 from typing import Any, Self
 
 from mrsfi_runtime.errors import RecordError, SpecificationError
+from mrsfi_runtime.fence import IMPORTED, copied_files
 from mrsfi_runtime.files import OURS, keep_names, write_atomically
-from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.model.faults import Specification, TimedFault, plain
 from mrsfi_runtime.model.mission import Margin, Outcome
 

@@ -17,7 +17,7 @@ from time import monotonic
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expected
-from mrsfi_runtime.imported_copies import importing
+from mrsfi_runtime.fence import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
 from mrsfi_runtime.record.database import CampaignFolder

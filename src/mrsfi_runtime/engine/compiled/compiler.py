@@ -49,10 +49,10 @@ from mrsfi_runtime.engine.compiled.regions import (
     names_of,
 )
 from mrsfi_runtime.engine.compiled.views import TASK_FUNCTIONS, Flights, arguments_of, fly_many
+from mrsfi_runtime.files import lines_in_regions
 from mrsfi_runtime.kernel.goal_tasks.table import FUNCTIONS
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State, is_kernel
-from mrsfi_runtime.markers import lines_in_regions
 
 _KNOWN = tuple(
     get_type_hints(record).keys()
