@@ -1,30 +1,54 @@
-"""What a search found, read from its folder."""
+"""A campaign.
 
-from collections.abc import Mapping
+A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it.
+
+An archive has a list of the hashes of the campaign's files, which ``sha256sum -c`` reads, and the
+digest of that list in ``REPRODUCE.md``. To repeat it, mrsfi compares the files with the list. Then
+it makes the campaign once more from its own settings, models and code, and compares the two: so a
+changed result differs, whatever was changed to fit it.
+
+What a search found, read from its folder.
+"""
+
+import lzma
+import re
+import shutil
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import replace
 from functools import cached_property
+from hashlib import sha256
 from html import escape
 from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrsfi import reporting
-from mrsfi.campaign_folders import open_campaign, open_to_fly, require_same
-from mrsfi.engines import AS_RECORDED, again
-from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign
+from mrsfi import explaining
+from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly, require_same
+from mrsfi.engines import AS_RECORDED, Given, Tell, again, silent
+from mrsfi.evolving import evolve, tell_of_versions
+from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign, harvested, report
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
-from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.analysis.report import Shown
 from mrsfi_runtime.analysis.tables import evaluations_table, to_html
 from mrsfi_runtime.analysis.weaknesses import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.causes.mildest import Way
-from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.engine.opening import named, open_engine
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
+from mrsfi_runtime.fence import IMPORTED
+from mrsfi_runtime.files import telling, whole_file
+from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
 from mrsfi_runtime.record.regressions import Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
@@ -34,6 +58,202 @@ if TYPE_CHECKING:
 
     from mrsfi_runtime.causes.weakness import Weakness
     from mrsfi_runtime.record.settings import CampaignSettings
+
+
+_LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
+_BEFORE, _SHOWN = 30, 150  # characters that one shows before and after a first difference
+_FAILED = "Traceback (most recent call last)"
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
+_MOST_BYTES = 4 * 1024**3
+_NO_ZIP = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError)
+_UNREADABLE = (*_NO_ZIP, RuntimeError, ValueError, KeyError)
+"""What reading an archive raises; the last three if it is encrypted or compressed as nobody knows,
+a name is no text, or it has no list."""
+
+
+def pack(run: Path, out: Path, tell: Tell = silent) -> str:
+    """Write a campaign's files into an archive; return the digest of the list of their hashes."""
+    folder, hashes = CampaignFolder(run), dict[str, str]()
+    with (
+        CampaignStore.open(run) as store,
+        no_writer(folder),
+        whole_file(out) as file,
+        zipfile.ZipFile(file, "w") as archive,
+    ):
+
+        def add(name: str, content: bytes) -> None:
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), content, zipfile.ZIP_DEFLATED)
+            hashes[name] = sha256(content).hexdigest()
+
+        for path in folder.files():
+            if path.resolve() != out.resolve():
+                add(f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
+        add(_LISTED, "".join(f"{found}  {name}\n" for name, found in hashes.items()).encode())
+        add(_TOLD, _told(store, hashes[_LISTED]))
+    made = [path.stat().st_mtime for path in (folder.summary, folder.database) if path.exists()]
+    if made[0] < made[-1] or len(made) == 1:
+        tell(
+            f"warning: {folder.summary} is missing or older than the record; mrsfi check ends with "
+            "exit code 7 where the search has not ended or the summary differs from the record; to "
+            f"end the search and write the summary: mrsfi evolve --resume {run}"
+        )
+    return hashes[_LISTED]
+
+
+def _told(store: CampaignStore, digest: str) -> bytes:
+    versions = store.manifest.versions
+    listed = "\n".join(f"- {name} {version}" for name, version in versions.items())
+    return (
+        f"# A campaign of mrsfi\n\nIn `campaign/` are its models, its generated code, its settings "
+        f"and every evaluation.\nIt was made with\n\n{listed}\n\nTo repeat all of it:\n\n"
+        f"    pip install mrsfi=={versions.get('mrsfi')}\n"
+        f"    mrsfi check ARCHIVE --digest {digest}\n\n"
+        f"The digest is the SHA-256 of `{_LISTED}`.\n"
+    ).encode()
+
+
+def repeat(
+    archive: Path, engine: Given, digest: str | None = None, tell: Tell = silent
+) -> tuple[Mapping[str, int], str, str]:
+    """Make a campaign once more; return how much is as recorded, its digest and the archive's.
+
+    ``digest`` is what ``pack`` returned. Members that are not as they were packed are a
+    ``RecordError``; results that are others are a ``ReplayMismatch``.
+    """
+    with _unpacked(archive, digest) as (run, found), CampaignStore.open(run) as store:
+        manifest, again = store.manifest, run.with_name("again")
+        if manifest.engine.is_foreign:
+            raise RecordError(
+                f"{archive}: members are as packed (digest {found}); flights are not repeated: an "
+                "external simulation or node flew them; expected a campaign that mrsfi flew alone"
+            )
+        if not store.n_evaluations:
+            raise ReplayMismatch(f"{archive}: holds no evaluation; expected at least one")
+        CampaignFolder(run).require_hashes(manifest.sha256)
+        tell(f"{archive}: members are as packed; mrsfi now runs the code that it holds")
+        tell_of_versions(manifest, tell)
+        shutil.copytree(run, again, ignore=shutil.ignore_patterns(store.path.name))
+        CampaignStore.create(again, store.settings, manifest).close()
+        with open_to_fly(again, tell) as made:
+            _make(made, store, engine, tell)
+            numbers = _compared(run, _contents(store), _contents(made.store))
+        return numbers, store.digest(), found
+
+
+def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Given, tell: Tell) -> None:
+    """Fly what was flown after a recorded search, then search, look for weaknesses and report."""
+    code, settings = campaign.code, recorded.settings
+    flown_by = named(again(engine, recorded.manifest.engine), code, settings.mission_seed, tell)
+    with open_engine(flown_by, code, settings.mission_seed) as one, suppress(MrsfiError):
+        campaign.store.append_flights(
+            replace(each, found=one.attempt(each.specification, each.mission_seed))
+            for each in recorded.flights()
+        )
+    explains, watched = recorded.kept(KEPT, str) is not None, nullcontext(lambda _: None)
+    too_many_failed = recorded.n_failures >= settings.max_failures
+    with suppress(EvaluationError) if too_many_failed else nullcontext():
+        evolve(campaign, flown_by, Workers(), watched, explains=explains)
+    if campaign.folder.summary.exists():
+        ratio = re.search(rb'"ratio": "(.*)"', campaign.folder.summary.read_bytes())
+        report(campaign, ratio and ratio[1].decode(errors="replace"), lambda _: lambda: None)
+
+
+def _contents(store: CampaignStore) -> dict[tuple[str, str], object]:
+    """Return what a campaign found, by kind and name, without the name of its folder."""
+    run = store.path.parent
+    rows = {
+        (f"{table}s", f"{table} {row[0]}"): [
+            "error" if _FAILED in str(each) else each for each in row
+        ]
+        for table in ("evaluation", "failure", "generation", "flight")
+        for row in store.rows(table)
+    }
+    names = ("summary.json", "critical/[0-9]*.xmi", "weaknesses/[0-9]*.xmi")
+    files = {
+        str(path.relative_to(run)): re.sub(rb'\n  "campaign": .*', b"", path.read_bytes())
+        for name in names
+        for path in run.glob(name)
+    }
+    found = {"weaknesses": store.kept(KEPT, str), **files}
+    return rows | {("parts of the report", name): part for name, part in found.items()}
+
+
+def _compared(
+    run: Path, recorded: Mapping[tuple[str, str], object], again: Mapping[tuple[str, str], object]
+) -> Mapping[str, int]:
+    """Return how many there are of each kind, if all are as recorded."""
+    every = {**recorded, **again}
+    other = [each for each in every if recorded.get(each) != again.get(each)]
+    numbers, others = Counter(kind for kind, _ in every), Counter(kind for kind, _ in other)
+    if other:
+        then, now = (str(each.get(other[0])) for each in (recorded, again))
+        pairs = enumerate(zip(then, now, strict=False))
+        begin = next((max(0, place - _BEFORE) for place, (a, b) in pairs if a != b), 0)
+        same = ", ".join(f"{n - others[kind]} of {n} {kind}" for kind, n in numbers.items())
+        raise ReplayMismatch(
+            f"{run}: {other[0][1]} differs from its record: found {now[begin:][:_SHOWN]}, recorded "
+            f"{then[begin:][:_SHOWN]}; as recorded are {same}. Expected the same bit for bit; look "
+            "whether the archive, mrsfi, Python or the kind of processor has changed since"
+        )
+    return numbers
+
+
+@contextmanager
+def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
+    """Yield the folder of a campaign that was packed, and the digest of its list of hashes."""
+    listed, told = _members(archive)
+    found = sha256(listed).hexdigest()
+    if digest is not None and digest.lower() != found:
+        raise RecordError(
+            f"{archive}: found digest {found}; expected {digest}; it is another archive, or its "
+            "list of hashes was changed with its members"
+        )
+    with TemporaryDirectory() as place:
+        run = Path(place) / "campaign"
+        with telling(Path(gettempdir()), "set TMPDIR to a folder with more room"):
+            with zipfile.ZipFile(archive) as content:
+                content.extractall(place)
+            (run / "generated" / IMPORTED).mkdir(parents=True, exist_ok=True)  # if it was empty
+        try:
+            with CampaignStore.open(run) as store:
+                if told != _told(store, found):
+                    raise _changed(archive, f"{_TOLD} was changed")
+            yield run, found
+        except MrsfiError as error:
+            error.args = (str(error).replace(place, str(archive)),)
+            raise
+
+
+def _members(archive: Path) -> tuple[bytes, bytes]:
+    """Return the list of hashes and the text beside it, if all other members are as listed."""
+    try:
+        with zipfile.ZipFile(archive) as content:
+            members = content.infolist()
+            if sum(each.file_size for each in members) > _MOST_BYTES:
+                raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
+            found = {each.filename: sha256(content.read(each)).hexdigest() for each in members}
+            listed, told = content.read(_LISTED), content.read(_TOLD)
+            lines = (line.split("  ", 1) for line in listed.decode().splitlines())
+            expected = {name: hashed for hashed, name in lines}
+    except _UNREADABLE as error:
+        raise RecordError(
+            f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
+        ) from error
+    expected |= {name: found[name] for name in (_LISTED, _TOLD)}
+    names = {name for name, _ in found.items() ^ expected.items()}
+    changes = [
+        f"{name} was {'changed' if name in expected else 'added'}"
+        if name in found
+        else f"{name} is missing"
+        for name in sorted(names)
+    ]
+    if changes or len(found) < len(members):
+        raise _changed(archive, ", ".join(changes) or "a member is there twice")
+    return listed, told
+
+
+def _changed(archive: Path, what: str) -> RecordError:
+    return RecordError(f"{archive}: {what}; expected the archive as `mrsfi pack` wrote it")
 
 
 class Campaign:
@@ -197,19 +417,17 @@ class Campaign:
             Write it for a paper, too, with figures as PDF; then that file is returned.
         """
         with open_campaign(self.folder) as campaign:
-            reporting.report(campaign, ratio, latex=latex)
+            explaining.report(campaign, ratio, latex=latex)
             return campaign.folder.latex if latex else campaign.folder.report
 
     def pack(self, out: Path | str) -> str:
         """Pack it into an archive that ``mrsfi check`` flies again; return the archive's digest."""
-        from mrsfi.packing import pack  # noqa: PLC0415 - seldom used
-
         return pack(self.folder, Path(out))
 
     def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
         """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""
         with open_campaign(self.folder) as campaign:
-            return tuple(reporting.show(campaign, weakness))
+            return tuple(explaining.show(campaign, weakness))
 
     @cached_property
     def _columns(self) -> Columns:

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from m2t.generate import rendered_file
 from m2t.load import MISSION_XMI, load_mission_folder
-from mrsfi.engines import Tell, silent
+from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
-from mrsfi.project import from_here, project
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried

@@ -1,4 +1,21 @@
-"""The engine that options, record and project name; evaluators, opened accordingly."""
+"""Engines.
+
+Where a team's project keeps its models, generated code, campaigns and metamodels.
+
+A file ``mrsfi.toml`` at the root of a project says so; commands find it from any folder inside::
+
+    [project]
+    metamodels = "metamodels"
+    models = "models"
+    generated = "generated"
+    runs = "runs"
+    ros = 1
+
+What it leaves out has these values. Without such a file the working folder is the root. A second
+table, ``[node]``, says what a team's own node hears and says (``cosimulation.node.mapping``).
+
+The engine that options, record and project name; evaluators, opened accordingly.
+"""
 
 import hashlib
 import json
@@ -6,15 +23,15 @@ import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mrsfi.project import project
 from mrsfi_runtime.cosimulation.node_mapping import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
     BOTH,
@@ -29,10 +46,50 @@ from mrsfi_runtime.record.engine_settings import (
     flag,
     parts_of,
 )
+from mrsfi_runtime.transport.topics import ROS_VERSIONS
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine, Evaluator
     from mrsfi_runtime.generated_code import MissionCode
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """The folders of a project, each as short as a user would write it.
+
+    ``metamodels`` are those of the team; ``None`` if the project has none. ``ros`` is the version
+    of ROS that its rosbridge server speaks, ``node`` what it says of its own node.
+    """
+
+    models: Path
+    generated: Path
+    runs: Path
+    metamodels: Path | None
+    ros: int
+    node: Mapping[str, Any] | None
+
+
+def project() -> Project:
+    """Return the project that the working folder is in.
+
+    Settings that cannot be read, or that mean nothing, are a ``UsageError``.
+    """
+    file = root() / SETTINGS
+    given, node = settings(file) if file.is_file() else ({}, None)
+    ros, own = given.get("ros", 1), project_metamodels()
+    if type(ros) is not int or ros not in ROS_VERSIONS:
+        raise UsageError(f"{file}: found ros = {ros!r}; expected 1 or 2")
+    models, generated, runs = (
+        from_here(file.parent / given.get(name, name)) for name in ("models", "generated", "runs")
+    )
+    return Project(models, generated, runs, own and from_here(own), ros, node)
+
+
+def from_here(path: Path) -> Path:
+    """Return a path as short as a user would write it: relative, unless that is no shorter way."""
+    relative = Path(os.path.relpath(path))
+    return relative if len(relative.parts) < len(path.parts) else path
+
 
 Tell: TypeAlias = Callable[[str], None]
 """Takes one line about how things go."""

@@ -1,36 +1,110 @@
-"""Campaigns from the first evaluation to the last."""
+"""Evolving.
+
+A team's own node before a campaign: which faults reach it, and whether it repeats itself.
+
+Campaigns from the first evaluation to the last.
+"""
 
 import platform
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from random import Random
 from typing import TypeAlias
 
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
 from mrsfi.engines import Tell, own_engine, silent
 from mrsfi.engines import evaluator as evaluating
+from mrsfi.explaining import harvest
 from mrsfi.folders import MissionFolders
-from mrsfi.injecting import looked_at, within_reach
-from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.compiled.engine import differing
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.opening import tried
+from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.engine.region_sources import imported_files
-from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, WorkerLost
+from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, UsageError, WorkerLost, counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission
 from mrsfi_runtime.project_file import installed_version
 from mrsfi_runtime.record.database import CampaignFolder, only_writer
-from mrsfi_runtime.record.engine_settings import BOTH, CI, EngineSettings, Manifest, Workers
+from mrsfi_runtime.record.engine_settings import (
+    BOTH,
+    CI,
+    INJECTOR,
+    EngineSettings,
+    Manifest,
+    Workers,
+)
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Measure
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, require_settings, run_campaign
-from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.space import SearchSpace, random_specification
+
+N_LOOKS = 3
+"""Times that a specification is flown to see whether a node repeats itself, and if it does not."""
+
+
+def within_reach(
+    code: MissionCode, engine: EngineSettings, tell: Tell
+) -> tuple[MissionCode, EngineSettings]:
+    """Return code and settings without the faults that cannot be injected; tell of these.
+
+    Where nothing is left, it is a ``UsageError``.
+    """
+    if engine.side != INJECTOR:
+        return code, engine
+    speech = Speech.of(engine.node_mapping, code.mission)
+    beyond = out_of_reach(code.mission, code.pool, speech)
+    touching = defaultdict(list)
+    for fault, touched in beyond.items():
+        touching[touched].append(fault)
+    if touching:
+        listed = "; ".join(f"{what} ({', '.join(faults)})" for what, faults in touching.items())
+        tell(f"left out, for no topic tells your node of what they touch: {listed}")
+    pool = code.pool.without(beyond)
+    if not pool:
+        raise UsageError(
+            f"none of {counted(len(code.pool), 'faults')} can be injected: no topic of [node] "
+            "tells of what they touch (docs/node.md)"
+        )
+    return replace(code, pool=pool), replace(engine, node_left_out=tuple(beyond))
+
+
+def looked_at(
+    code: MissionCode, engine: EngineSettings, settings: CampaignSettings, tell: Tell
+) -> tuple[EngineSettings, str]:
+    """Fly one specification several times, and return settings by which each flies often enough.
+
+    That is once if the node repeats itself, and otherwise as often, as at a rate: then it is told
+    and returned how it does not.
+    """
+    if engine.side != INJECTOR:
+        return engine, ""
+    space = SearchSpace.of(code.mission, code.pool)
+    specification = random_specification(space, settings.faults, Random(settings.seed))
+    with open_engine(engine, code, settings.mission_seed) as opened:
+        found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
+    is_same = all(each == found[0] for each in found)
+    counts = ", ".join(str(sum(each.believed)) for each in found)
+    seen = f"one specification, flown {N_LOOKS} times, "
+    seen += "was the same" if is_same else f"had {counts} believed violations"
+    if is_same and not engine.is_free:
+        tell(f"your node repeats itself: {seen}")
+        return engine, ""
+    how = "runs by its own clock" if engine.is_free else "does not repeat itself"
+    doubt = (
+        f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
+        "median, and causes are not looked for: they may be chance"
+    )
+    tell(f"warning: {doubt}")
+    return replace(engine, node_repeats=N_LOOKS), doubt
+
 
 Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Is told how far a search is, after each generation."""

@@ -1,19 +1,33 @@
-"""The folders of missions: models, generated code, campaign files."""
+"""Where a mission lies, and its IDs.
 
+The folders of missions: models, generated code, campaign files.
+
+Other IDs for elements of a mission: in models and code, in campaign files, in what is kept.
+"""
+
+import ast
 import os
-from collections.abc import Iterator
+import re
+import tokenize
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from m2t.generate import diff as diff  # noqa: PLC0414 - for importers, as the next
 from m2t.generate import generate as generate  # noqa: PLC0414
 from m2t.generate import stale
+from m2t.line_difference import unified_difference
 from m2t.load import MISSION_XMI, LoadedModels
-from mrsfi.project import from_here, project
+from m2t.new_ids import WithNewIds, with_new_ids
+from mrsfi.engines import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
-from mrsfi_runtime.files import settle
+from mrsfi_runtime.files import changing, settle
 from mrsfi_runtime.generated_code import require_semantics
 from mrsfi_runtime.project_file import root
+from mrsfi_runtime.record.regressions import folder_of
 
 _MODELS, _GENERATED = "models", "generated"
 _MISSION_CODE = "mission_loader.py"
@@ -103,3 +117,106 @@ def _generated(folder: Path) -> Path:
         return ours.generated / folder.name
     root = folder.parent.parent if folder.parent.name == _MODELS else folder.parent
     return from_here(root / _GENERATED / folder.name)
+
+
+_BARE = re.compile(r"[A-Za-z0-9_-]*")
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a TOML file names elements: the text around the names, a name, and what is read."""
+
+    around: re.Pattern[str]
+    name: re.Pattern[str]
+    read: Callable[[dict[str, Any]], Sequence[str]]
+
+
+_GOALS = _Place(
+    re.compile(r"^\s*goals\s*=\s*\[[^\]]*\]", re.MULTILINE),
+    re.compile(r"""(?P<quote>["'])(?P<id>[^"'\n]*)(?P=quote)"""),
+    lambda document: document.get("search", {}).get("goals", ()),
+)
+_LIMITS = _Place(
+    re.compile(r"^\s*\[max\](?:.*\n?)*", re.MULTILINE),
+    re.compile(r"""^(?P<quote>["']?)(?P<id>[^"'\s=]+)(?P=quote)(?=\s*=)""", re.MULTILINE),
+    lambda document: [*document.get("max", ())],
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming(WithNewIds):
+    """What other IDs would change, also in campaign files and limits.
+
+    ``scripts`` are where Python files beside the models name an old ID: path, line and ID.
+    """
+
+    scripts: tuple[tuple[Path, int, str], ...]
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files that change."""
+        code = self.code
+        written = () if code is None else (code.target / name for name in code.written)
+        return (*self.contents, *written)
+
+    @property
+    def changes(self) -> dict[Path, bytes | None]:
+        """New content of all files that change, by path."""
+        return {**self.contents, **({} if self.code is None else self.code.changes)}
+
+
+def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
+    """Give elements other IDs, as ``renaming`` says, in all files or in none."""
+    with changing(folders.models) as change:
+        found = renaming(folders, names)
+        change.replace(found.changes)
+    return found
+
+
+def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
+    """Return what other IDs would change, by old ones, all at once; write nothing."""
+    if folders.generated.is_dir():
+        folders.require_fresh()
+    found = with_new_ids(folders.models, folders.generated, names)
+    contents = dict(found.contents)
+    lines = [*found.difference]
+    places = [(path, _GOALS) for path in sorted(folders.models.glob("*.toml"))]
+    places += [(path, _LIMITS) for path in sorted(folder_of(folders.models).glob("*.toml"))]
+    for path, place in places:
+        old, new = _edited(path, place, names)
+        if new != old:
+            contents[path] = new.encode()
+            named = str(path)
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    scripts = tuple(_named(folders.models, names))
+    return Renaming(contents, found.respelt, found.code, tuple(lines), scripts)
+
+
+def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:
+    """Return the text of a TOML file, and the same with new IDs; its layout stays."""
+
+    def exchanged(found: re.Match[str]) -> str:
+        new = names.get(found["id"], found["id"])
+        quote = found["quote"] or ("" if _BARE.fullmatch(new) else '"')
+        return f"{quote}{new}{quote}"
+
+    try:
+        old = path.read_bytes().decode("utf-8")
+        new = place.around.sub(lambda part: place.name.sub(exchanged, part[0]), old)
+        before, after = (place.read(tomllib.loads(text)) for text in (old, new))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}; expected TOML") from error
+    if [*after] != [names.get(name, name) for name in before]:
+        raise UsageError(
+            f"{path}: found {', '.join(before)} in a form that cannot be edited; expected a list "
+            'such as goals = ["g1"], or a table [max] with a line for each goal'
+        )
+    return old, new
+
+
+def _named(models: Path, names: Mapping[str, str]) -> Iterator[tuple[Path, int, str]]:
+    for path in sorted(models.glob("*.py")):
+        with suppress(OSError, SyntaxError), tokenize.open(path) as file:
+            for node in ast.walk(ast.parse(file.read())):
+                if isinstance(node, ast.Constant) and node.value in names:
+                    yield path, node.lineno, str(node.value)

@@ -1,21 +1,44 @@
-"""What flies: the code of missions, and fault specifications in files."""
+"""Models loaded and checked.
 
-from collections.abc import Callable
-from dataclasses import dataclass
+What flies: the code of missions, and fault specifications in files.
+
+What is wrong with the models of a mission, and with its code.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from m2t.diagnostics import Diagnostic
+from m2t.fixes import Mending, mend
 from m2t.generate import rendered_file
-from m2t.load import LoadedModels, load_mission_folder, load_specification
+from m2t.load import (
+    Inspection,
+    LoadedModels,
+    inspect_folder,
+    inspect_specification,
+    load_mission_folder,
+    load_specification,
+)
 from m2t.specification import write_specification
-from mrsfi.engines import Tell, silent
-from mrsfi.folders import MissionFolders
-from mrsfi_runtime.engine.flights import require_effects
-from mrsfi_runtime.errors import SpecificationError, UsageError
-from mrsfi_runtime.files import write_atomically
+from mrsfi.engines import Tell, from_here, silent
+from mrsfi.folders import MissionFolders, find_mission
+from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
+from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
+from mrsfi_runtime.engine.region_lint import lint_regions
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    MrsfiError,
+    ReplayMismatch,
+    SpecificationError,
+    UsageError,
+)
+from mrsfi_runtime.files import changing, write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
+from mrsfi_runtime.model.mission import starvation
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -91,3 +114,146 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     for oddity in late:
         tell(oddity)
     return Written(models, pool, specification, unknown, late)
+
+
+_LONGEST_FLIGHT = 100_000
+"""Ticks that a validation flies at most, which takes a few seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Validated:
+    """What was found in a mission, or in a fault specification.
+
+    Diagnostics of the models, and of the generated code and the flight without faults; and how many
+    elements sound models hold, by what they are.
+    """
+
+    name: str
+    models: tuple[Diagnostic, ...]
+    code: tuple[Diagnostic, ...] = ()
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """All that was found, what is wrong with the models first."""
+        return (*self.models, *self.code)
+
+    def strict(self) -> "Validated":
+        """Return the same with its warnings as errors."""
+        models, code = (
+            tuple(replace(found, severity="error") for found in some)
+            for some in (self.models, self.code)
+        )
+        return replace(self, models=models, code=code)
+
+
+def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -> Validated:
+    """Check a mission by all constraints, fly it without faults, and look at its regions.
+
+    It is named by name or folder, or is an ``.xmi`` file with a fault specification. ``tell`` is
+    told why it was not flown.
+    """
+    if mission.endswith(".xmi"):
+        return Validated(mission, inspect_specification(Path(mission)).diagnostics)
+    folders = find_mission(mission, generated)
+    inspection = inspect_folder(folders.models)
+    models = inspection.diagnostics
+    regions = tuple(
+        Diagnostic(
+            path=found.path,
+            line=found.line,
+            element=found.place,
+            constraint=found.constraint,
+            severity="error" if found.is_error else "warning",
+            message=f"{found.place}: {found.message}",
+        )
+        for found in lint_regions(folders.generated)
+    )
+    if n_errors(models):
+        return Validated(folders.name, models, regions)
+    loaded = inspection.require_models()
+    flown = () if n_errors(regions) else _flown(folders, loaded, tell)
+    counts = {
+        "robots": len(loaded.mission.robots),
+        "obstacles": len(loaded.mission.obstacles),
+        "goals": len(loaded.mission.goals),
+        "messages": sum(len(goal.messages) for goal in loaded.mission.goals),
+        "faults": len(loaded.pool),
+    }
+    return Validated(folders.name, models, (*flown, *regions), counts)
+
+
+def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
+    """Return what is found in models, and what would mend all that has one sensible remedy."""
+    if mission.endswith(".xmi"):
+        inspection = inspect_specification(Path(mission))
+    else:
+        inspection = inspect_folder(find_mission(mission, generated).models)
+    return inspection, mend(inspection)
+
+
+def write_mended(mended: Mending) -> None:
+    """Write the files of a mending, all of them or none, unless one changed since it was read."""
+    with changing(mended.folder) as change:
+        for path in mended.contents:
+            if path.read_bytes() != mended.before[path]:
+                raise UsageError(f"{path}: was changed since it was read; fix it again")
+        change.replace(mended.contents)
+
+
+def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
+    """Return how many of some findings are errors."""
+    return sum(diagnostic.severity == "error" for diagnostic in diagnostics)
+
+
+def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:
+    """Fly the mission without faults, twice; yield where it fails, and what is odd of it."""
+    if loaded.mission.duration > _LONGEST_FLIGHT:
+        tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
+        return
+    try:
+        code = load_fresh(folders, loaded)
+        engine = ReferenceEngine(code, 1)
+        outcome = engine.evaluate(())
+        if engine.evaluate(()) != outcome:
+            from mrsfi_runtime.engine.compiled.engine import unrepeated  # noqa: PLC0415 - numpy
+
+            raise unrepeated(engine, ())
+    except (EvaluationError, ReplayMismatch) as error:
+        path, line = getattr(error, "line", None) or (folders.generated, 1)
+        message = str(error).removeprefix(f"{path}:{line}: ")
+        element = f"mission '{folders.name}'"
+        yield Diagnostic(path, line, element, "MissionFlies", "error", message)
+        return
+    except MrsfiError as error:  # stale code is no defect of the models
+        tell(f"not flown without faults: {error}")
+        return
+    yield from _uncompiled(code)
+    mission = code.mission
+    counts = zip(outcome.believed, outcome.true, outcome.missed, strict=True)
+    for element, goal, (believed, true, missed) in zip(
+        loaded.mission.goals, mission.goals, counts, strict=True
+    ):
+        if believed or true or missed:
+            held = starvation(mission, goal)
+            advice = "let it react before that one" if held else "make the goal easier"
+            message = (
+                f"goals '{goal.id}' is violated without any fault, at {believed} ticks as "
+                f"believed and {true} in truth{', and missed' if missed else ''}{held and ', '}"
+                f"{held}; expected none, so that search sees the work of faults only; {advice} or "
+                "its reaction better"
+            )
+            place = loaded.mission_path, loaded.nodes[element].line
+            yield Diagnostic(*place, f"goals '{goal.id}'", "FaultFreeMission", "warning", message)
+
+
+def _uncompiled(code: MissionCode) -> Iterator[Diagnostic]:
+    """Yield which regions are not compiled because they read what cannot be listed by value."""
+    for region in own_regions(code):
+        try:
+            Reached([region.function])
+        except CompilationError as error:
+            path, line = error.line or (code.directory, 1)
+            message = str(error).removeprefix(f"{path}:{line}: ")
+            place = from_here(path), line, region.function.__name__
+            yield Diagnostic(*place, "RegionCompiles", "warning", message)

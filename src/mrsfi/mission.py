@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, evaluator, silent
-from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate
+from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate, rename
 from mrsfi.loading import load_fresh, read_specification
-from mrsfi.renaming import rename
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, at_work
@@ -109,7 +108,7 @@ class Mission:
         tell
             Told why the mission was not flown without faults.
         """
-        from mrsfi.validation import validate  # noqa: PLC0415 - brings numpy
+        from mrsfi.loading import validate  # noqa: PLC0415 - brings numpy
 
         return validate(str(self.folders.models), self.folders.generated, tell).diagnostics
 

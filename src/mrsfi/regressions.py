@@ -6,11 +6,10 @@ from pathlib import Path
 from time import monotonic
 
 from mrsfi.campaign_folders import OpenCampaign, mission_of
-from mrsfi.engines import AS_RECORDED, Given, Tell, silent
+from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
+from mrsfi.explaining import flying_again, harvested, way_of
 from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
-from mrsfi.project import project
-from mrsfi.weaknesses import flying_again, harvested, way_of
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import verdict
 from mrsfi_runtime.causes.cause_set import KEEP, Flights

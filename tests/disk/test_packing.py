@@ -5,7 +5,7 @@ from hashlib import sha256
 
 import pytest
 
-from mrsfi.packing import repeat
+from mrsfi.campaign import repeat
 from mrsfi_runtime.errors import RecordError
 
 LOCAL, CENTRAL = b"PK\3\4", b"PK\1\2"

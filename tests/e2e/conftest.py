@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import pytest
 
-from mrsfi import reporting
+from mrsfi import explaining
 from mrsfi_runtime.analysis import illustrations
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
@@ -32,7 +32,7 @@ def undrawn() -> Iterator[None]:
     here = nullcontext(SimpleNamespace(draw=illustrations.draw_here))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(illustrations, "drawn", lambda _: empty)
-        for room in (illustrations, reporting):
+        for room in (illustrations, explaining):
             patch.setattr(room, "DrawingProcess", lambda *_: here)
         yield
 

@@ -14,7 +14,7 @@ import pytest
 
 from m2t.generate import generate
 from mrsfi.engines import AS_RECORDED
-from mrsfi.weaknesses import flying_again
+from mrsfi.explaining import flying_again
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import Workers
 from tests.independent.crowd import draw_crowd

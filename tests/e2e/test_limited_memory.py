@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from mrsfi import validation
+from mrsfi import loading
 from mrsfi_runtime.cli.main import main
 from tests.support.cli import command_line, workspace
 
@@ -69,7 +69,7 @@ def test_where_memory_runs_out_the_limit_is_named(monkeypatch, capsys):
     def validate(*_):
         raise MemoryError
 
-    monkeypatch.setattr(validation, "validate", validate)
+    monkeypatch.setattr(loading, "validate", validate)
 
     assert (main(["validate", MISSION]), capsys.readouterr().err) == (
         2,

@@ -73,6 +73,6 @@ def test_folders_have_at_most_ten_modules_unless_they_hold_plug_ins():
 
 
 def test_imports_inside_functions_count_and_those_of_types_do_not():
-    text = "if TYPE_CHECKING:\n import mrsfi.project\ndef late():\n from mrsfi import engines\n"
+    text = "if TYPE_CHECKING:\n import mrsfi.engines\ndef late():\n from mrsfi import engines\n"
 
     assert [*imported(text)] == ["mrsfi.engines"]

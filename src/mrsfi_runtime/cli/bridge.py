@@ -16,7 +16,7 @@ def _serve(settings: ServerSettings) -> None:
 
 
 def _ros_of_project() -> int:
-    from mrsfi.project import project
+    from mrsfi.engines import project
 
     return project().ros
 

@@ -107,7 +107,7 @@ def command(
 def _repeat(
     archive: Path, engine: Given, digest: str | None, *, is_of_kept: bool, is_json: bool
 ) -> None:
-    from mrsfi.packing import repeat
+    from mrsfi.campaign import repeat
 
     if is_of_kept:
         raise click.UsageError(

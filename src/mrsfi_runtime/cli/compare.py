@@ -189,7 +189,7 @@ def _compare_runs(
     *,
     is_json: bool,
 ) -> None:
-    from mrsfi.changes import change_table, changes, sentence
+    from mrsfi.comparing import change_table, changes, sentence
     from mrsfi_runtime.analysis.report import document
     from mrsfi_runtime.analysis.tables import to_markdown, to_page
     from mrsfi_runtime.cli.terminal import print_table, print_words

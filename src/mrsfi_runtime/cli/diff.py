@@ -56,8 +56,8 @@ def command(old: str, new: str, is_json: bool) -> None:
 
 
 def _model(name: str, kept: Path) -> Path:
+    from mrsfi.engines import project
     from mrsfi.models import piped
-    from mrsfi.project import project
 
     for path in (Path(name), project().models / name):
         if path.is_fifo():

@@ -190,7 +190,7 @@ def _explain(
 
 
 def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> None:
-    from mrsfi.weaknesses import flying_again, harvest, harvested
+    from mrsfi.explaining import flying_again, harvest, harvested
     from mrsfi_runtime.cli.ways import print_all
     from mrsfi_runtime.record.database import CampaignFolder, only_writer
 

@@ -58,8 +58,8 @@ def command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults
     first. Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
     """
+    from mrsfi.engines import project
     from mrsfi.models import import_published
-    from mrsfi.project import project
 
     usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
     result = import_published(file, out or usual, is_forced=force)

@@ -23,7 +23,7 @@ def command(run: Path, out: Path | None) -> None:
       mrsfi pack runs/uuv_sampling-a-1 --out for-the-paper.zip
       mrsfi check for-the-paper.zip
     """
-    from mrsfi.packing import pack
+    from mrsfi.campaign import pack
 
     path = out or Path(f"{run.resolve().name}.zip")
     digest = pack(run, path, tell)

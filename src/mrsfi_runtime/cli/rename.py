@@ -45,8 +45,7 @@ def command(mission: str, names: Mapping[str, str], generated: Path | None, diff
     Nothing is written unless everything can be. A script beside the models that names an old ID,
     such as build.py, is not edited: it is told with its line.
     """
-    from mrsfi.folders import find_mission
-    from mrsfi.renaming import rename, renaming
+    from mrsfi.folders import find_mission, rename, renaming
 
     tell_of_metamodels()
     renamed = (renaming if diff else rename)(find_mission(mission, generated), names)

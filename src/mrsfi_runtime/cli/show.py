@@ -25,8 +25,7 @@ def command(run: Path, number: int | None) -> None:
     Written into the folder: figures/weakness_* as PNG and SVG, and their numbers into tables/.
     """
     from mrsfi.campaign_folders import open_campaign
-    from mrsfi.reporting import show
-    from mrsfi.weaknesses import harvested
+    from mrsfi.explaining import harvested, show
     from mrsfi_runtime.cli.ways import print_verdicts
 
     with open_campaign(run) as campaign:

@@ -3,7 +3,7 @@
 import click
 
 from mrsfi.campaign_folders import OpenCampaign
-from mrsfi.reporting import report as write_report
+from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis.illustrations import Draw
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import critical_table, front_table, harm_table

@@ -11,7 +11,7 @@ from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_o
 from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError, counted
 
 if TYPE_CHECKING:
-    from mrsfi.validation import Validated
+    from mrsfi.loading import Validated
 
 
 @click.command(name="validate")
@@ -59,7 +59,7 @@ def command(
     Where an element was deleted, that takes away the references to it and what is incomplete
     without it.
     """
-    from mrsfi.validation import n_errors, validate
+    from mrsfi.loading import n_errors, validate
 
     if is_fix and is_json:
         raise UsageError("--fix shows a diff and --json does not; give one of them")
@@ -84,7 +84,7 @@ def command(
 
 
 def _fix(mission: str, generated: Path | None, *, is_agreed: bool) -> None:
-    from mrsfi.validation import mending, write_mended
+    from mrsfi.loading import mending, write_mended
 
     inspection, mended = mending(mission, generated)
     if mended is None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import click
 
 from mrsfi.campaign_folders import OpenCampaign
-from mrsfi.weaknesses import untried
+from mrsfi.explaining import untried
 from mrsfi_runtime.analysis.weaknesses import (
     State,
     facts,

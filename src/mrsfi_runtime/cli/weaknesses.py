@@ -82,7 +82,7 @@ def command(
       mrsfi weaknesses runs/cover --json | jq '.[] | select(.detection.n_never > 0)'
     """
     from mrsfi.campaign_folders import open_campaign
-    from mrsfi.weaknesses import flying_again, harvested, refined
+    from mrsfi.explaining import flying_again, harvested, refined
     from mrsfi_runtime.cli import ways
 
     if is_bounds and not is_json:
@@ -120,7 +120,7 @@ def _write(
     fmea: Path | None = None,
     fault_tree: Path | None = None,
 ) -> None:
-    from mrsfi import weaknesses as of
+    from mrsfi import explaining as of
 
     number, map_path = drawn or (0, None)
     files = ((fmea, of.FMEA), (fault_tree, of.FAULT_TREES), (map_path, of.MAPS))

@@ -3,7 +3,7 @@ import stat
 
 import pytest
 
-from mrsfi.packing import pack
+from mrsfi.campaign import pack
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.database import CampaignFolder, no_writer, only_writer
 from mrsfi_runtime.record.engine_settings import Manifest
