@@ -14,8 +14,8 @@ from itertools import combinations
 from pathlib import Path
 from random import Random
 
-from m2t.load import load_mission_folder
 from m2t.metamodels import load_metamodels
+from m2t.models.load import load_mission_folder
 
 _HEAD = """<?xml version="1.0" encoding="ASCII"?>
 <faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \

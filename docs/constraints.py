@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from m2t.diagnostics import CONSTRAINTS, Constraint
-from m2t.fixes import FIXES
+from m2t.models.fixes import FIXES
 
 _ROWS = re.compile(r"(?<=\|---\|\n)(\|.*\n)*")
 _REASONS = re.compile(r"(?<=not stated in EVL\n\n)(- [^`].*\n  .*\n)*")

@@ -1,4 +1,6 @@
-"""Generate the middleware of a mission: models in, files out.
+"""Generate.
+
+Generate the middleware of a mission: models in, files out.
 
 Every file is a task of its own: a visitor computes what its template needs, the template
 says how it reads, ``emit`` merges the text with hand-written code and writes it.
@@ -6,39 +8,45 @@ says how it reads, ``emit`` merges the text with hand-written code and writes it
 References
 ----------
 Source paper, section III-D, the model-to-text transformations.
+
+Give elements other IDs wherever they are named: in models, in specifications, in regions.
+
+What generated code calls an element is not known here. The code is rendered with the old IDs and
+with the new ones, and the names that differ are those to exchange in regions.
 """
 
+import ast
 import hashlib
 import os
-from collections.abc import Callable, Mapping
+import tokenize
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from io import StringIO
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from m2t.emit import GenerationPlan, plan_files
-from m2t.environment import remark, template_environment
-from m2t.line_difference import unified_difference
-from m2t.load import LoadedModels, load_mission_folder
-from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder
-from m2t.protected_regions import text_lines
-from m2t.visitors import (
-    collective_intelligence,
-    fault_effects,
-    fault_loader,
-    mission_loader,
-    topics,
-)
-from mrsfi_runtime.errors import GenerationError, UsageError
-from mrsfi_runtime.files import changing
+from m2t import visitors
+from m2t.diagnostics import Report
+from m2t.emit import GenerationPlan, parse, plan_files, remark, template_environment, text_lines
+from m2t.metaclasses import contained, identifier, slots
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
+from m2t.models.constraints import defects_of_id
+from m2t.models.load import LoadedModels, edited, load_mission_folder, load_specification
+from m2t.models.write import unified_difference
+from m2t.read import ModelFiles
+from mrsfi_runtime.errors import GenerationError, ProtectedRegionError, UsageError, expected
+from mrsfi_runtime.files import MARKER, changing, lines_in_regions
 
 VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = {
-    "mission_loader.py": mission_loader.visit,
-    "fault_loader.py": fault_loader.visit,
-    "fault_effects.py": fault_effects.visit,
-    "topics.py": topics.visit,
+    "mission_loader.py": visitors.visit_mission_loader,
+    "fault_loader.py": visitors.visit_fault_loader,
+    "fault_effects.py": visitors.visit_fault_effects,
+    "topics.py": visitors.visit_topics,
     "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
     "simulation.py": lambda _: {},
-    "collective_intelligence.py": collective_intelligence.visit,
+    "collective_intelligence.py": visitors.visit_collective_intelligence,
 }
 """The visitor of each generated file, whose template has the name of the file.
 
@@ -127,3 +135,158 @@ def sources(
         for name, path in paths.items()
         for content in (contents.get(path) or path.read_bytes(),)
     }
+
+
+@dataclass(frozen=True, slots=True)
+class WithNewIds:
+    """What giving new IDs would change: content by path of models and specifications, and code.
+
+    ``respelt`` change beyond their IDs: they are not spelt as Eclipse writes them. ``code`` is
+    ``None`` if nothing is generated; ``difference`` is the unified diff of all this.
+    """
+
+    contents: Mapping[Path, bytes]
+    respelt: tuple[Path, ...]
+    code: GenerationPlan | None
+    difference: tuple[str, ...]
+
+
+def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNewIds:
+    """Return what giving elements new IDs, by old ones, all at once, would change; write nothing.
+
+    Fault specifications below the mission folder are renamed with it; generated code, if there is
+    any in ``target``, is fresh. It is a ``UsageError`` if nothing has an old ID, or a new one
+    cannot be, is taken, or is a name in a region; a ``ProtectedRegionError`` if a region is not
+    Python; a ``ModelError`` if the models, or a specification, are not sound.
+    """
+    loaded = load_mission_folder(models)
+    _require_ids(loaded, names)
+    before = rendered(loaded)
+    edits = [edited(loaded, partial(_rename, names))]
+    own = frozenset(file.path.resolve() for file in loaded.files)
+    for path in sorted(models.rglob("*.xmi")):
+        if path.resolve() not in own and _is_specification(path):
+            specification = load_specification(path)
+            if specification.mission_path.resolve() in own:
+                rename = partial(_rename, _numbered(specification, names))
+                edits.append(edited(specification, rename, without=own))
+    contents = {path: new for edit in edits for path, new in edit.contents.items()}
+    lines = [line for edit in edits for line in edit.difference]
+    code = None
+    if target.is_dir():
+        after = rendered(loaded)
+        rewrite = partial(_rewritten, target, before, after)
+        code = plan_files(target, after, sources(loaded, contents), force=True, rewrite=rewrite)
+        for name in code.written:
+            named, old, new = str(target / name), code.existing.get(name, ""), code.contents[name]
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    respelt = tuple(path for edit in edits for path in edit.respelt)
+    return WithNewIds(contents, respelt, code, tuple(lines))
+
+
+def _rename(names: Mapping[str, str], models: LoadedModels) -> None:
+    for element in (*_identified(models.mission), *_identified(models.faults)):
+        element.ID = names.get(element.ID, element.ID)
+
+
+def _identified(root: Any) -> Iterator[Any]:
+    for element in () if root is None else contained(root):
+        if "ID" in slots(element.eClass) and element.ID:
+            yield element
+
+
+def _is_specification(path: Path) -> bool:
+    """Return whether a file holds faults; what it holds otherwise is no concern here."""
+    file = ModelFiles(Report()).read(path)
+    return file is not None and bool(file.roots_of(load_metamodels().faults_class))
+
+
+def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[str, str]:
+    """Return new IDs also for the faults that a search numbered: ``f9.1`` follows ``f9``."""
+    found = dict(names)
+    for fault in specification.pool:
+        base, dot, number = fault.ID.rpartition(".")
+        if dot and base in names:
+            found.setdefault(fault.ID, f"{names[base]}.{number}")
+    return found
+
+
+def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
+    ids = [[each.ID for each in _identified(root)] for root in (models.mission, models.faults)]
+    known = dict.fromkeys(identity for each in ids for identity in each)
+    for old in names:
+        if old not in known:
+            raise UsageError(f"found '{old}', an ID that nothing has; {expected(old, known)}")
+    for own, becomes_name in zip(ids, (True, False), strict=True):
+        taken: dict[str, str] = {}
+        for old in own:
+            new = names.get(old, old)
+            for defect in defects_of_id(new, becomes_name=becomes_name) if old in names else ():
+                raise UsageError(f"{old}={new}: {defect.finding}")
+            other = taken.setdefault(identifier(new) if becomes_name else new, old)
+            if other != old:
+                raise UsageError(
+                    f"{old} would be {new} and so have the name of what was {other}; expected "
+                    "an ID that no other element has"
+                )
+
+
+def _rewritten(
+    target: Path, before: Mapping[str, str], after: Mapping[str, str], name: str, text: str
+) -> str:
+    """Return a generated file with the names of a newer rendering in place of an older one's.
+
+    Attributes, strings and comments stay as they are, but for the markers of regions, and so does
+    a file that is generated no longer.
+    """
+    if name not in before:
+        return text
+    path, old, new = target / name, before[name], after[name]
+    try:
+        ast.parse(text, str(path))
+    except SyntaxError as error:
+        raise ProtectedRegionError(
+            f"{path}:{error.lineno}: is not Python: {error.msg}; mend the region first"
+        ) from error
+    pairs = zip(_names_in(old), _names_in(new), strict=True)
+    names = {earlier: later for earlier, later in pairs if earlier != later}
+    ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))
+    _require_free(path, text, names)
+    lines = text_lines(text)
+    for token in reversed([*_tokens(text)]):
+        (row, begin), (_, end) = token.start, token.end
+        word = names.get(token.string, token.string)
+        marker = MARKER.fullmatch(token.string) if token.type == tokenize.COMMENT else None
+        if marker is not None:
+            at = slice(*marker.span("id"))
+            word = token.string[: at.start] + ids.get(marker["id"], marker["id"])
+            word += token.string[at.stop :]
+        line = lines[row - 1]
+        lines[row - 1] = line[:begin] + word + line[end:]
+    return "".join(lines)
+
+
+def _require_free(path: Path, text: str, names: Mapping[str, str]) -> None:
+    regions = lines_in_regions(text)
+    new = {*names.values()} - {*names}
+    for token in _tokens(text):
+        row = token.start[0]
+        if token.string in new and row in regions:
+            raise UsageError(
+                f"{path}:{row}: found the name {token.string} in region {regions[row]}, which an "
+                "element would get; expected another ID, or another name there"
+            )
+
+
+def _names_in(text: str) -> Iterator[str]:
+    return (token.string for token in _tokens(text) if token.type == tokenize.NAME)
+
+
+def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
+    """Yield the comments of a text, and the names that are no attributes."""
+    previous = ""
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        is_name = token.type == tokenize.NAME and previous != "."
+        if is_name or token.type == tokenize.COMMENT:
+            yield token
+        previous = token.string

@@ -15,9 +15,22 @@ from pyecore.ecore import EClass, EEnum, EObject
 from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report, shown
-from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
-from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, needs
-from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
+from m2t.metaclasses import (
+    CONTRACT,
+    MEANING,
+    SUPERTYPES,
+    Need,
+    Needs,
+    Slot,
+    conforms,
+    features,
+    is_kind,
+    is_read,
+    lineage,
+    needs,
+    slots,
+)
+from m2t.read import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
@@ -77,7 +90,7 @@ EReference: {_FEATURE}, attr EBoolean[?] containment, attr EBoolean[?] resolvePr
 EAnnotation: {_ANNOTATED}, attr EString[?] source, val details[*] details
 details: attr EString[?] key, attr EString[?] value
 """)
-"""What mrsfi understands of Ecore, in the notation of ``m2t.metamodel_contract``."""
+"""What mrsfi understands of Ecore, in the notation of ``m2t.metaclasses``."""
 
 
 class MetamodelReader:

@@ -1,16 +1,292 @@
-"""The two metamodels, loaded dynamically from their ``.ecore`` files."""
+"""Metamodels.
+
+Read what ``faults.ecore`` says of fault types: mode, properties and parameters.
+
+An annotation of a class says its mode and the property that it touches, one of a number among
+its attributes the range of the parameter. A class that says nothing means what it inherits.
+
+The two metamodels, loaded dynamically from their ``.ecore`` files.
+"""
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from m2t.metamodel_fault_types import read_fault_types
+from pyecore.ecore import EAnnotation, EClass
+
+from m2t.diagnostics import Report, shown
+from m2t.metaclasses import BOUNDS, MEANING, OURS, features, is_kind, lineage
 from m2t.metamodel_reader import MetamodelReader
 from mrsfi_runtime.errors import ModelError
-from mrsfi_runtime.model.fault_types import FaultType
+from mrsfi_runtime.model.fault_types import (
+    ELEMENTS,
+    N_VALUES,
+    REPORTED,
+    ROLES,
+    WITHIN_REACH,
+    FaultType,
+    Field,
+    Mode,
+    Parameter,
+    Range,
+    Role,
+    Struck,
+)
+
+Said: TypeAlias = Mapping[str, Any]
+
+_STRUCK = {f"{struck.value.title()}Fault": struck for struck in Struck}
+_OF_CLASS = ("mode", "property")
+_OF_PARAMETER = ("range", "role", "search")
+_WORDS: Mapping[str, Mapping[str, object]] = {
+    "mode": Mode.__members__,
+    "property": Field.__members__,
+    "range": Range.__members__,
+    "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
+    "search": {"true": True, "false": False},
+}
+"""What annotations may say, by key: the words with their meanings."""
+
+_VALUES = (Role.VALUE, Role.LOWEST, Role.HIGHEST)
+_ROLE_OF_RANGE = {
+    of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)
+}
+
+
+def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
+    """Return the fault types of a sound package of faults by name, in the order of the file.
+
+    ``report`` knows the elements of all packages, of which no other has meanings.
+    """
+    reader = _Reader(report)
+    kinds = [kind for kind in package.eClassifiers if _is_fault_type(kind)]
+    found = [reader.fault_type(kind) for kind in kinds if not kind.abstract]
+    reader.require_containments(package.getEClassifier("Fault"), kinds)
+    reader.require_all_read()
+    types = [kind for kind in found if kind is not None]
+    own = [kind.name for kind in types if kind.mode is Mode.OWN]
+    numbered = (
+        replace(kind, effect=own.index(kind.name)) if kind.name in own else kind for kind in types
+    )
+    return {kind.name: kind for kind in numbered}
+
+
+class _Reader:
+    """Reads fault types; remembers what was said, and what says a word that is unknown."""
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._add = report.add
+        self._read: dict[Any, Said] = {}
+        self._unknown: set[Any] = set()
+
+    def fault_type(self, kind: Any) -> FaultType | None:
+        n_errors = self._report.n_errors
+        said = self._meaning(kind)
+        found = [_STRUCK[known.name] for known in lineage(kind) if known.name in _STRUCK]
+        if len(found) != 1:
+            listed = ", ".join(_STRUCK)
+            finding = f"inherits from {len(found)} of {listed}; expected one; correct eSuperTypes"
+            self._add(kind, "RequiredFeature", finding)
+        parameters = self._parameters(kind)
+        inherited = {*lineage(kind), *features(kind)}
+        if self._report.n_errors > n_errors or inherited & self._unknown:
+            return None
+        (mode,), touched = said["mode"], said.get("property", ())
+        declared = FaultType(kind.name, mode, found[0], touched, tuple(parameters))
+        self._require_reach(kind, declared)
+        if mode is Mode.OWN:
+            self._require_own(kind, declared, parameters)
+            return declared
+        return replace(declared, parameters=self._in_order(kind, declared, parameters))
+
+    def require_containments(self, fault: Any, kinds: list[Any]) -> None:
+        """Refuse fault types that no fault can hold, and several of them in one feature."""
+        contained = [each for each in fault.eStructuralFeatures if getattr(each, "containment", 0)]
+        for feature in contained:
+            if feature.eType in kinds and feature.many:
+                finding = "holds many fault types, of which a fault has one; delete upperBound"
+                self._add(feature, "SingleValue", finding)
+        held = {feature.eType for feature in contained}
+        for kind in kinds:
+            if not kind.abstract and held.isdisjoint(lineage(kind)):
+                finding = "is contained in no feature of Fault; expected one of its type; add it"
+                self._add(kind, "RequiredFeature", finding)
+
+    def require_all_read(self) -> None:
+        """Refuse annotations of ours at what is no fault type or parameter, or that say nothing."""
+        for note in self._report.places:
+            source = (note.source or "") if isinstance(note, EAnnotation) else ""
+            is_read = source == MEANING and note.eContainer() in self._read
+            if source.startswith(OURS) and not is_read:
+                finding = (
+                    f"has the source {shown(source)}; expected {MEANING} at a fault type or a "
+                    "parameter of one, and no other source of ours; correct or delete it"
+                )
+                self._add(note, "KnownFeature", finding)
+            elif source == MEANING and not note.details:
+                finding = "says nothing; expected details with a key and a value; delete it"
+                self._add(note, "RequiredFeature", finding)
+
+    def _said(self, element: Any, keys: tuple[str, ...]) -> Said:
+        """Return what our annotations of an element say, by key; empty without one."""
+        if element not in self._read:
+            said: dict[str, Any] = {}
+            for note in _annotations(element):
+                for key, text in note.details.items():
+                    if key not in keys or key in said:
+                        listed = ", ".join(keys)
+                        finding = (
+                            f"has the key {shown(key or '')}; expected {listed}, each once; correct"
+                        )
+                        self._add(note, "KnownFeature", f"{finding} it")
+                    else:
+                        said[key] = tuple(self._meant(note, key, text or ""))
+            self._read[element] = said
+        return self._read[element]
+
+    def _meant(self, note: Any, key: str, text: str) -> Iterator[object]:
+        """Yield what the words of an entry mean; a class may touch several properties."""
+        known = _WORDS[key]
+        for word in text.split() if key == "property" else [text]:
+            if word not in known:
+                finding = f"has {key} {shown(word)}; expected one of {', '.join(known)}; correct it"
+                self._add(note, "EnumLiteral", finding)
+                self._unknown.add(note.eContainer())
+            yield known.get(word)
+
+    def _meaning(self, kind: Any) -> Said:
+        """Return what the nearest class of a lineage that says anything says."""
+        said = (self._said(known, _OF_CLASS) for known in reversed(lineage(kind)))
+        found = next(filter(None, said), {})
+        if "mode" not in found:
+            finding = (
+                f"says no mode; expected an annotation of source {MEANING} with a mode "
+                f"({', '.join(Mode.__members__)}) and the property that it acts on; add one"
+            )
+            self._add(kind, "RequiredFeature", finding)
+        return found
+
+    def _parameters(self, kind: Any) -> dict[Parameter, Role]:
+        numbers = {feature.name: feature for feature in features(kind) if _is_number(feature)}
+        found = {}
+        for feature in features(kind):
+            bounded = _bounded(feature, numbers)
+            if feature.name not in numbers:
+                if bounded is not None:
+                    finding = "bounds a parameter; expected one EInt or EDouble; correct it"
+                    self._add(feature, "ReferenceType", finding)
+                continue
+            said = self._said(feature, _OF_PARAMETER)
+            is_bound = bounded is not None and bounded.eContainer() is feature.eContainer()
+            if "range" in said:
+                (of,), (evolves,) = said["range"], said.get("search", (True,))
+                is_integer = feature.eType.name == "EInt" or of is Range.TICKS
+                (role,) = said.get("role", (_ROLE_OF_RANGE.get(of, Role.VALUE),))
+                found[Parameter(feature.name, of, evolves, is_integer)] = role
+            elif said or not is_bound:
+                finding = (
+                    f"of {kind.name} is a number without a range; every number of a fault type is "
+                    f"a parameter; expected an annotation of source {MEANING} with a range "
+                    f"({', '.join(Range.__members__)}); add one, or put what is no parameter into "
+                    "Fault"
+                )
+                self._add(feature, "RequiredFeature", finding)
+        return found
+
+    def _require_reach(self, node: Any, kind: FaultType) -> None:
+        for affected in kind.properties or (None,):
+            if affected not in WITHIN_REACH[kind.struck]:
+                listed = ", ".join(field.name for field in WITHIN_REACH[kind.struck] if field)
+                what = "no property" if affected is None else f"property {affected.name}"
+                finding = (
+                    f"of mode {kind.mode.name} touches {what}, but refers to one "
+                    f"{kind.struck.value}; expected one of {listed}, or another supertype; "
+                    "correct either"
+                )
+                self._add(node, "RequiredFeature", finding)
+
+    def _require_own(self, node: Any, kind: FaultType, roles: Mapping[Parameter, Role]) -> None:
+        """Refuse a type of mode OWN that no region could be written for."""
+        touched = {*kind.properties}
+        is_one_kind = any(touched <= {*known} for known in ELEMENTS)
+        if not touched or not is_one_kind or len(touched) < len(kind.properties):
+            choices = "; or ".join(", ".join(field.name for field in known) for known in ELEMENTS)
+            finding = (
+                f"of mode OWN touches {_names(kind)}; "
+                f"expected some of: {choices}; correct property, or make a type for each"
+            )
+            self._add(node, "EnumLiteral", finding)
+        if len(roles) > N_VALUES:
+            finding = f"has {len(roles)} parameters; mode OWN takes at most {N_VALUES}; join some"
+            self._add(node, "KnownFeature", finding)
+        for parameter, role in roles.items():
+            if role.name in _WORDS["role"]:
+                finding = (
+                    f"has parameter {parameter.name} with a role; mode OWN has none; delete it"
+                )
+                self._add(node, "KnownFeature", finding)
+
+    def _in_order(
+        self, node: Any, kind: FaultType, declared: Mapping[Parameter, Role]
+    ) -> tuple[Parameter, ...]:
+        known, mode = ROLES[kind.mode], kind.mode.name
+        affected = kind.properties[0] if kind.properties else None
+        if len(kind.properties) > 1 or affected not in known:
+            listed = ", ".join(field.name if field else "no property" for field in known)
+            finding = f"of mode {mode} touches {_names(kind)}; expected {listed}; correct property"
+            self._add(node, "EnumLiteral", finding)
+            return ()
+        order = known[affected]
+        needed = [role for role in order if role is not Role.Z]
+        by_role: dict[Role, Parameter] = {}
+        for parameter, role in declared.items():
+            if role not in order or role in by_role:
+                listed = " and ".join(role.value for role in needed) or "no parameter"
+                finding = (
+                    f"has parameter {parameter.name} as its {role.value}; mode {mode} takes "
+                    f"{listed}; delete it, or correct its range or role"
+                )
+                self._add(node, "KnownFeature", finding)
+            elif role in _VALUES and affected in REPORTED and parameter.range.name != affected.name:
+                finding = (
+                    f"has parameter {parameter.name} of range {parameter.range.name}; expected "
+                    f"{affected.name}, that of its property; correct it"
+                )
+                self._add(node, "EnumLiteral", finding)
+            by_role.setdefault(role, parameter)
+        for role in needed:
+            if role not in by_role:
+                finding = f"lacks the {role.value} that mode {mode} takes; add a parameter"
+                self._add(node, "RequiredFeature", finding)
+        return tuple(by_role[role] for role in order if role in by_role)
+
+
+def _is_fault_type(kind: Any) -> bool:
+    """Return whether a class inherits from that of fault types, or says that it is one."""
+    return isinstance(kind, EClass) and (bool(_annotations(kind)) or is_kind(kind, "FaultType"))
+
+
+def _annotations(element: Any) -> list[Any]:
+    return [note for note in element.eAnnotations if note.source == MEANING]
+
+
+def _is_number(feature: Any) -> bool:
+    return not feature.many and feature.eType.name in {"EInt", "EDouble"}
+
+
+def _bounded(feature: Any, numbers: Mapping[str, Any]) -> Any:
+    """Return the number that a feature bounds by its name; ``None`` if it bounds none."""
+    names = (feature.name.removesuffix(end) for end in BOUNDS if feature.name.endswith(end))
+    return next((numbers[name] for name in names if name in numbers), None)
+
+
+def _names(kind: FaultType) -> str:
+    return " and ".join(field.name for field in kind.properties) or "no property"
+
 
 MISSION_FILE = "mission.ecore"
 FAULTS_FILE = "faults.ecore"

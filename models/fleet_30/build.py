@@ -14,7 +14,7 @@ from pathlib import Path
 
 from generated.metamodel import faults as f
 from generated.metamodel import mission as m
-from m2t.write.xmi import dumps, write_atomically
+from m2t.models.write import dumps, write_atomically
 
 DURATION = 300
 SQUAD = 10

@@ -7,7 +7,7 @@ from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
 from m2t.generate import rendered_file
-from m2t.load import MISSION_XMI, load_mission_folder
+from m2t.models.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.analysis.fronts import top

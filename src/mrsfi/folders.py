@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from m2t.generate import WithNewIds, stale, with_new_ids
 from m2t.generate import diff as diff  # noqa: PLC0414 - for importers, as the next
 from m2t.generate import generate as generate  # noqa: PLC0414
-from m2t.generate import stale
-from m2t.line_difference import unified_difference
-from m2t.load import MISSION_XMI, LoadedModels
-from m2t.new_ids import WithNewIds, with_new_ids
+from m2t.models.load import MISSION_XMI, LoadedModels
+from m2t.models.write import unified_difference
 from mrsfi.engines import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import changing, settle

@@ -12,17 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from m2t.diagnostics import Diagnostic
-from m2t.fixes import Mending, mend
 from m2t.generate import rendered_file
-from m2t.load import (
+from m2t.models.fixes import Mending, mend
+from m2t.models.load import (
     Inspection,
     LoadedModels,
     inspect_folder,
     inspect_specification,
     load_mission_folder,
     load_specification,
+    write_specification,
 )
-from m2t.specification import write_specification
 from mrsfi.engines import Tell, from_here, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions

@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from m2t.difference import difference as difference  # noqa: PLC0414 - for importers, as below
-from m2t.importing.importer import Imported as Imported  # noqa: PLC0414
-from m2t.importing.importer import import_published as import_published  # noqa: PLC0414
-from m2t.importing.notes import Note as Note  # noqa: PLC0414
-from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, installed_metamodels, metamodel_folder
-from m2t.read.nodes import MAX_BYTES
-from m2t.write.xmi import dumps
+from m2t.models.difference import difference as difference  # noqa: PLC0414 - for importers, as below
+from m2t.models.importing import Imported as Imported  # noqa: PLC0414
+from m2t.models.importing import Note as Note  # noqa: PLC0414
+from m2t.models.importing import import_published as import_published  # noqa: PLC0414
+from m2t.models.load import FAULTS_XMI, MISSION_XMI
+from m2t.models.write import dumps
+from m2t.read import MAX_BYTES
 from mrsfi_runtime.files import changing
 
 

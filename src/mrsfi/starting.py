@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from m2t.classes.generator import class_files, write_classes
+from m2t.classes import class_files, write_classes
 from m2t.generate import generate
-from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
+from m2t.models.importing import import_published
 from mrsfi.folders import find_mission
 from mrsfi_bridge.settings import full_name
 from mrsfi_runtime.cosimulation.bus_topics import Completion

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from m2t.load import load_mission_folder
+from m2t.models.load import load_mission_folder
 from tests.support.cli import MISSION, edit, mrsfi, stop_specification
 from tests.support.models.published import published
 from tests.tiers import slow

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import load_mission_folder
+from m2t.models.load import load_mission_folder
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, mrsfi_json
 from tests.support.models.published import published
 

@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 import mrsfi as api
-from m2t.load import load_mission_folder, load_specification
-from m2t.specification import write_specification
+from m2t.models.load import load_mission_folder, load_specification, write_specification
 from mrsfi.engines import project
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, attribute, copy_metamodels

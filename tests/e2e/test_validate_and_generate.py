@@ -1,4 +1,4 @@
-from m2t.load import _Loading
+from m2t.models.load import _Loading
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
 

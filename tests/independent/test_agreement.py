@@ -17,7 +17,7 @@ from random import Random
 import pytest
 
 from m2t.generate import generate
-from m2t.specification import write_specification
+from m2t.models.load import write_specification
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.independent import digest, simulation

@@ -18,7 +18,7 @@ from pyecore.ecore import (
     EString,
 )
 
-from m2t.classes.generator import class_files, write_classes
+from m2t.classes import class_files, write_classes
 
 HOSTILE = 'Ends a text: """, \'\'\'; escapes: \\ \\n; a line\nand more; é \u2028 {{ x }}"'
 """Documentation that is text in every language but the one it is written into."""

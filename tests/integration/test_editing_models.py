@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 from m2t.generate import generate
-from m2t.load import load_mission_folder
+from m2t.models.load import load_mission_folder
 from tests.support.models.generation import ROOT, contents
 
 PAGE = (ROOT / "docs" / "editing-models.md").read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ import sys
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.environment import Call, Table, expression
+from m2t.emit import Call, Table, expression
 
 
 def is_formatted(source: str) -> bool:

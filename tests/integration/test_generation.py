@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from m2t.generate import diff, generate, rendered_file, stale
-from m2t.load import load_mission_folder
+from m2t.models.load import load_mission_folder
 from mrsfi_runtime.api import (
     AvoidCollision,
     FixedDistanceBetweenRobots,

@@ -13,14 +13,11 @@ from click.testing import CliRunner
 from pyecore.ecore import EAttribute, ENamedElement, EString
 
 from generated.metamodel import elements, faults, mission
-from m2t.classes.__main__ import main
-from m2t.classes.generator import class_files, write_classes
-from m2t.load import LoadedFile, LoadedModels, load_mission_folder
+from m2t.classes import class_files, main, write_classes
 from m2t.metamodels import load_metamodels
-from m2t.read.nodes import Spelling
-from m2t.saving import save, saved
-from m2t.typed import with_classes
-from m2t.write.xmi import dumps
+from m2t.models.load import LoadedFile, LoadedModels, load_mission_folder, save, saved, with_classes
+from m2t.models.write import dumps
+from m2t.read import Spelling
 from mrsfi_runtime.errors import ModelError
 from tests.integration.metamodels import HOSTILE, load_generated, metaclass, odd_package, package
 from tests.support.models.copies import MODELS, copy_models, edit

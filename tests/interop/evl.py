@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from m2t.diagnostics import CONSTRAINTS, Diagnostic
-from m2t.fixes import FIXES, mend
-from m2t.load import inspect_folder
+from m2t.models.fixes import FIXES, mend
+from m2t.models.load import inspect_folder
 from tests.interop.eclipse import ROOT, Note, difference, harness
 from tests.support.models.copies import FAULTS, MISSION
 

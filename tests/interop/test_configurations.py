@@ -4,8 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from m2t.load import load_mission_folder
-from m2t.saving import saved
+from m2t.models.load import load_mission_folder, saved
 from tests.interop.eclipse import ROOT, harness
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 

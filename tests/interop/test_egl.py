@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.protected_regions import Region, merge, parse, record_of
+from m2t.emit import Region, merge, parse, record_of
 from mrsfi_runtime.errors import ProtectedRegionError
 from tests.interop.eclipse import ROOT, harness
 from tests.support.models.copies import FAULTS, MISSION, MODELS

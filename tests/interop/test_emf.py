@@ -8,10 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import load_mission_folder
-from m2t.saving import saved
-from m2t.specification import write_specification
-from m2t.write.xmi import dumps
+from m2t.models.load import load_mission_folder, saved, write_specification
+from m2t.models.write import dumps
 from tests.interop.eclipse import (
     METAMODELS,
     ROOT,

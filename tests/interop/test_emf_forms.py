@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import inspect_folder, load_mission_folder
-from m2t.saving import saved
-from m2t.write.xmi import dumps
+from m2t.models.load import inspect_folder, load_mission_folder, saved
+from m2t.models.write import dumps
 from tests.interop.eclipse import Saved, require_same, resave
 from tests.support.models.copies import FAULTS, MISSION, MODELS
 

@@ -10,10 +10,10 @@ from random import Random
 import pytest
 
 from m2t.diagnostics import CONSTRAINTS
-from m2t.fixes import FIXES
-from m2t.load import inspect_folder
-from m2t.naming import RESERVED
-from m2t.write.xmi import dumps
+from m2t.metaclasses import RESERVED
+from m2t.models.fixes import FIXES
+from m2t.models.load import inspect_folder
+from m2t.models.write import dumps
 from tests.interop.evl import (
     EVL,
     TWINS,

@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from m2t.generate import generate
-from m2t.load import load_mission_folder
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE
-from m2t.write.xmi import dumps
+from m2t.models.load import load_mission_folder
+from m2t.models.write import dumps
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import MISSION, ROOT
 from tests.support.own_metamodels import (

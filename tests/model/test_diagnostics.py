@@ -3,7 +3,7 @@
 import pytest
 
 from m2t.diagnostics import CONSTRAINTS
-from m2t.load import inspect_folder, load_mission_folder
+from m2t.models.load import inspect_folder, load_mission_folder
 from mrsfi_runtime.errors import ModelError
 from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, edit, line_of

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.difference import difference
+from m2t.models.difference import difference
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 from tests.support.models.generation import ALL_TASKS, write_mission

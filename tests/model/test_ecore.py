@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.classes.generator import class_files
+from m2t.classes import class_files
 from m2t.metamodels import (
     MISSION_FILE,
     load_metamodels,

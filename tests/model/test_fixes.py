@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import pytest
 
-from m2t.fixes import FIXES, Mending, mend
-from m2t.load import inspect_folder, inspect_specification, load_mission_folder
+from m2t.models.fixes import FIXES, Mending, mend
+from m2t.models.load import inspect_folder, inspect_specification, load_mission_folder
 from tests.support.broken_models import BROKEN
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 from tests.support.models.split import PARTS, write_split

@@ -7,9 +7,9 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from m2t.fixes import mend
 from m2t.generate import plan
-from m2t.load import inspect_folder
+from m2t.models.fixes import mend
+from m2t.models.load import inspect_folder
 from tests.support.models.copies import FAULTS, copy_models
 from tests.support.models.shapes import shape, write_drawn
 

@@ -5,8 +5,13 @@ import os
 import pytest
 
 from m2t.diagnostics import Diagnostic
-from m2t.load import inspect_folder, inspect_specification, load_mission_folder, load_specification
-from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS
+from m2t.models.load import (
+    inspect_folder,
+    inspect_specification,
+    load_mission_folder,
+    load_specification,
+)
+from m2t.read import MAX_BYTES, MAX_ELEMENTS
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, edit
 

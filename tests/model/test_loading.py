@@ -2,7 +2,7 @@
 
 import pytest
 
-from m2t.load import inspect_folder, load_mission_folder, load_specification
+from m2t.models.load import inspect_folder, load_mission_folder, load_specification
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, edit, line_of
 

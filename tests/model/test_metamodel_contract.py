@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from m2t.metaclasses import features, lineage
-from m2t.metamodel_contract import CONTRACT, SUPERTYPES
+from m2t.metaclasses import CONTRACT, SUPERTYPES, features, lineage
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, read_metamodels
 from mrsfi_runtime.errors import ModelError
 from tests.support.features import is_contained, reference_type

@@ -2,7 +2,7 @@
 
 import pytest
 
-from m2t.classes.generator import class_files
+from m2t.classes import class_files
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, read_metamodels
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import edit

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from m2t.check.attribute_values import RANGES
 from m2t.metaclasses import conforms, features
 from m2t.metamodels import load_metamodels
+from m2t.models.check import RANGES
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.features import reference_type
 from tests.support.models.shapes import TASKS

@@ -4,8 +4,7 @@ import re
 
 import pytest
 
-from m2t.load import inspect_folder, load_mission_folder
-from m2t.saving import saved
+from m2t.models.load import inspect_folder, load_mission_folder, saved
 from tests.support.models.copies import MISSION, MODELS
 
 TEXT = (MODELS / MISSION).read_text(encoding="ascii")

@@ -12,10 +12,10 @@ import pytest
 from pyecore.ecore import EEnumLiteral, EObject, EProxy
 from pyecore.resources import ResourceSet
 
-from m2t.load import load_mission_folder
 from m2t.metaclasses import features
 from m2t.metamodels import load_metamodels
-from m2t.write.xmi import dumps
+from m2t.models.load import load_mission_folder
+from m2t.models.write import dumps
 from tests.support.features import is_contained
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw

@@ -6,13 +6,14 @@ from pathlib import Path
 import pytest
 
 from m2t.generate import rendered_file
-from m2t.load import (
+from m2t.models.load import (
+    SpecificationRow,
     inspect_folder,
     inspect_specification,
     load_mission_folder,
     load_specification,
+    write_specification,
 )
-from m2t.specification import SpecificationRow, write_specification
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError

@@ -6,16 +6,17 @@ from pathlib import Path
 import pytest
 
 from m2t.generate import VISITORS, generate
-from m2t.load import (
+from m2t.models.load import (
     LoadedFile,
     LoadedModels,
     inspect_folder,
     load_mission_folder,
     load_specification,
+    save,
+    saved,
+    write_specification,
 )
-from m2t.read.nodes import Spelling
-from m2t.saving import save, saved
-from m2t.specification import write_specification
+from m2t.read import Spelling
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 from tests.support.models.split import PARTS, split_folder

@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.load import load_mission_folder
 from m2t.metamodels import load_metamodels
-from m2t.saving import save
-from m2t.write.xmi import dumps, java_double
+from m2t.models.load import load_mission_folder, save
+from m2t.models.write import dumps, java_double
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, MODELS, edit
 

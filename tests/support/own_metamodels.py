@@ -8,7 +8,7 @@ from unittest.mock import patch
 
 import pytest
 
-from m2t.metamodel_contract import MEANING
+from m2t.metaclasses import MEANING
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder, read_metamodels
 from tests.support.cli import edit
 

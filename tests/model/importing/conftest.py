@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import LoadedModels, load_mission_folder
+from m2t.models.load import LoadedModels, load_mission_folder
 from tests.support.models.copies import MODELS
 from tests.support.models.published import published
 

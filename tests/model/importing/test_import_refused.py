@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from m2t.difference import difference
-from m2t.importing.importer import import_published
-from m2t.load import load_mission_folder
+from m2t.models.difference import difference
+from m2t.models.importing import import_published
+from m2t.models.load import load_mission_folder
 from mrsfi_runtime.errors import ModelError, UsageError
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.published import xmi_id

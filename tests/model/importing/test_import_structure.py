@@ -2,8 +2,8 @@
 
 import pytest
 
-from m2t.importing.importer import import_published
-from m2t.load import load_mission_folder
+from m2t.models.importing import import_published
+from m2t.models.load import load_mission_folder
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import edit
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from m2t.difference import difference
-from m2t.importing.importer import Imported, import_published
-from m2t.load import load_mission_folder, load_specification
+from m2t.models.difference import difference
+from m2t.models.importing import Imported, import_published
+from m2t.models.load import load_mission_folder, load_specification
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.generation import ALL_TASKS, write_mission
 from tests.support.models.published import published, xmi_id

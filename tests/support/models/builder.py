@@ -6,7 +6,7 @@ from typing import Any
 
 from generated.metamodel import faults as f
 from generated.metamodel import mission as m
-from m2t.write.xmi import dumps
+from m2t.models.write import dumps
 from tests.support.models.copies import FAULTS, MISSION
 
 

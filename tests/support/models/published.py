@@ -7,7 +7,7 @@ from typing import Any
 
 from lxml import etree
 
-from m2t.load import LoadedModels
+from m2t.models.load import LoadedModels
 
 _XMI = "{http://www.omg.org/XMI}"
 _PROPERTIES = ("intProperties", "stringProperties", "doubleProperties")

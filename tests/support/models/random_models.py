@@ -8,9 +8,9 @@ from typing import Any
 
 from pyecore.ecore import EClass, EEnum
 
-from m2t.check.attribute_values import RANGES
 from m2t.metaclasses import conforms, features
 from m2t.metamodels import load_metamodels
+from m2t.models.check import RANGES
 from tests.support.features import is_contained, is_reference, reference_type
 
 FIELDS = ("POSITION", "SPEED", "ENERGY", "GPS_POSITION", "DEPTH", "TEMPERATURE", "PRESSURE")

@@ -5,10 +5,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from m2t.constraints.fault_rules import fault_types
-from m2t.load import LoadedFile, LoadedModels, load_mission_folder
-from m2t.read.nodes import Spelling
-from m2t.saving import saved
+from m2t.models.constraints import fault_types
+from m2t.models.load import LoadedFile, LoadedModels, load_mission_folder, saved
+from m2t.read import Spelling
 from tests.support.models.copies import copy_models
 
 Parts = Callable[[LoadedModels], Mapping[str, tuple[Any, ...]]]

@@ -5,8 +5,8 @@ import random
 
 import pytest
 
-from m2t.constraints import mission_rules
-from m2t.constraints.mission_rules import Discs, Point, distance
+from m2t.models import constraints
+from m2t.models.constraints import Discs, Point, distance
 
 SPREADS = (0.0, 1.0, 5.0, 100.0, 1e12)
 RADII = (2.0, 1.5, 3.0, 50.0, 4e11, math.nextafter(2.0, 0.0))
@@ -50,7 +50,7 @@ def test_asks_few_discs_of_many_that_lie_apart(monkeypatch):
         n_asked += 1
         return distance(one, other)
 
-    monkeypatch.setattr(mission_rules, "distance", counted)
+    monkeypatch.setattr(constraints, "distance", counted)
     found = Discs()
     for number in range(2_000):
         point = (10.0 * (number % 50), 10.0 * (number // 50))

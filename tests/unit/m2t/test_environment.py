@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jinja2 import UndefinedError
 
-from m2t.environment import Call, Table, expression, literal, remark, template_environment
+from m2t.emit import Call, Table, expression, literal, remark, template_environment
 
 SCALARS = st.one_of(
     st.text(),

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t import line_difference
-from m2t.line_difference import SHORT, unified_difference
+from m2t.models import write
+from m2t.models.write import SHORT, unified_difference
 
 LINES = st.lists(st.sampled_from("abcdefg"), max_size=60)
 
@@ -64,7 +64,7 @@ def _work(monkeypatch, old, new):
             looked_at.append(ahi - alo)
             return super().find_longest_match(alo, ahi, blo, bhi)
 
-    monkeypatch.setattr(line_difference, "SequenceMatcher", Counting)
+    monkeypatch.setattr(write, "SequenceMatcher", Counting)
     for _ in unified_difference(old, new, "old", "new"):
         pass
     return sum(looked_at)

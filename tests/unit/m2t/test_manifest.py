@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.emit import dumps, loads
-from m2t.protected_regions import FileRecord
+from m2t.emit import FileRecord, dumps, loads
 from mrsfi_runtime.errors import GenerationError
 
 WORDS = st.text(st.characters(exclude_characters="/\\", exclude_categories=["Cs"]), min_size=1)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.naming import constant, identifier, snake_case
+from m2t.metaclasses import constant, identifier, snake_case
 from mrsfi_runtime.errors import ModelError
 
 

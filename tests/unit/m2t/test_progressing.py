@@ -2,7 +2,7 @@
 
 import sys
 
-from m2t.metamodel_contract import PROGRESSING
+from m2t.metaclasses import PROGRESSING
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.protected_regions import is_hand_written, merge, parse, record_of
+from m2t.emit import is_hand_written, merge, parse, record_of
 from mrsfi_runtime.errors import ProtectedRegionError
 
 GENERATED = """# Generated

@@ -1,31 +1,50 @@
-"""Load a mission folder: its mission and its faults, checked to the last attribute.
+"""Load.
+
+Load a mission folder: its mission and its faults, checked to the last attribute.
 
 Objects are built straight from the nodes that were checked: pyecore's reader, which lets most
 defects of a file pass and stumbles over others, is not asked.
+
+Save loaded models: every file as Eclipse would, and only what changed.
+
+Write a fault specification that search found as a model that Eclipse opens.
+
+References
+----------
+Source paper, section III-A, step 6, and section III-B b).
+
+Loaded models as objects of the static classes, for scripts that edit them.
 """
 
 import gc
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, TypeAlias
+from urllib.parse import quote
 
 from pyecore.resources import URI, ResourceSet
 
-from m2t.check.references import referred_files, resolve
-from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
-from m2t.constraints.fault_rules import check_faults
-from m2t.constraints.identity import check_identities
-from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import Diagnostic, Report
-from m2t.metaclasses import put, slots
-from m2t.metamodels import load_metamodels
-from m2t.read.model_files import ModelFiles, local_path
-from m2t.read.nodes import Node, Spelling
-from mrsfi_runtime.errors import ModelError
-from mrsfi_runtime.files import settle
+from m2t.metaclasses import copies, put, slots
+from m2t.metamodels import load_metamodels, meaning
+from m2t.models.check import (
+    ModelTree,
+    ReadModel,
+    check_claims,
+    check_structure,
+    referred_files,
+    resolve,
+)
+from m2t.models.constraints import check_faults, check_identities, check_mission, fault_types
+from m2t.models.write import dumps, dumps_file, unified_difference
+from m2t.read import ModelFiles, Node, Spelling, local_path
+from mrsfi_runtime.errors import ModelError, SpecificationError, expected
+from mrsfi_runtime.files import changing, settle, write_atomically
+from mrsfi_runtime.model.faults import at_work, numbered
 from mrsfi_runtime.project_file import metamodels_chosen
 
 MISSION_XMI = "mission.xmi"
@@ -292,3 +311,202 @@ class _Loading:
                 for file in self._files
             ),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """What an edit of loaded models changes in their files; nothing is written.
+
+    ``contents`` and ``before`` have the files that change, ``difference`` their unified diff.
+    ``respelt`` change beyond the edit, as they are not spelt as Eclipse writes them. ``folder`` is
+    that of the mission.
+    """
+
+    folder: Path
+    contents: Mapping[Path, bytes]
+    before: Mapping[Path, bytes]
+    difference: tuple[str, ...]
+    respelt: tuple[Path, ...]
+
+
+def save(models: LoadedModels) -> tuple[Path, ...]:
+    """Write loaded models back to their files, all of them or none; return those that changed.
+
+    Models that cannot be saved are a ``ModelError``, files that cannot be written a ``UsageError``.
+    """
+    contents = saved(models)
+    changed = {path: new for path, new in contents.items() if path.read_bytes() != new}
+    with changing(models.mission_path.parent) as change:
+        change.replace(changed)
+    return tuple(changed)
+
+
+def saved(models: LoadedModels) -> dict[Path, bytes]:
+    """Return the content of each file that saving would write, in the order of reading.
+
+    Every file keeps its encoding, its line ends, its xsi:schemaLocation, its roots and the xmi:ids
+    of its elements; new elements get none. Comments are dropped, as Eclipse does. A model that
+    refers to an object outside the files, or holds a character that XML cannot, is a
+    ``ModelError``.
+    """
+    xmi_ids = models.xmi_ids
+    return {
+        file.path: dumps_file(
+            file.roots, file.spelling, addresses(models, file.path.parent, without=file), xmi_ids
+        )
+        for file in models.files
+    }
+
+
+def edited(
+    models: LoadedModels,
+    edit: Callable[[LoadedModels], object],
+    *,
+    loaded: Container[Path] = (),
+    without: Container[Path] = (),
+) -> Edit:
+    """Carry out an edit of the objects of models, and return what it changes.
+
+    ``loaded`` are files of which loading has left out something already, ``without`` resolved
+    paths of files that somebody else sees to.
+    """
+    unedited = saved(models)
+    before = {path: path.read_bytes() for path in unedited}
+    edit(models)
+    contents = {
+        path: new
+        for path, new in saved(models).items()
+        if new != before[path]
+        and (path in loaded or new != unedited[path])
+        and path.resolve() not in without
+    }
+    respelt = [path for path in contents if path not in loaded and unedited[path] != before[path]]
+    lines: list[str] = []
+    for file in models.files:
+        if (path := file.path) in contents:
+            versions = (before[path], contents[path])
+            old, new = (each.decode(file.spelling.encoding, "replace") for each in versions)
+            named = str(path)
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    return Edit(models.mission_path.parent, contents, before, tuple(lines), tuple(respelt))
+
+
+def addresses(
+    models: LoadedModels, folder: Path, *, without: LoadedFile | None = None
+) -> Mapping[Any, str]:
+    """Return the relative address of every file of loaded models, by its root objects.
+
+    ``folder`` is that of the file that refers, and ``without`` the one that is left out: itself.
+    """
+    return {
+        root: quote(file.seen_from(folder))
+        for file in models.files
+        if file is not without
+        for root in file.roots
+    }
+
+
+SpecificationRow: TypeAlias = (
+    tuple[str, int, int, Mapping[str, float]] | tuple[str, int, int, Mapping[str, float], str]
+)
+"""ID of a pool fault, first tick, last tick, and values by parameter name; the ID of a trigger."""
+
+
+@metamodels_chosen()
+def write_specification(
+    models: Path | LoadedModels,
+    rows: Sequence[SpecificationRow],
+    path: Path,
+    *,
+    identifier: str,
+    names: Sequence[str] | None = None,
+    write: Callable[[Path, bytes], object] = write_atomically,
+) -> None:
+    """Write timed faults as XMI, in their order, a file that is replaced as a whole.
+
+    ``models`` is the mission folder, or what was loaded from one, whose ``faults.xmi`` is the pool;
+    ``identifier`` the ID of the specification. ``names`` are the IDs of the timed faults, those of
+    ``numbered`` if left out; display names are those of the pool. Triggers that faults wait for are
+    copied, those of effects with the timed faults whose effects they are. What the pool lacks, or
+    the gate refuses, is a SpecificationError.
+    """
+    models = load_mission_folder(models) if isinstance(models, Path) else models
+    folder = models.mission_path.parent
+    pool = {fault.ID: fault for fault in models.pool}
+    specification = load_metamodels().faults_class()
+    specification.ID = identifier
+    names = numbered(row[0] for row in rows) if names is None else names
+    for name, (fault_id, start, finish, given, *_) in zip(names, rows, strict=True):
+        if fault_id not in pool:
+            what = f"fault '{fault_id}' is not in the pool of {folder}"
+            raise SpecificationError(f"{what}; {expected(fault_id, pool)}")
+        fault = copies([pool[fault_id]])[pool[fault_id]]
+        (kind,) = fault_types(fault)
+        means = meaning(kind)
+        usual = {known.name: getattr(kind, known.name) for known in means.parameters}
+        timed = at_work(fault_id, means, start, finish, {**usual, **given})
+        fault.ID, fault.start, fault.finish = name, timed.start, timed.finish
+        for known, value in zip(means.parameters, timed.values, strict=True):
+            if known.name in given:
+                is_integer = slots(kind.eClass)[known.name].type.name == "EInt"
+                setattr(kind, known.name, int(value) if is_integer else value)
+        specification.faults.append(fault)
+    _set_triggers(models, specification, rows)
+    hrefs = addresses(models, path.parent)
+    write(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
+
+
+def _set_triggers(
+    models: LoadedModels, specification: Any, rows: Sequence[SpecificationRow]
+) -> None:
+    """Have timed faults wait for copies of the pool's triggers, as their rows say."""
+    known = {} if models.faults is None else {each.ID: each for each in models.faults.triggers}
+    waited = ["".join(row[4:]) for row in rows]
+    for trigger in waited:
+        if trigger and trigger not in known:
+            what = f"trigger '{trigger}' is not in the pool of {models.mission_path.parent}"
+            raise SpecificationError(f"{what}; {expected(trigger, known)}")
+    made = copies(known[each] for each in known if each in waited)
+    specification.triggers.extend(made[known[each]] for each in known if each in waited)
+    for original, copy in made.items():
+        if original in known.values():
+            sources = {fault.ID for fault in original.faults}
+            copy.faults.clear()
+            timed = zip(specification.faults, rows, strict=True)
+            copy.faults.extend(fault for fault, row in timed if row[0] in sources)
+    for fault, trigger in zip(specification.faults, waited, strict=True):
+        fault.trigger = made[known[trigger]] if trigger else None
+
+
+def with_classes(models: LoadedModels, *packages: ModuleType) -> LoadedModels:
+    """Return a copy of loaded models whose objects belong to the static classes.
+
+    ``packages`` are the modules ``mission`` and ``faults`` of ``generated/metamodel``; if none has
+    the class of an object, that is a ``ModelError``. ``m2t.models.load`` writes the copy as it
+    writes the original, with new elements of the same classes that were added to it.
+    """
+    classifiers = {
+        (package.nsURI, name): classifier
+        for package in packages
+        for name, classifier in package.eClassifiers.items()
+    }
+
+    def known(classifier: Any) -> Any:
+        key = (classifier.ePackage.nsURI, classifier.name)
+        if key not in classifiers:
+            raise ModelError(
+                f"{classifier.name} of {key[0]} is no static class; expected the packages of the "
+                "models; name them all, or run `python -m m2t.classes generated/metamodel`"
+            )
+        return classifiers[key]
+
+    made = copies([root for root in (models.mission, models.faults) if root is not None], known)
+    return replace(
+        models,
+        mission=made[models.mission],
+        faults=None if models.faults is None else made[models.faults],
+        nodes={made[element]: node for element, node in models.nodes.items()},
+        files=tuple(
+            replace(file, roots=tuple(made[root] for root in file.roots)) for file in models.files
+        ),
+    )

@@ -1,22 +1,138 @@
-"""Check the nodes of a file against its metamodel, and report all that it forbids.
+"""Check.
+
+Check attribute texts as values of their Ecore type, strictly.
+
+Numbers are accepted as Java accepts them, without the spellings that only Python knows, so that
+a model that loads here loads in Eclipse.
+
+Check the nodes of a file against its metamodel, and report all that it forbids.
 
 pyecore's reader lets most defects pass and stops at the first of the others, so every node
 is checked before pyecore loads the file. Parts of a model may stand in files of their own, as
 Eclipse splits it: ``<robots href="robots.xmi#r1"/>`` stands for a root of ``robots.xmi``.
+
+Resolve the references of a model, inside its file and into the mission's file.
 """
 
+import math
+import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from m2t.check.attribute_values import require_value
+from pyecore.ecore import EEnum
+
 from m2t.diagnostics import Defect, Report, listed, shown
-from m2t.metaclasses import Slot, concrete_classes, slots
-from m2t.read.model_files import ROOT_ATTRIBUTES, ModelFile, ModelFiles, contained_path
-from m2t.read.nodes import XMI, XSI, Node
+from m2t.metaclasses import Slot, concrete_classes, conforms, slots
+from m2t.read import (
+    ROOT_ATTRIBUTES,
+    XMI,
+    XSI,
+    ModelFile,
+    ModelFiles,
+    Node,
+    contained_path,
+    local_path,
+    resolved_path,
+)
+from mrsfi_runtime.model.faults import LAST, MOST
+
+MAX_NAME_LENGTH = 200
+MAX_TEXT_LENGTH = 2_000
+
+_INT_RANGE = range(-(2**31), 2**31)
+_INTEGER = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
+DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Which numbers a feature allows, and the constraint that says so."""
+
+    constraint: str
+    lowest: float
+    highest: float = math.inf
+    is_open: bool = False
+
+    def __contains__(self, value: float) -> bool:
+        above = value > self.lowest if self.is_open else value >= self.lowest
+        return above and value <= self.highest
+
+    def __str__(self) -> str:
+        if self.highest < math.inf:
+            above = "above " * self.is_open
+            return f"{above}{self.lowest:,} to {self.highest:,}"
+        return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
+
+
+_ENERGY = Range("EnergyNotNegative", 0)
+_TICKS = Range("DelayNotNegative", 0, LAST)
+
+RANGES: Mapping[str, Range] = {
+    "duration": Range("DurationInRange", 1, 10_000_000),
+    "radius": Range("RadiusPositive", 0, is_open=True),
+    **dict.fromkeys(("speed", "maxSpeed"), Range("SpeedNotNegative", 0)),
+    "turnRate": Range("TurnRateInRange", 0, 180, is_open=True),
+    "positionNoise": Range("NoiseNotNegative", 0),
+    **dict.fromkeys(("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), _ENERGY),
+    "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
+    "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
+    "period": Range("PeriodPositive", 1),
+    "deadline": Range("DeadlinePositive", 1),
+    "tolerance": Range("TolerancePositive", 0, is_open=True),
+    "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
+    **dict.fromkeys(("start", "finish"), Range("WindowNotNegative", 0)),
+    "likelihood": Range("LikelihoodInRange", 0, 1),
+    "delay": _TICKS,
+}
+"""Allowed numbers by feature name; a feature of that name means the same in every class."""
+
+
+def require_value(slot: Slot, text: str) -> None:
+    """Refuse, by a ``Defect``, a text that is no value of an attribute or outside its range."""
+    if slot.type.name == "EString":
+        _require_length(slot, text)
+        return
+    for constraint, is_kept, expected in _rules(slot, text):
+        if not is_kept:
+            raise Defect(constraint, f"has {slot.name} {shown(text)}; expected {expected}")
+
+
+def _require_length(slot: Slot, text: str) -> None:
+    limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
+    if len(text) > limit:
+        raise Defect(
+            "StringLength",
+            f"has a {slot.name} of {len(text):,} characters; expected at most {limit:,}; "
+            "shorten it",
+        )
+
+
+def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
+    """Yield what a text has to keep, each with whether it does; each builds on the one before."""
+    kind = slot.type.name
+    if isinstance(slot.type, EEnum):
+        names = [literal.name for literal in slot.type.eLiterals]
+        yield "EnumLiteral", text in names, f"one of {listed(names, text)}; correct the spelling"
+    elif kind == "EBoolean":
+        is_literal = text in ("true", "false")
+        yield "EnumLiteral", is_literal, "true or false; correct the spelling"
+    elif kind == "EInt":
+        is_whole = bool(_INTEGER.fullmatch(text)) and int(text) in _INT_RANGE
+        yield "NumberSyntax", is_whole, "a whole number of 32 bits, such as 20; correct it"
+    else:
+        yield "FiniteNumber", not _NOT_FINITE.fullmatch(text), "a finite number; correct it"
+        yield "NumberSyntax", bool(DOUBLE.fullmatch(text)), "a number such as 2.5; correct it"
+        is_near = abs(float(text)) <= MOST
+        yield "NumberMagnitude", is_near, "a number between -1.0E12 and 1.0E12; correct it"
+    allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)
+    if allowed is not None and kind in ("EInt", "EDouble"):
+        yield allowed.constraint, float(text) in allowed, f"{allowed}; correct it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,3 +462,113 @@ class _Checker:
         expected = listed(names, name) or f"no {what}s"
         finding = f"{finding}; expected {expected}; correct or delete it"
         self._report.add(node, "KnownFeature", finding)
+
+
+def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
+    """Return the file part of every reference that leads out of its own file."""
+    for reference in tree.references:
+        for target in reference.targets:
+            address = _address(target)
+            if address:
+                yield reference, address
+
+
+def resolve(tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
+    """Find the nodes that all references of a model lead to; the model takes them.
+
+    ``mission`` is the mission, if the model may refer to it.
+    """
+    resolver = _Resolver(tree, mission, report)
+    for reference in tree.references:
+        resolver.resolve(reference)
+
+
+class _Resolver:
+    """Resolves the references of one model; asks for every file once."""
+
+    def __init__(self, tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
+        self._tree = tree
+        self._mission = mission
+        self._report = report
+        self._named: dict[tuple[Node, str], set[Node]] = {}
+        self._file = cache(self._find_file)
+        self._known = cache(_known)
+
+    def resolve(self, reference: Reference) -> None:
+        slot = reference.slot
+        if not slot.many and len(reference.targets) > 1:
+            report_count(reference.node, slot, len(reference.targets), self._report)
+            return
+        found = tuple(self._elements(reference))
+        known = self._named.setdefault((reference.source, slot.name), set())
+        for element in found:
+            if element in known and slot.many:
+                name = element.attributes.get("ID", element.metaclass.name)
+                finding = f"names '{name}' twice in {slot.name}; expected each once; delete one"
+                self._report.add(reference.node, "UniqueReference", finding)
+            known.add(element)
+        self._tree.resolved.append((reference, found))
+
+    def _elements(self, reference: Reference) -> Iterator[Node]:
+        """Yield the elements that the targets mean, if they exist and are of the right class."""
+        for target in reference.targets:
+            try:
+                place = self._place(reference, target)
+                if place is not None:
+                    yield self._element(reference, target, *place)
+            except Defect as defect:
+                self._report.add(reference.node, defect.constraint, defect.finding)
+
+    def _element(self, reference: Reference, target: str, file: ModelFile, tree: ModelTree) -> Node:
+        element = file.find(unquote(target.rpartition("#")[2]))
+        wanted = reference.slot.type
+        if element is not None and conforms(element.metaclass, wanted):
+            return element
+        expected = f"a {wanted.name}{self._known(tree, wanted, target)}; correct the reference"
+        what = f"refers to {shown(target)} as {reference.slot.name}, which"
+        if element is None:
+            raise Defect(
+                "ResolvedReference", f"{what} does not exist; expected the ID of {expected}"
+            )
+        raise Defect("ReferenceType", f"{what} is a {element.metaclass.name}; expected {expected}")
+
+    def _place(self, reference: Reference, target: str) -> tuple[ModelFile, ModelTree] | None:
+        """Return the file that a target is looked for in, and the model that it is part of.
+
+        It is ``None`` if that is a mission that is broken: its own defects are reported already.
+        """
+        here = self._tree.files.containing(reference.node)
+        address = _address(target)
+        if not address:
+            return here, self._tree
+        mission = self._mission
+        tree = self._tree if mission is None else mission.tree
+        file, is_mission = self._file(here.path.parent, address)
+        if file is not None and tree is not None:
+            return file, tree
+        if tree is None and is_mission:
+            return None
+        own = "an element of this file" if mission is None else f"{mission.path.name}#ID"
+        raise Defect(
+            "LocalReference",
+            f"refers to {shown(target)} as {reference.slot.name}; expected {own}, or one of a file "
+            "that is part of the mission; correct the reference",
+        )
+
+    def _find_file(self, folder: Path, address: str) -> tuple[ModelFile | None, bool]:
+        path = local_path(folder, address)
+        if path is None:
+            return None, False
+        mission = self._mission
+        is_mission = mission is not None and resolved_path(path) == resolved_path(mission.path)
+        return self._tree.files.at(path), is_mission
+
+
+def _address(target: str) -> str:
+    return target.rpartition("#")[0]
+
+
+def _known(tree: ModelTree, wanted: Any, target: str) -> str:
+    """Return the IDs that would fit, for the message; a tree is complete by now."""
+    ids = [name for name, element in tree.by_id.items() if conforms(element.metaclass, wanted)]
+    return f" ({listed(ids, target.rpartition('#')[2])})" if ids else ""

@@ -1,26 +1,165 @@
-"""Turn the nodes of a published file into nodes of our metamodels, which are checked as any other.
+"""Importing.
+
+What an import did to a model beyond copying it.
+
+Give every element of an imported model a readable ID.
+
+Turn the nodes of a published file into nodes of our metamodels, which are checked as any other.
 
 It is an XMI file, whose root ``Setup`` holds a mission and fault specifications. Most features
 have the names of ours; the tables have those that differ, and what to put where the old format
 says nothing. What is not known is dropped with a note. All else keeps its text, so that
 ``m2t.check`` refuses what ``mrsfi validate`` refuses, by the same rules. References keep theirs,
 too: a ``PublishedFile`` finds what they mean.
+
+Import a model that was published for the paper's prototype as a mission folder.
+
+The folder gets campaign files to begin with: the paper's two cases.
 """
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from itertools import count
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, get_args
 
-from m2t.check.attribute_values import DOUBLE
-from m2t.check.references import resolve
-from m2t.check.structure import ModelTree, Reference, check_structure
 from m2t.diagnostics import Report, shown
-from m2t.importing.notes import Notes
-from m2t.metaclasses import Slot, concrete_classes, slots
-from m2t.metamodel_contract import BOUNDS
-from m2t.read.model_files import ModelFile, ModelFiles
-from m2t.read.nodes import XMI, XSI, Node, Spelling, follow
+from m2t.metaclasses import BOUNDS, Slot, concrete_classes, identifier, slots, snake_case
+from m2t.metamodels import load_metamodels
+from m2t.models.check import DOUBLE, MAX_NAME_LENGTH, ModelTree, Reference, check_structure, resolve
+from m2t.models.constraints import check_faults, check_mission
+from m2t.models.load import FAULTS_XMI, MISSION_XMI, Objects
+from m2t.models.write import dumps
+from m2t.read import XMI, XSI, ModelFile, ModelFiles, Node, Spelling, follow, read_root
+from mrsfi_runtime.errors import ModelError, UsageError
+from mrsfi_runtime.files import changing, whole_folder
+
+Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+"""ID given or changed; left out; filled in; contradicting the rest of the model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """One thing that a reader of the imported model should know; ``line`` is of the published file.
+
+    ``element`` is like ``robots 'r1'``, ``feature`` an attribute of it, a child, or ``ID``;
+    ``message`` says what was found, and what the import did about it.
+    """
+
+    kind: Kind
+    line: int
+    element: str
+    feature: str
+    message: str
+
+
+class Notes(list[Note]):
+    """The notes of one import, whose report knows where objects come from."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__()
+        self._report = report
+
+    def add(self, kind: Kind, element: Any, feature: str, message: str) -> None:
+        """Add a note about an object or a node of the published file."""
+        place = self._report.place(element)
+        self.append(Note(kind, place.line, place.description, feature, message))
+
+
+_USABLE = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}", re.ASCII)
+_UNUSABLE = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
+_LONGEST_BASE = 80
+
+
+def give_ids(root: Node, notes: Notes) -> None:
+    """Set the ID of every element below the root of a model whose nodes know their classes.
+
+    IDs are unique, also as names in Python; ``notes`` take every one that is new or changed. An
+    element keeps its own ID if that can be used; the first of several with the same ID does. A
+    fault without ID takes its name. The others get an ID from their place, such as ``g1_area``
+    or ``r1_sensor_2``.
+    """
+    identified = [node for node in root.walk() if _has(node, "ID")]
+    namer = _Namer(notes)
+    for node in [node for node in identified if not namer.keeps_own(node)]:
+        namer.derive(node)
+    for node in identified:
+        if _has(node, "name") and not node.attributes.get("name"):
+            node.attributes["name"] = node.attributes["ID"]
+            notes.add("default", node, "name", "is absent; set to the ID")
+
+
+class _Namer:
+    def __init__(self, notes: Notes) -> None:
+        self._notes = notes
+        self._taken: set[str] = set()
+        self._kept: set[str] = set()
+        self._numbers: dict[str, count[int]] = defaultdict(lambda: count(2))
+
+    def keeps_own(self, node: Node) -> bool:
+        own = _own(node)
+        if own is None or not _USABLE.fullmatch(own) or not self._take(own):
+            return False
+        self._kept.add(own)
+        if "ID" not in node.attributes:
+            self._notes.add("renamed", node, "ID", "has no ID; its name is its ID now")
+        node.attributes["ID"] = own
+        return True
+
+    def derive(self, node: Node) -> None:
+        own = _own(node)
+        legal = _UNUSABLE.sub("_", own or "").strip("_.-")[:_LONGEST_BASE]
+        if legal and not legal[0].isalpha():
+            legal = f"{snake_case(node.metaclass.name)}_{legal}"
+        base = new = legal or _place(node)
+        while not self._take(new):
+            new = f"{base}_{next(self._numbers[base])}"
+        node.attributes["ID"] = new
+        if own is None:
+            self._notes.add("renamed", node, "ID", f"has no ID; is now {new}")
+            return
+        self._notes.add("renamed", node, "ID", f"{shown(own)} is now {new}")
+        if own in self._kept:
+            message = f"{shown(own)} is the ID of more than one element; the first keeps it"
+            self._notes.add("inconsistent", node, "ID", message)
+
+    def _take(self, identity: str) -> bool:
+        try:
+            name = identifier(identity)
+        except ModelError:
+            return False
+        if name in self._taken:
+            return False
+        self._taken.add(name)
+        return True
+
+
+def _own(node: Node) -> str | None:
+    """Return the ID that the file gives an element; a fault without one goes by its name."""
+    name = node.attributes.get("name") if node.metaclass.name == "Fault" else None
+    return node.attributes.get("ID", name)
+
+
+def _place(node: Node) -> str:
+    """Return what an element is called by its place, such as ``g1_area`` or ``robot_1``."""
+    container = node.parent
+    if container is None:
+        return snake_case(node.metaclass.name)
+    word = snake_case(node.tag)
+    if slots(container.metaclass)[node.tag].many:
+        position = container.tagged(node.tag).index(node) + 1
+        word = f"{snake_case(node.metaclass.name)}_{position}"
+    if container.parent is None:
+        return word
+    return f"{container.attributes['ID'] if _has(container, 'ID') else _place(container)}_{word}"
+
+
+def _has(node: Node, name: str) -> bool:
+    return node.metaclass is not None and name in slots(node.metaclass)
+
 
 SETUP_NAMESPACE = "acs_project_setup"
 NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
@@ -384,3 +523,181 @@ def _whole(text: str) -> str:
     """Return a whole number as integers are written: Java writes a double of 1000 as 1000.0."""
     number = float(text) if DOUBLE.fullmatch(text) else 0.5
     return str(int(number)) if number.is_integer() and abs(number) < _EXACT else text
+
+
+_COUNTED = ("robots", "servers", "obstacles", "goals")
+
+_CASE = """\
+# Written by `mrsfi import`. {about}
+
+[search]
+algorithm = "paper"      # paper | random | drift
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 0.7
+selection = "roulette"
+{fitness}
+seed = 1
+mission_seed = 1
+"""
+_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
+_FITNESS_A = """\
+fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
+_ABOUT_B = """\
+Case study B of the paper (section V-B 1): fitness function (2)
+# on one collision-focused and one energy-focused goal."""
+_FITNESS_B = """\
+fitness = "focused"      # equation (2): violations of the chosen goals
+goals = [{goals}]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """What an import wrote, and what a reader of it should know.
+
+    ``n_xmi_ids`` elements were identified by xmi:id. ``counts`` has the number of elements of the
+    result by what they are, ``notes`` what was renamed, dropped, filled in or found inconsistent.
+    """
+
+    folder: Path
+    files: tuple[str, ...]
+    counts: Mapping[str, int]
+    n_xmi_ids: int
+    notes: tuple[Note, ...]
+
+
+def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Imported:
+    """Turn a published file, one ``Setup`` with mission and fault specifications, into a folder.
+
+    The first specification becomes ``faults.xmi``, an empty pool if there is none, any other
+    ``faults_<ID>.xmi``. ``is_forced`` replaces the models of a mission folder that exists; its
+    other files stay. A file that cannot be read or a model that is not valid is a ``ModelError``
+    with all errors, one a line, and nothing is written; a folder that must not be replaced or
+    cannot be written is a ``UsageError``.
+    """
+    _require_free(folder, is_forced=is_forced)
+    origins: dict[Any, Node] = {}
+    report = Report(origins)
+    notes = Notes(report)
+    setup = read_root(path, report)
+    if (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
+        finding = (
+            f"of namespace {shown(setup.namespace)} is the root; expected {ROOT} of namespace "
+            f"{SETUP_NAMESPACE}, as in the files published for the paper's prototype; models of "
+            "mrsfi need no import"
+        )
+        report.add(setup, "RootElement", finding)
+        report.require_no_errors()
+    reader = PublishedReader(setup, origins, report, notes)
+    roots = _roots(setup, reader, report)
+    if not roots[0].attributes.get("name"):
+        roots[0].attributes["name"] = folder.name[:MAX_NAME_LENGTH]
+        notes.add("default", roots[0], "name", f"is absent; set to {folder.name}")
+    for root in roots:
+        give_ids(root, notes)
+    trees = [reader.checked(root) for root in roots]
+    report.require_no_errors()
+    objects = Objects()
+    mission, *specifications = map(objects.root, trees)
+    origins.update((element, origins[node]) for element, node in objects.nodes.items())
+    if not specifications:
+        specifications.append(load_metamodels().faults_class(ID="faults"))
+        origins[specifications[0]] = setup
+        # A pool for the team to fill, so that the folder is that of a whole mission.
+        said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
+        notes.add("default", setup, "specification", said)
+    check_mission(mission, report)
+    for pool in specifications:
+        check_faults(pool, mission.duration, report)
+    report.require_no_errors()
+    notes += [
+        Note("inconsistent", found.line, found.element, found.constraint, found.message)
+        for found in report
+    ]
+    files = _write(_models(mission, specifications), folder)
+    return Imported(
+        folder=folder,
+        files=files,
+        n_xmi_ids=len(reader.by_xmi_id),
+        counts=_counts(mission, specifications),
+        notes=tuple(sorted(notes, key=lambda note: (KINDS.index(note.kind), note.line))),
+    )
+
+
+def _require_free(folder: Path, *, is_forced: bool) -> None:
+    if not folder.exists() and not folder.is_symlink():
+        return
+    if not is_forced:
+        message = f"{folder}: exists already; name another folder with --out, or replace its "
+        raise UsageError(f"{message}models with --force")
+    if not (folder / MISSION_XMI).is_file():
+        message = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder; "
+        raise UsageError(f"{message}name another with --out")
+
+
+def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
+    """Return the mission and the specifications of a file, as nodes of our metamodels."""
+    missions = setup.tagged("mission")
+    if len(missions) != 1:
+        finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
+        report.add(setup, "RequiredFeature" if not missions else "SingleValue", finding)
+        report.require_no_errors()
+    known = load_metamodels()
+    roots = [reader.model(missions[0], known.mission_class)]
+    roots += [reader.model(child, known.faults_class) for child in setup.tagged("specification")]
+    reader.drop_rest()
+    reader.copy_elsewhere(roots[0])
+    report.require_no_errors()
+    return roots
+
+
+def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
+    models = {MISSION_XMI: mission}
+    for number, root in enumerate(specifications, 1):
+        name = FAULTS_XMI if number == 1 else f"faults_{root.ID}.xmi"
+        if name in models:
+            name = f"faults_{number}_{root.ID}.xmi"
+        models[name] = root
+    return models
+
+
+def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
+    """Write all files or none; campaign files only where there are none."""
+    mission = models[MISSION_XMI]
+    contents = {
+        name: dumps(root, hrefs={} if root is mission else {mission: MISSION_XMI})
+        for name, root in models.items()
+    }
+    cases = _campaign_files(mission)
+    contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
+    if folder.exists():
+        with changing(folder) as change:
+            change.replace({folder / name: content for name, content in contents.items()})
+    else:
+        with whole_folder(folder) as new:
+            for name, content in contents.items():
+                (new / name).write_bytes(content)
+    return tuple(contents)
+
+
+def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
+    counts = {kind: len(getattr(mission, kind)) for kind in _COUNTED}
+    counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
+    counts["faults"] = sum(len(root.faults) for root in specifications)
+    return counts
+
+
+def _campaign_files(mission: Any) -> dict[str, bytes]:
+    """Return the campaign files of a mission by name: ``case_a.toml``, and maybe ``case_b.toml``.
+
+    Case b takes both a goal that avoids collisions and one about energy; it names the first each.
+    """
+    files = {"case_a.toml": _CASE.format(about=_ABOUT_A, fitness=_FITNESS_A)}
+    firsts = {goal.task.eClass.name: goal.ID for goal in reversed(mission.goals)}
+    energy, collisions = map(firsts.get, ("SufficientEnergy", "AvoidCollision"))
+    if collisions and energy:
+        fitness = _FITNESS_B.format(goals=f'"{collisions}", "{energy}"')  # IDs need no quoting
+        files["case_b.toml"] = _CASE.format(about=_ABOUT_B, fitness=fitness)
+    return {name: text.encode("ascii") for name, text in files.items()}

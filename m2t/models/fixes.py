@@ -1,4 +1,6 @@
-"""Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
+"""Fixes.
+
+Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
 
 A fix looks at the element anew and changes nothing if nothing is wrong, so that a fix may be
 offered to an element too many.
@@ -9,7 +11,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeAlias
 
-from m2t.constraints.fault_rules import (
+from m2t.diagnostics import Diagnostic
+from m2t.metaclasses import contained, is_kind, slots, values
+from m2t.models.constraints import (
     Pairs,
     broken_ticks,
     exchanged_bounds,
@@ -17,12 +21,10 @@ from m2t.constraints.fault_rules import (
     exchanged_window,
     fault_types,
     fits_event,
+    repeated,
+    strangers,
 )
-from m2t.constraints.mission_rules import repeated, strangers
-from m2t.diagnostics import Diagnostic
-from m2t.load import Inspection, LoadedModels
-from m2t.metaclasses import contained, is_kind, slots, values
-from m2t.saving import Edit, edited
+from m2t.models.load import Edit, Inspection, LoadedModels, edited
 
 Remedy: TypeAlias = Callable[[Any], None]
 

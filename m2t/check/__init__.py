@@ -1,1 +1,0 @@
-"""Check nodes against the metamodel: structure, values, references, parts in other files."""

@@ -1,1 +1,0 @@
-"""Static Python classes of the metamodels; ``python -m m2t.classes`` generates them."""

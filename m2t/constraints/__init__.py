@@ -1,1 +1,0 @@
-"""Constraints beyond the metamodel: what a model must keep in order to make sense."""

@@ -1,1 +1,0 @@
-"""Bring models that were published for the paper's prototype into mission folders."""

@@ -1,1 +1,0 @@
-"""One visitor per generated file."""

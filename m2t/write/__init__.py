@@ -1,1 +1,0 @@
-"""Write models byte for byte as Eclipse EMF does."""
