@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from mrsfi_runtime.cli import progress
-from mrsfi_runtime.cli.progress import flight_progress, plain_lines, share_done
+from mrsfi_runtime.cli import terminal
+from mrsfi_runtime.cli.terminal import flight_progress, plain_lines, share_done
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.run import CampaignProgress
 from tests.support.cli import MISSION, mrsfi
@@ -98,7 +98,7 @@ def test_the_time_left_follows_a_search_that_became_faster(capfd):
 
 def test_a_long_flight_tells_now_and_then_how_far_it_is(place, monkeypatch):
     quiet = mrsfi("simulate", MISSION, cwd=place)
-    monkeypatch.setattr(progress, "_EVERY", 0.0)
+    monkeypatch.setattr(terminal, "_EVERY", 0.0)
 
     telling = mrsfi("simulate", MISSION, cwd=place)
 

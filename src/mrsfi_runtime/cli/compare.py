@@ -1,8 +1,13 @@
-"""The command ``mrsfi compare``, and the tables that it prints."""
+"""The command mrsfi compare.
+
+What ``mrsfi compare --sweep`` prints.
+
+The command ``mrsfi compare``, and the tables that it prints.
+"""
 
 import json
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -13,7 +18,7 @@ import click
 from click.core import ParameterSource
 
 from mrsfi.engines import Given, chosen
-from mrsfi_runtime.cli.console import left, print_json, tell
+from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.cli.options import (
     OF_ENGINE,
     engine_options,
@@ -22,11 +27,45 @@ from mrsfi_runtime.cli.options import (
     generated_option,
     worker_options,
 )
+from mrsfi_runtime.cli.terminal import left, print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import TransportError
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.study.comparison import Comparison, RunResult
+    from mrsfi_runtime.study.comparison import Comparison, RunResult, Sweep
+
+
+def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) -> None:
+    """Print the median of each value, and which settings are better or worse than the paper's."""
+    from mrsfi_runtime.study.folder import setting_table
+
+    title = (
+        f"{len(comparison.algorithms)} settings, {len(comparison.seeds)} seeds, "
+        f"{n_evaluations} evaluations a run: best fitness"
+    )
+    columns = ("setting", "value", "n_runs", "lower", "median", "upper")
+    print_table(Table(title, columns, [*_value_rows(comparison, sweep)], ("setting",)))
+    table = setting_table(comparison)
+    place, verdict = table.columns.index("a12"), table.columns.index("verdict")
+    differ = [row for row in table.rows if row[verdict] in ("better", "worse")]
+    if differ:
+        rows = sorted(differ, key=lambda row: -float(row[place] or 0.0))
+        print_table(replace(table, title="Settings that differ from the paper's", rows=rows))
+    n_better = sum(row[verdict] == "better" for row in differ)
+    said = f"{n_better} better, {len(differ) - n_better} worse" if differ else "none differs"
+    n_others = len(comparison.algorithms) - 1
+    print_words((f"Of {n_others} settings beside the paper's, {sweep.papers}: {said}", "bold"))
+
+
+def _value_rows(comparison: "Comparison", sweep: "Sweep") -> Iterator[tuple[Cell, ...]]:
+    from mrsfi_runtime.study.comparison import quartiles
+
+    for key, values in sweep.values.items():
+        for number, value in enumerate(values):
+            found = comparison.with_values({key: value})
+            told = astuple(quartiles(found))
+            yield ("" if number else key, str(value), len(found), *told)
+
 
 _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 
@@ -76,7 +115,7 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 @file_option("--markdown", "Of two campaigns: write Markdown.")
 @file_option("--html", "Of two campaigns: write a page.")
 @click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
-def command(  # noqa: PLR0913 - one for each option
+def compare_command(  # noqa: PLR0913 - one for each option
     ctx: click.Context,
     /,
     *,
@@ -167,8 +206,6 @@ def command(  # noqa: PLR0913 - one for each option
         print_json({"folder": str(folder.path), **content})
         return
     if found.sweep is not None:
-        from mrsfi_runtime.cli.swept import print_sweep
-
         print_sweep(found, found.sweep, evaluations)
     else:
         _print(found, evaluations)

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import click
 
-from mrsfi_runtime.cli.console import steady_output
+from mrsfi_runtime.cli.terminal import steady_output
 from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError
 from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 
@@ -18,30 +18,30 @@ _INTERRUPTED = 130
 
 _COMMANDS = MappingProxyType(
     {
-        "new": "Make the folder of a new project, with a mission that flies.",
-        "validate": "Check the models of a mission.",
-        "generate": "Generate the middleware of a mission from its models.",
-        "simulate": "Fly a mission once, with or without faults.",
-        "evolve": "Search the most critical fault specifications.",
-        "weaknesses": "Print all the ways in which goals break.",
-        "show": "Draw how goals break: the least that does, or any weakness.",
-        "explain": "Find out which faults of a specification break which goal.",
-        "replay": "Fly evaluations of a campaign again and compare.",
-        "report": "Write figures, tables and summary of a campaign anew.",
-        "keep": "Keep a weakness beside the models of its mission.",
-        "check": "Fly every kept weakness, and fail where one came back.",
-        "compare": "Compare two campaigns of a mission, or search algorithms on it.",
-        "pack": "Pack a campaign into one file that repeats itself elsewhere.",
-        "bridge": "Run a rosbridge server for simulators and collective intelligences.",
-        "import": "Make a mission folder from a model of the paper's prototype.",
-        "rename": "Give elements of a mission other IDs, everywhere at once.",
-        "diff": "Print the difference of two models in the words of the model.",
+        "new": ("models", "Make the folder of a new project, with a mission that flies."),
+        "validate": ("models", "Check the models of a mission."),
+        "generate": ("models", "Generate the middleware of a mission from its models."),
+        "simulate": ("flights", "Fly a mission once, with or without faults."),
+        "evolve": ("campaigns", "Search the most critical fault specifications."),
+        "weaknesses": ("campaigns", "Print all the ways in which goals break."),
+        "show": ("campaigns", "Draw how goals break: the least that does, or any weakness."),
+        "explain": ("flights", "Find out which faults of a specification break which goal."),
+        "replay": ("flights", "Fly evaluations of a campaign again and compare."),
+        "report": ("campaigns", "Write figures, tables and summary of a campaign anew."),
+        "keep": ("regressions", "Keep a weakness beside the models of its mission."),
+        "check": ("regressions", "Fly every kept weakness, and fail where one came back."),
+        "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
+        "pack": ("campaigns", "Pack a campaign into one file that repeats itself elsewhere."),
+        "bridge": (
+            "flights",
+            "Run a rosbridge server for simulators and collective intelligences.",
+        ),
+        "import": ("models", "Make a mission folder from a model of the paper's prototype."),
+        "rename": ("models", "Give elements of a mission other IDs, everywhere at once."),
+        "diff": ("models", "Print the difference of two models in the words of the model."),
     }
 )
-"""Subcommands and their one-line help: ``mrsfi --help`` need not import them."""
-
-_MODULES = MappingProxyType({"import": "import_model"})
-"""Modules of the subcommands whose names Python does not allow."""
+"""Subcommands with their module and one-line help: ``mrsfi --help`` need not import them."""
 
 
 class CommandGroup(click.Group):
@@ -55,13 +55,13 @@ class CommandGroup(click.Group):
         """Import one subcommand."""
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"mrsfi_runtime.cli.{_MODULES.get(cmd_name, cmd_name)}")
-        return cast("click.Command", module.command)
+        module = import_module(f"mrsfi_runtime.cli.{_COMMANDS[cmd_name][0]}")
+        return cast("click.Command", getattr(module, f"{cmd_name}_command"))
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
         """List the subcommands without importing them."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(_COMMANDS.items()))
+            formatter.write_dl([(name, text) for name, (_, text) in _COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a subcommand, and end with the exit code of the error that it meets."""

@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 
 import click
 
-from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.terminal import tell
 from mrsfi_runtime.errors import expected
 from mrsfi_runtime.record.engine_settings import (
     REFERENCE,

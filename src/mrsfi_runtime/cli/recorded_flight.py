@@ -13,10 +13,8 @@ from mrsfi_runtime.analysis.tables import (
     goals_as_json,
     nearest_in_words,
 )
-from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import FlightFiles
-from mrsfi_runtime.cli.progress import flight_progress
-from mrsfi_runtime.cli.terminal import print_table, print_words
+from mrsfi_runtime.cli.terminal import flight_progress, print_json, print_table, print_words, tell
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import telling, whole_file, written_file

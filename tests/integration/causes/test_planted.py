@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.causes.chain import FirstVerdict
 from mrsfi_runtime.causes.explanation import explain
-from mrsfi_runtime.cli.explained import Shown, print_explanation
+from mrsfi_runtime.cli.campaign_results import Shown, print_explanation
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault

@@ -1,21 +1,178 @@
-"""What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
+"""What commands print of a campaign.
+
+How weaknesses are printed: which fault breaks which goal, as a matrix and as a list.
+
+The report of a campaign: written into its folder, and printed.
+
+What ``mrsfi explain`` prints of an explanation, and what scripts get in its place.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
-from mrsfi_runtime.analysis.tables import Table, fault_table
+from mrsfi.campaign_folders import OpenCampaign
+from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
+from mrsfi.explaining import report as write_report
+from mrsfi_runtime.analysis.illustrations import Draw
+from mrsfi_runtime.analysis.summary import Summary, as_json
+from mrsfi_runtime.analysis.tables import (
+    Table,
+    critical_table,
+    fault_table,
+    front_table,
+    harm_table,
+)
+from mrsfi_runtime.analysis.weaknesses import (
+    State,
+    facts,
+    harmless,
+    headline,
+    matrix_table,
+    not_found,
+    verdicts,
+    way_table,
+)
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
-from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.causes.harvest import Harvest
+from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE, Measure, ticks
+
+_MOST_UNTRIED = 10
+"""Faults and pairs that are named at most, of those that were never flown."""
+
+
+def print_verdicts(
+    campaign: OpenCampaign, known: Harvest, goals: Sequence[str] | None = None
+) -> None:
+    """Print of some goals in a sentence each whether they break, by what, and how sure that is."""
+    mission, pool = campaign.mission, campaign.pool
+    wanted = mission.goal_ids if goals is None else goals
+    found = [each for each in verdicts(mission, pool, known) if each.goal in wanted]
+    print_words((headline(found), "bold"))
+    for fact in facts(mission, pool, found, known.ways):
+        print_words(fact)
+    click.echo()
+    held = [each for each in found if each.state is State.HOLDS]
+    for each in found[: len(found) - len(held)]:
+        state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
+        print_words((each.label, "bold"), " ", state, each.because)
+        print_words(" · ".join(each.evidence), indent=4)
+    for unknown in dict.fromkeys(each.unknown for each in held):
+        some = ", ".join(each.label for each in held if each.unknown == unknown)
+        print_words(("Nothing was found that breaks ", "bold"), f"{some} ({unknown})")
+    for each in held:
+        if each.nearest:
+            print_words(f"{each.label} {each.nearest}", indent=4)
+    click.echo()
+
+
+def print_all(
+    campaign: OpenCampaign, known: Harvest, found: Sequence[Way], goals: Sequence[str]
+) -> None:
+    """Print ways to break goals, what was not found of these, and what was never flown."""
+    mission, pool = campaign.mission, campaign.pool
+    print_verdicts(campaign, known, goals)
+    if found:
+        print_table(matrix_table(mission, pool, found))
+        print_table(way_table("How, in one of the forms that do", mission, pool, found))
+    click.echo("\n".join(not_found(known.known, each) for each in goals) + "\n")
+    click.echo(f"{harmless(pool, known.ways)}\n{_never_flown(campaign)}")
+
+
+def _never_flown(campaign: OpenCampaign) -> str:
+    n_faults, never = len(campaign.pool), untried(campaign)
+    return (
+        f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
+        f"{', '.join(' with '.join(each) for each in never[:_MOST_UNTRIED]) or 'none'}"
+        f"{f' and {len(never) - _MOST_UNTRIED} more' if len(never) > _MOST_UNTRIED else ''}"
+    )
+
+
+def print_bounds(known: Known, goals: Sequence[str]) -> None:
+    """Print how seldom some goals may break in a way that is not known, for a script."""
+    told = [
+        {"goal": column.goal, "measure": column.kind, "draws": n, "bound": known.bound(column)}
+        for column, n in known.n_kept.items()
+        if column.goal in goals
+    ]
+    print_json(told)
+
+
+def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool) -> None:
+    """Print the mildest form of each of some ways to break a goal."""
+    told = [(way, way.mildest) for way in found if way.mildest is not None]
+    if is_json:
+        print_json([{"number": way.number, **each.as_json()} for way, each in told])
+        return
+    shown = [replace(way, by=(each.weakness,)) for way, each in told]
+    title = "The mildest form that was found"
+    print_table(way_table(title, campaign.mission, campaign.pool, shown))
+    for way, each in told:
+        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+
+
+def report(
+    campaign: OpenCampaign,
+    ratio: str | None,
+    *,
+    is_json: bool,
+    draw: Draw | None = None,
+    latex: bool = False,
+) -> None:
+    """Write the report into a campaign's folder and print what it says, or JSON for a script."""
+
+    def show(summary: Summary) -> None:
+        if is_json:
+            print_json({"folder": str(path), **as_json(summary)})
+        else:
+            _print_summary(campaign, summary)
+        tell(f"drawing figures into {campaign.folder.figures}, and {campaign.folder.page}")
+        if latex:
+            tell(f"for LaTeX  {campaign.folder.latex}")
+
+    path = campaign.folder.path
+    try:
+        write_report(campaign, ratio, draw, show, latex=latex)
+    except KeyboardInterrupt:
+        tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
+        raise
+
+
+def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
+    folder, known = campaign.folder.path, summary.harvest
+    mission, pool = campaign.mission, campaign.pool
+    if known is not None and summary.ways:
+        print_table(matrix_table(mission, pool, summary.ways))
+    else:
+        print_table(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
+    if summary.front is not None:
+        print_table(front_table(summary.front))
+    if summary.harm:
+        print_table(harm_table(summary.harm, summary.measure))
+    if summary.pick is not None:
+        click.echo(f"{summary.pick.in_words(summary.measure)}\n")
+    if known is not None:
+        print_verdicts(campaign, known)
+    failed = f", {summary.n_failures} failed" if summary.n_failures else ""
+    click.echo(f"campaign  {folder}: {summary.counted}{failed}")
+    click.echo(f"digest    {summary.digest}")
+    click.echo(f"page      {campaign.folder.page}")
+    if known is None:
+        doubt, advice = summary.unrepeated, f"mrsfi explain {folder} --all"
+        click.echo(f"caution   {doubt}" if doubt else f"next      {advice}")
+    elif summary.ways:
+        click.echo(f"next      mrsfi show {folder}")
+
 
 _WORDS = ("goal", "violations")
 
@@ -162,7 +319,7 @@ def _verdicts(first: FirstVerdicts) -> str:
     return f"{first.goal}:{'/'.join(cells)}"
 
 
-def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
+def explanation_as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
     """Return an explanation for scripts; counts are sums over the mission seeds."""
     about = {
         "specification": shown.title,

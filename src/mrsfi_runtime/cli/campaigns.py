@@ -1,0 +1,435 @@
+"""Commands that make a campaign, and show what it found.
+
+The command ``mrsfi evolve``: begins a campaign or continues one, by one writer at a time.
+
+The command ``mrsfi report``.
+
+The command ``mrsfi weaknesses``: which faults break which goal, as a matrix and as a list.
+
+The command ``mrsfi show``: how goals break, in words and in pictures.
+
+The command ``mrsfi pack``.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from mrsfi.engines import Given, chosen
+from mrsfi_runtime.cli.options import (
+    FILE,
+    OF_ENGINE,
+    OneOf,
+    engine_options,
+    file_option,
+    folder_option,
+    generated_option,
+    seeds_option,
+    worker_options,
+)
+from mrsfi_runtime.cli.terminal import print_json, tell
+from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
+from mrsfi_runtime.model.faults import COSTS
+from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
+from mrsfi_runtime.record.settings import ALGORITHM_NAMES, MINIMISING, VIOLATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from contextlib import AbstractContextManager
+
+    from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+    from mrsfi_runtime.causes.mildest import Way
+
+
+_FREE = {"resume", "ratio", "explain", "is_json"} | OF_ENGINE
+"""Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
+
+
+def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
+    return None if text is None else [goal.strip() for goal in text.split(",")]
+
+
+@click.command(name="evolve")
+@click.pass_context
+@click.argument("mission", metavar="[MISSION]", required=False)
+@generated_option
+@click.option(
+    "--case",
+    show_default="a",
+    metavar="a|b|FILE",
+    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
+)
+@click.option("--seed", type=int, help="Seed of the search.")
+@click.option("--mission-seed", type=int, help="Mission seed: decides the samples.")
+@click.option(
+    "--algorithm",
+    metavar="NAME",
+    help=f"How to search: {', '.join(ALGORITHM_NAMES)}, or your own, MODULE:FUNCTION.",
+)
+@click.option("--generations", type=int, help="Generations after the first.")
+@click.option("--population", type=int, help="Individuals of a generation.")
+@click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
+@click.option("--until", type=float, metavar="P", help="Cover until all bounds are at most P.")
+@click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
+@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
+@click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
+@click.option(
+    "--minimise",
+    metavar="|".join(COSTS),
+    help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
+)
+@worker_options
+@engine_options(default=AUTO)
+@folder_option("--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N].")
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
+)
+@click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
+@click.option(
+    "--explain/--no-explain",
+    default=None,
+    help="Look for weaknesses after the search, or not: then there are no weaknesses, no mildest "
+    "variants, and nothing of them in report and page, for show and for keep [default: --explain, "
+    "or as the campaign was begun].",
+)
+@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+def evolve_command(
+    ctx: click.Context,
+    /,
+    engine: Given,
+    workers: Workers,
+    resume: Path | None,
+    ratio: str | None,
+    explain: bool | None,
+    is_json: bool,
+    **given: Any,
+) -> None:
+    """Evolve fault specifications against MISSION and print what breaks it.
+
+    The campaign file says how: algorithm, population, generations, fitness. --case a and
+    --case b are the files case_a.toml and case_b.toml beside the models; options replace single
+    values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
+    code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
+
+    Then it finds out which faults break which goal, and what is the least that does, with at most
+    as many flights as the search took, and never more than a thousand; what it prints first is
+    that. mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it
+    does. Somebody else's simulation is only searched on.
+
+    \b
+    Examples:
+      mrsfi evolve uuv_sampling
+      mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
+      mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
+      mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
+      mrsfi evolve uuv_sampling --algorithm cover --until 0.02
+      mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
+      mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
+      mrsfi evolve --resume runs/uuv_sampling-a-1
+
+    Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
+    by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
+    --resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
+    """
+    from mrsfi.evolving import evolve
+    from mrsfi_runtime.analysis.illustrations import DrawingProcess, map_drawing
+    from mrsfi_runtime.cli.campaign_results import report
+    from mrsfi_runtime.cli.terminal import search_progress
+
+    if resume is None:
+        opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
+    else:
+        opened = _resumed(resume, ctx, engine, workers, ratio)
+    with (
+        opened as (campaign, flown_by),
+        DrawingProcess(map_drawing(campaign.mission)) as process,
+    ):
+        path = campaign.folder.path
+        watched = search_progress(campaign.store)
+        try:
+            evolve(campaign, flown_by, workers, watched, explains=explain, tell=tell)
+        except (KeyboardInterrupt, TransportError, WorkerLost):
+            if any(campaign.store.next_indexes()):
+                tell(f"what was found until now is kept; see it with: mrsfi report {path}")
+                tell(f"go on with: mrsfi evolve --resume {path}")
+            raise
+        report(campaign, ratio, is_json=is_json, draw=process.draw)
+
+
+def _begun(
+    engine: EngineSettings,
+    workers: Workers,
+    ratio: str | None,
+    mission: str | None,
+    generated: Path | None,
+    case: str | None,
+    out: Path | None,
+    **overrides: object,
+) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
+    from mrsfi.evolving import begun
+    from mrsfi.folders import campaign_file, find_mission
+    from mrsfi.loading import load_fresh
+    from mrsfi_runtime.record.settings import CampaignSettings
+
+    workers.require_sense(engine)
+    if mission is None:
+        raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
+    case = case or "a"
+    folders = find_mission(mission, generated)
+    settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
+    code = load_fresh(folders)
+    return begun(folders, code, settings, case, engine, out=out, ratio=ratio, tell=tell)
+
+
+def _resumed(
+    path: Path, ctx: click.Context, engine: Given, workers: Workers, ratio: str | None
+) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
+    from mrsfi.evolving import resumed
+    from mrsfi_runtime.record.store import CampaignStore
+
+    with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
+        store.require_flyable()
+        manifest, settings = store.manifest, store.settings
+    begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
+    _require_same_options(path, ctx, begun_with)
+    flown_by = chosen(engine, AUTO, manifest.engine)
+    workers.require_sense(flown_by)
+    return resumed(path, flown_by, ratio=ratio, tell=tell)
+
+
+def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str, Any]) -> None:
+    for parameter in ctx.command.params:
+        name = str(parameter.name)
+        if name in _FREE or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            continue
+        given = ctx.params[name]
+        label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"
+        if name not in recorded:
+            raise UsageError(
+                f"{label} {given}: makes no sense with --resume; {path} goes on in its own folder, "
+                "on its own copies of models and code; leave it out"
+            )
+        found = Path(given).name if name == "mission" else given
+        if found != recorded[name]:
+            raise UsageError(
+                f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
+                "it; leave the option out, or begin a new campaign without --resume"
+            )
+
+
+@click.command(name="report")
+@click.argument("folder", metavar="[CAMPAIGN]", required=False, type=click.Path(path_type=Path))
+@click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
+@click.option(
+    "--format",
+    "form",
+    type=OneOf(("markdown", "latex")),
+    default="markdown",
+    show_default=True,
+    help="With latex, also report.tex and figures as PDF, for a paper.",
+)
+@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+def report_command(folder: Path | None, ratio: str | None, form: str, is_json: bool) -> None:
+    """Write the report of CAMPAIGN anew and print what breaks which goal.
+
+    Where nobody looked for that, it prints the ten most critical specifications.
+
+    CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
+    runs/ that was written last. Everything comes from the folder's own copies, whatever was
+    edited since.
+
+    \b
+    Examples:
+      mrsfi report
+      mrsfi report runs/uuv_sampling-b-1 --ratio g3:g1=2:1
+      mrsfi report runs/uuv_sampling-a-1 --format latex
+      mrsfi report runs/uuv_sampling-a-1 --json | jq '.top[].fitness'
+
+    Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi and
+    weaknesses/*.xmi.
+    """
+    from mrsfi.campaign_folders import latest_folder, open_campaign
+    from mrsfi_runtime.cli.campaign_results import report
+
+    with open_campaign(folder or latest_folder()) as campaign:
+        report(campaign, ratio, is_json=is_json, latex=form == "latex")
+
+
+@click.command(name="weaknesses")
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.option("--goal", metavar="G", help="Of this goal alone.")
+@seeds_option("Fly in N mission seeds.")
+@click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
+@click.option(
+    "--map",
+    "drawn",
+    type=(int, FILE),
+    metavar="N FILE",
+    help="Draw which values and windows of number N do: .csv, .png, .svg.",
+)
+@file_option("--fmea", "Write failure modes: .csv or .md.")
+@file_option("--fault-tree", "Write .xml, or .txt for pfta.")
+@worker_options
+@engine_options(default=AUTO)
+@click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
+@click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
+def weaknesses_command(
+    run: Path,
+    goal: str | None,
+    n_seeds: int | None,
+    engine: Given,
+    workers: Workers,
+    is_bounds: bool,
+    is_mildest: bool,
+    is_json: bool,
+    **files: Any,
+) -> None:
+    """Print all the ways in which goals break, as a campaign found them.
+
+    A weakness is a goal and a least set of faults that breaks it: in what the collective
+    intelligence believes, in truth, or so that the goal is missed in the end. Shares say of how
+    many forms that were tried, of other values and windows, as many did; one of them is shown. A
+    goal that is broken already without faults is broken by those that make it worse by 5 % of the
+    mission's ticks. A set holds in a mission seed if the form shown breaks the goal there, and no
+    part of it does; five were looked at, or with --seeds as many as it says. Since is the tick at
+    which the form shown first breaks it.
+
+    With --mildest, of each set the form is sought, in some 30 flights, that is nearest to what is
+    true and at work for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
+    tells that form where it is known, of all sets with --mildest, or else the one shown.
+
+    Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that
+    was not let to does so with: mrsfi explain RUN --all
+
+    \b
+    Examples:
+      mrsfi weaknesses runs/cover
+      mrsfi weaknesses runs/cover --goal g2
+      mrsfi weaknesses runs/cover --seeds 5
+      mrsfi weaknesses runs/cover --goal g2 --mildest
+      mrsfi weaknesses runs/cover --map 3 runs/map.png
+      mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
+      mrsfi weaknesses runs/cover --bounds --json
+      mrsfi weaknesses runs/cover --json | jq '.[] | select(.detection.n_never > 0)'
+    """
+    from mrsfi.campaign_folders import open_campaign
+    from mrsfi.explaining import flying_again, harvested, refined
+    from mrsfi_runtime.cli import campaign_results
+
+    if is_bounds and not is_json:
+        raise click.UsageError("--bounds needs --json; without, they stand below the weaknesses")
+    with open_campaign(run) as campaign:
+        goals = campaign.mission.goal_ids
+        if goal is not None:
+            if goal not in goals:
+                raise UsageError(f"--goal: found '{goal}'; {expected(goal, goals)}")
+            goals = (goal,)
+        known = harvested(campaign)
+        found = [way for way in known.ways if way.goal in goals]
+        is_told = not is_bounds or any(files.values())
+        is_named = bool(engine)  # whoever is named has to be the one that flew it
+        if is_told and (is_mildest or n_seeds is not None or is_named):
+            with flying_again(run, engine, workers, tell) as (flown, evaluator, own):
+                found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
+        _write(campaign, found, engine, workers, **files)
+        if is_bounds:
+            campaign_results.print_bounds(known.known, goals)
+        elif is_mildest:
+            campaign_results.print_mildest(campaign, found, is_json=is_json)
+        elif is_json:
+            print_json([each for way in found for each in way.as_json()])
+        else:
+            campaign_results.print_all(campaign, known.with_seeds_of(found), found, goals)
+
+
+def _write(
+    campaign: "OpenCampaign",
+    found: "Sequence[Way]",
+    engine: Given,
+    workers: Workers,
+    drawn: tuple[int, Path] | None = None,
+    fmea: Path | None = None,
+    fault_tree: Path | None = None,
+) -> None:
+    from mrsfi import explaining as of
+
+    number, map_path = drawn or (0, None)
+    files = ((fmea, of.FMEA), (fault_tree, of.FAULT_TREES), (map_path, of.MAPS))
+    wanted = [(path, known) for path, known in files if path is not None]
+    for path, known in wanted:
+        of.require_format(path, known)
+    drawn_of = None if drawn is None else of.way_of(campaign.folder.path, found, number)
+    if fault_tree is not None:
+        of.write_fault_trees(campaign, found, fault_tree)
+    if fmea is not None or map_path is not None:
+        run = campaign.folder.path
+        with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
+            if fmea is not None:
+                of.write_fmea(flown, found, own.record, fmea)
+            if drawn_of is not None and map_path is not None:
+                of.write_map(flown, evaluator, own.record, drawn_of, map_path)
+    for path, _ in wanted:
+        tell(f"written    {path}")
+
+
+@click.command(name="show")
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.argument("number", metavar="[N]", required=False, type=click.IntRange(1))
+def show_command(run: Path, number: int | None) -> None:
+    """Draw how goals break, and say so: the least that breaks each goal, or weakness N.
+
+    RUN is the folder of a campaign that looked for what breaks which goal, N a number of mrsfi
+    weaknesses. Its mildest form that is known is flown on the campaign's own copy of the code, and
+    drawn in time, faults above the goals that they break, and in space, as robots flew and as they
+    were believed to. What is drawn already, and not older than the campaign's record, is not drawn
+    again.
+
+    \b
+    Examples:
+      mrsfi show runs/uuv_sampling-a-1
+      mrsfi show runs/uuv_sampling-a-1 6
+
+    Written into the folder: figures/weakness_* as PNG and SVG, and their numbers into tables/.
+    """
+    from mrsfi.campaign_folders import open_campaign
+    from mrsfi.explaining import harvested, show
+    from mrsfi_runtime.cli.campaign_results import print_verdicts
+
+    with open_campaign(run) as campaign:
+        found = harvested(campaign)
+        if number is None:
+            print_verdicts(campaign, found)
+        for each in show(campaign, number):
+            click.echo(f"{each.way.number}  {each.title}")
+            for line in (*each.sentences, *each.figures):
+                click.echo(f"    {line}")
+            click.echo()
+
+
+@click.command(name="pack")
+@click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
+def pack_command(run: Path, out: Path | None) -> None:
+    """Pack CAMPAIGN into one file that repeats itself elsewhere.
+
+    It holds models, generated code, settings, every evaluation, and what it was made with; mrsfi
+    check FILE flies all of it again, and ends with exit code 7 where anything differs.
+
+    \b
+    Examples:
+      mrsfi pack runs/uuv_sampling-a-1
+      mrsfi pack runs/uuv_sampling-a-1 --out for-the-paper.zip
+      mrsfi check for-the-paper.zip
+    """
+    from mrsfi.campaign import pack
+
+    path = out or Path(f"{run.resolve().name}.zip")
+    digest = pack(run, path, tell)
+    tell(f"written    {path}")
+    click.echo(f"digest     {digest}")

@@ -1,0 +1,421 @@
+"""Commands that make, check and change models.
+
+The command ``mrsfi new``: a project of a team's own.
+
+The command ``mrsfi import``.
+
+The command ``mrsfi diff``.
+
+The command ``mrsfi rename``.
+
+The command ``mrsfi validate``.
+
+The command ``mrsfi generate``.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import click
+
+from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
+from mrsfi_runtime.cli.terminal import print_changes, print_json, tell
+from mrsfi_runtime.errors import EvaluationError, GenerationError, ModelError, UsageError, counted
+
+if TYPE_CHECKING:
+    from mrsfi.folders import MissionFolders
+    from mrsfi.loading import Validated
+    from mrsfi.models import Note
+
+
+@click.command(name="new")
+@click.argument("name", metavar="NAME")
+@click.option("--from", "source", metavar="MISSION", help="Begin with the models of a mission.")
+@click.option(
+    "--import",
+    "published",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    metavar="FILE",
+    help="Begin with a model published for the paper's prototype.",
+)
+@click.option(
+    "--node",
+    metavar="ws://…",
+    help="Also write [node], what your own node hears and says, from the topics of a server.",
+)
+@click.option(
+    "--install",
+    type=click.Choice(["wheel", "index", "git"]),
+    default="wheel",
+    show_default=True,
+    help="From what build servers install mrsfi: a wheel in vendor/, pip's package index, or the "
+    "git repository of this mrsfi.",
+)
+def new_command(
+    name: str, source: str | None, published: Path | None, node: str | None, install: str
+) -> None:
+    """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
+
+    It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
+    and as a script that builds them; a campaign file; generated code; a Makefile; and what two
+    common build servers need to fly the kept weaknesses on each change. mrsfi.toml says where all
+    of it is: commands work from any folder inside. If this mrsfi was installed from a wheel,
+    vendor/ has a copy, which the build servers install; `make wheel` in mrsfi's tree builds one.
+
+    \b
+    Examples:
+      mrsfi new demo && cd demo && make evolve
+      mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
+      mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
+      mrsfi new harbour --node ws://127.0.0.1:9090      begin with the topics of your robots
+    """
+    from mrsfi.starting import start, wheel_of
+
+    if source is not None and published is not None:
+        raise click.UsageError("--from and --import exclude each other")
+    folder = start(name, source, published, node, install)
+    click.echo(f"made       {folder}/, with the mission models/{name}")
+    if install == "wheel" and not wheel_of(folder).exists():
+        click.echo(f"needed     {wheel_of(folder)} for build servers: `make wheel` builds it")
+    click.echo(f"next       cd {folder} && make evolve")
+    click.echo(f"then       mrsfi keep runs/{name}-a-1 --weakness 1 && make regressions")
+
+
+_SHOWN_LINES = 8
+_NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
+
+
+@click.command(name="import")
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path, exists=True))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Mission folder to make [default: models/ and the name of FILE].",
+)
+@click.option("--force", is_flag=True, help="Replace the models of an existing mission folder.")
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
+    """Turn FILE, a model published for the paper's prototype, into a mission folder.
+
+    FILE has a root Setup of namespace acs_project_setup, which holds a mission and its fault
+    specifications. Every figure and reference is kept; xmi:id gives way to readable IDs: the
+    element's own where it can be used, else one from its place, such as g1_area. The result is
+    validated before anything is written; a model with an error ends with exit code 3, the line of
+    FILE, and no folder.
+
+    \b
+    Examples:
+      mrsfi import ~/downloads/mission.model
+      mrsfi import published.xmi --out models/harbour
+      mrsfi import published.xmi --out models/harbour --force     replace its models
+      mrsfi import published.xmi --json | jq '.notes[] | select(.kind == "inconsistent")'
+
+    \b
+    What it lists, with the line of FILE:
+      renamed       an ID that was missing, unusable or taken
+      dropped       what the models here do not have: parentID, goal_ID, values of Zero types
+      default       what the old format lacks or leaves out: the period of Patrol (a tenth of the
+                    mission), the deadline of Visit (the last tick) and its tolerance (1.0), the
+                    tolerance of Track (10.0) and of FixedDistanceBetweenRobots (1.0); an absent
+                    number is 0, an absent sensor type GPS_POSITION
+      inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
+
+    A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults
+    first. Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
+    """
+    from mrsfi.engines import project
+    from mrsfi.models import import_published
+
+    usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
+    result = import_published(file, out or usual, is_forced=force)
+    if is_json:
+        print_json({**asdict(result), "folder": str(result.folder)})
+        return
+    for name in result.files:
+        click.echo(f"written       {result.folder / name}")
+    counts = ", ".join(counted(n, noun) for noun, n in result.counts.items())
+    click.echo(f"kept          {counts}")
+    click.echo(f"renamed       {counted(result.n_xmi_ids, 'xmi:ids')}, now IDs or places")
+    for line in _lines(result.notes):
+        click.echo(line)
+    click.echo(f"next          mrsfi validate {result.folder}")
+
+
+def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
+    alike: defaultdict[tuple[str, str, str], list[Note]] = defaultdict(list)
+    for note in notes:
+        alike[note.kind, note.feature, note.message].append(note)
+    for (kind, feature, message), same in alike.items():
+        if len(same) == 1:
+            where = f"line {same[0].line}, {same[0].element}: {feature}"
+        else:
+            lines = ", ".join(str(note.line) for note in same[:_SHOWN_LINES])
+            more = ", ..." if len(same) > _SHOWN_LINES else ""
+            where = f"{feature} of {len(same)} elements (lines {lines}{more})"
+        yield f"{kind:<12}  {where} {message}"
+
+
+@click.command(name="diff")
+@click.argument("old", metavar="OLD")
+@click.argument("new", metavar="NEW")
+@click.option("--json", "is_json", is_flag=True, help="Print the changes for a script.")
+def diff_command(old: str, new: str, is_json: bool) -> None:
+    """Print how model NEW differs from model OLD, in the words of the model.
+
+    OLD and NEW are mission folders, or files of a mission or of faults. Elements are matched by
+    ID, and by what they say where one was renamed; what only looks different (order of
+    attributes, comments, 4 for 4.0) is no difference. The models need not be valid.
+
+    \b
+    Examples:
+      mrsfi diff uuv_sampling tight_margins
+      mrsfi diff models/uuv_sampling ../elsewhere/models/uuv_sampling
+      git show HEAD:models/uuv_sampling/mission.xmi > old.xmi
+      mrsfi diff old.xmi models/uuv_sampling/mission.xmi
+      mrsfi diff old.xmi uuv_sampling --json | jq '.changes[].element'
+
+    \b
+    What it prints:
+      robot r2: speed 4.0 → 6.0
+      goal g3: members r2 r3 r1 → r2 r3
+      goal g7 added (Patrol)
+      sensor s4 moved from robot r2 to robot r1
+      robot r1 renamed scout
+      goals reordered: g1 g2 g3 → g2 g1 g3
+      fault f9: NEW_X 200.0 → 250.0
+
+    Order is that of NEW, mission before faults. Equal models give `no difference`. The exit code
+    is 0 either way.
+    """
+    from mrsfi.models import difference
+
+    with TemporaryDirectory(prefix="mrsfi-diff-") as kept:
+        changes = difference(_model(old, Path(kept) / "old"), _model(new, Path(kept) / "new"))
+    if is_json:
+        print_json({"old": old, "new": new, "changes": [asdict(change) for change in changes]})
+        return
+    for change in changes:
+        click.echo(change.text)
+    if not changes:
+        click.echo("no difference")
+
+
+def _model(name: str, kept: Path) -> Path:
+    from mrsfi.engines import project
+    from mrsfi.models import piped
+
+    for path in (Path(name), project().models / name):
+        if path.is_fifo():
+            return piped(path, kept)
+        if path.exists():
+            return path
+    raise UsageError(
+        f"found no model '{name}'; expected a mission folder, its name, or an .xmi file"
+    )
+
+
+def _names(_: click.Context, __: click.Parameter, words: tuple[str, ...]) -> dict[str, str]:
+    names: dict[str, str] = {}
+    for word in words:
+        old, _equals, new = word.partition("=")
+        if not old or not new or old in names:
+            message = f"found '{word}'; expected OLD=NEW, such as r1=scout_1, each OLD once"
+            raise click.BadParameter(message)
+        names[old] = new
+    return names
+
+
+@click.command(name="rename")
+@mission_argument
+@click.argument("names", metavar="OLD=NEW...", nargs=-1, required=True, callback=_names)
+@generated_option
+@click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
+def rename_command(
+    mission: str, names: Mapping[str, str], generated: Path | None, diff: bool
+) -> None:
+    """Give elements of MISSION other IDs, everywhere at once.
+
+    OLD is the ID of a robot, a goal, a message, a sensor, a fault of the pool or anything else that
+    has one. It changes in the models, in every fault specification below their folder, in campaign
+    files, in the limits of kept weaknesses, and in generated code: its protected regions follow,
+    their markers as well as the names in what is written there. What stands in strings and
+    comments, and what a kept weakness tells of the day it was found, stays.
+
+    Display names stay too, and so does the flight: the mission flies to the same digest.
+
+    \b
+    Examples:
+      mrsfi rename uuv_sampling r1=scout_1 r2=scout_2 --diff
+      mrsfi rename uuv_sampling r1=scout_1 r2=scout_2
+      mrsfi rename uuv_sampling g1=g2 g2=g1       two IDs change places
+
+    Nothing is written unless everything can be. A script beside the models that names an old ID,
+    such as build.py, is not edited: it is told with its line.
+    """
+    from mrsfi.folders import find_mission, rename, renaming
+
+    tell_of_metamodels()
+    renamed = (renaming if diff else rename)(find_mission(mission, generated), names)
+    if diff:
+        print_changes(renamed.respelt, renamed.difference)
+    else:
+        for path in renamed.paths:
+            click.echo(f"written    {path}")
+    for path, line, name in renamed.scripts:
+        tell(f"{path}:{line}: names {name}; a script that writes these models has to follow")
+
+
+@click.command(name="validate")
+@mission_argument
+@generated_option
+@click.option("--json", "is_json", is_flag=True, help="Print the diagnostics for a script.")
+@click.option("--fix", "is_fix", is_flag=True, help="Mend what has one remedy; show a diff first.")
+@click.option("--yes", "is_agreed", is_flag=True, help="With --fix: write without asking.")
+@click.option("--strict", "is_strict", is_flag=True, help="Take warnings for errors.")
+@click.pass_context
+def validate_command(
+    ctx: click.Context,
+    /,
+    mission: str,
+    generated: Path | None,
+    *,
+    is_json: bool,
+    is_fix: bool,
+    is_agreed: bool,
+    is_strict: bool,
+) -> None:
+    """Check the models of MISSION and print every defect.
+
+    MISSION is the name of a folder in models/, the path of one, or a fault specification
+    (.xmi), written by hand or found by search.
+
+    \b
+    Examples:
+      mrsfi validate uuv_sampling
+      mrsfi validate ../elsewhere/models/harbour
+      mrsfi validate runs/uuv_sampling-a-1/critical/01.xmi
+      mrsfi validate uuv_sampling --json | jq '.diagnostics[].constraint'
+      mrsfi validate uuv_sampling --fix
+
+    Each defect is one line: file, line, severity, what was found and what was expected, and
+    the constraint. Errors of the models end with exit code 3, those of the generated code's
+    regions alone with 6, warnings alone with 0, or as if they were errors with --strict. A name
+    or a field that does not exist is such an error, whether or not a flight reaches it. A mission
+    without errors is flown twice without faults, if its generated code is fresh: a flight that
+    fails or differs is an error too, a goal that is violated even then is worth a warning. So is
+    what the compiled engine could not compile in a region, or would compile to something else.
+
+    With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
+    written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
+    Where an element was deleted, that takes away the references to it and what is incomplete
+    without it.
+    """
+    from mrsfi.loading import n_errors, validate
+
+    if is_fix and is_json:
+        raise UsageError("--fix shows a diff and --json does not; give one of them")
+    if is_agreed and not is_fix:
+        raise UsageError("--yes agrees to what --fix would change; give both")
+    tell_of_metamodels()
+    if is_fix:
+        _fix(mission, generated, is_agreed=is_agreed)
+    found = validate(mission, generated, tell)
+    if is_strict:
+        found = found.strict()
+    n_found = n_errors(found.diagnostics)
+    n_warnings = len(found.diagnostics) - n_found
+    if is_json:
+        diagnostics = [{**asdict(each), "path": str(each.path)} for each in found.diagnostics]
+        counts = {"n_errors": n_found, "n_warnings": n_warnings}
+        print_json({"mission": found.name, **counts, "diagnostics": diagnostics})
+    else:
+        _print_lines(found, n_found, n_warnings)
+    if n_found:
+        ctx.exit(ModelError.exit_code if n_errors(found.models) else EvaluationError.exit_code)
+
+
+def _fix(mission: str, generated: Path | None, *, is_agreed: bool) -> None:
+    from mrsfi.loading import mending, write_mended
+
+    inspection, mended = mending(mission, generated)
+    if mended is None:
+        why = "" if inspection.draft else ": correct the errors of structure by hand first"
+        click.echo(f"nothing to fix{why}")
+        return
+    for found, title in mended.fixed:
+        click.echo(f"{found.path}:{found.line}: fix: {title} [{found.constraint}]")
+    print_changes(mended.respelt, mended.difference)
+    if not is_agreed and not click.confirm("Write these changes?"):
+        click.echo("nothing written")
+        return
+    write_mended(mended)
+    for path in mended.contents:
+        click.echo(f"fixed      {path}")
+
+
+def _print_lines(found: "Validated", n_found: int, n_warnings: int) -> None:
+    for each in found.diagnostics:
+        click.echo(f"{each.path}:{each.line}: {each.severity}: {each.message} [{each.constraint}]")
+    warnings = counted(n_warnings, "warnings")
+    if n_found:
+        click.echo(f"{found.name}: {counted(n_found, 'errors')}, {warnings}")
+    else:
+        held = (counted(number, nouns) for nouns, number in found.counts.items())
+        click.echo(f"ok: {found.name}: {', '.join((*held, warnings))}")
+
+
+@click.command(name="generate")
+@mission_argument
+@generated_option
+@click.option("--check", is_flag=True, help="Write nothing; exit code 4 if a file is stale.")
+@click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
+@click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
+def generate_command(
+    mission: str, generated: Path | None, check: bool, diff: bool, force: bool
+) -> None:
+    """Generate the middleware of MISSION into generated/NAME/.
+
+    What you write between `# protected region … begin` and `… end` is kept, also when robots
+    are renamed or goals are added. Where generation would lose hand-written code it stops
+    with exit code 4 and changes nothing. A second run changes nothing. A goal task of your own has
+    empty regions: they are written, and named with exit code 4 until you fill them.
+
+    \b
+    Examples:
+      mrsfi generate uuv_sampling
+      mrsfi generate uuv_sampling --diff      what would a changed model change?
+      mrsfi generate uuv_sampling --check     for continuous integration
+    """
+    from mrsfi.folders import diff as difference
+    from mrsfi.folders import find_mission
+
+    folders = find_mission(mission, generated)
+    if sum((check, diff, force)) > 1:
+        raise click.UsageError("--check, --diff and --force exclude each other")
+    tell_of_metamodels()
+    if check:
+        folders.require_fresh()
+        click.echo(f"fresh: {folders.generated}")
+    elif diff:
+        click.echo(difference(folders.models, folders.generated), nl=False)
+    else:
+        _write(folders, force=force)
+
+
+def _write(folders: "MissionFolders", *, force: bool) -> None:
+    from mrsfi.folders import generate
+    from mrsfi_runtime.generated_code import unfilled_regions
+
+    result = generate(folders.models, folders.generated, force=force)
+    for verb in ("written", "removed", "unchanged"):
+        for name in getattr(result, verb):
+            click.echo(f"{verb:<9}  {folders.generated / name}")
+    unfilled = unfilled_regions(folders.generated)
+    if unfilled:
+        raise GenerationError("\n".join(each.words for each in unfilled))
