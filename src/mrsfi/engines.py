@@ -28,7 +28,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mrsfi_runtime.cosimulation.node_mapping import ANSWER, BARRIER
+from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable
 
-import pytest
-
 from mrsfi.folders import find_mission
 from mrsfi.regressions import all_kept, check_all
 from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings
@@ -36,6 +34,8 @@ def regression_test(
 
         test_what_was_found = regression_test("uuv_sampling")
     """
+    import pytest  # noqa: PLC0415 - for tests alone
+
     folders = find_mission(mission)
     names = [regression.name for regression in all_kept(folders)]
 

@@ -8,9 +8,8 @@ from unittest.mock import patch
 from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation import node as node_of
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
-from mrsfi_runtime.cosimulation.bus_topics import Patience
+from mrsfi_runtime.cosimulation.bus_topics import BARRIER, Pace, Patience
 from mrsfi_runtime.cosimulation.node import Node
-from mrsfi_runtime.cosimulation.node_mapping import BARRIER, Pace
 from mrsfi_runtime.cosimulation.node_speech import Speech
 from mrsfi_runtime.transport.rosbridge import ListenedTransport
 from mrsfi_runtime.transport.topics import LocalBus, Reply, Service, Topic

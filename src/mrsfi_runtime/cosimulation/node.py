@@ -12,9 +12,17 @@ from functools import partial
 from time import monotonic, sleep
 from typing import Any, Final, Protocol
 
-from mrsfi_runtime.cosimulation.bus_topics import CLOCK, SETUP, TICK, Completion, Patience, Setup
+from mrsfi_runtime.cosimulation.bus_topics import (
+    ANSWER,
+    CLOCK,
+    SETUP,
+    TICK,
+    Completion,
+    Pace,
+    Patience,
+    Setup,
+)
 from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
-from mrsfi_runtime.cosimulation.node_mapping import ANSWER, Pace
 from mrsfi_runtime.cosimulation.node_speech import Hearing, Held, Relay, Speech
 from mrsfi_runtime.errors import (
     MrsfiError,

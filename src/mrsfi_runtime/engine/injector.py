@@ -32,10 +32,9 @@ from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
-from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport
+from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport, Pace
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.node import Node
-from mrsfi_runtime.cosimulation.node_mapping import Pace
 from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.errors import (

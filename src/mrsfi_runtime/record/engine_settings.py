@@ -17,8 +17,7 @@ from dataclasses import KW_ONLY, Field, astuple, dataclass, field, fields
 from importlib.util import find_spec
 from typing import Any, Self
 
-from mrsfi_runtime.cosimulation.bus_topics import Patience
-from mrsfi_runtime.cosimulation.node_mapping import ANSWER, BARRIER, PACES
+from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER, PACES, Patience
 from mrsfi_runtime.errors import RecordError, UsageError, expected
 from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.transport.topics import CLIENTS, ROS_VERSIONS, Client, without_token
