@@ -5,29 +5,27 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os.path import normpath
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree as ET
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi.regressions import Checked
-from mrsfi_runtime.analysis.tables import Table
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.record.store import NONE
+
+if TYPE_CHECKING:
+    from mrsfi.regressions import Checked
 
 _CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"
 _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What stands in no file of XML: control characters, halves of characters."""
 
 
-def print_tables(found: Mapping[str, Sequence[Checked]]) -> None:
+def print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
     """Print verdicts by mission, and why what came back did."""
     for name, checked in found.items():
         _print(name, checked)
 
 
-def print_annotations(checked: Iterable[Checked]) -> None:
+def print_annotations(checked: "Iterable[Checked]") -> None:
     """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
     for each in checked:
         told = f"{each.regression.name}: "
@@ -48,7 +46,9 @@ def _escaped(text: str, more: str = "") -> str:
     return text
 
 
-def _print(name: str, checked: Sequence[Checked]) -> None:
+def _print(name: str, checked: "Sequence[Checked]") -> None:
+    from mrsfi_runtime.analysis.tables import Table
+
     judged = [each for each in checked if each.counts]
     title = f"{name}: {sum(_state(each) == _HOLDS for each in checked)} of {len(checked)} hold"
     if judged:
@@ -80,7 +80,9 @@ def _range(numbers: Iterable[int]) -> str:
     return " to ".join(map(str, dict.fromkeys((found[0], found[-1]))))
 
 
-def _rows(checked: Sequence[Checked]) -> Iterator[tuple[str | int, ...]]:
+def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
+    from mrsfi_runtime.record.store import NONE
+
     for each in checked:
         regression = each.regression
         head = (regression.name, regression.violations)
@@ -94,13 +96,13 @@ def _rows(checked: Sequence[Checked]) -> Iterator[tuple[str | int, ...]]:
             head = ("", "")
 
 
-def _state(each: Checked) -> str:
+def _state(each: "Checked") -> str:
     if each.exceeded:
         return _CAME_BACK
     return _HOLDS if each.failure is None else _UNKNOWN
 
 
-def as_json(each: Checked) -> dict[str, Any]:
+def as_json(each: "Checked") -> dict[str, Any]:
     """Return a verdict for a script."""
     regression = each.regression
     return {
@@ -120,8 +122,12 @@ def as_json(each: Checked) -> dict[str, Any]:
     }
 
 
-def write_junit(path: Path, found: Mapping[str, Sequence[Checked]]) -> None:
+def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
     """Write what became of everything as the XML that build servers read of JUnit."""
+    from xml.etree import ElementTree as ET
+
+    from mrsfi_runtime.files import whole_file
+
     root = ET.Element("testsuites")
     for name, checked in found.items():
         suite = ET.SubElement(

@@ -12,11 +12,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
-from typing import IO, Any, TypeAlias
-
-from mcap.records import Schema
-from mcap_ros2.writer import Writer
-from rosbags.typesys import Stores, get_typestore
+from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi_runtime.cosimulation.bus_topics import CLOCK
 from mrsfi_runtime.cosimulation.lockstep import RobotTopics, SensorTopics, true_values
@@ -27,6 +23,9 @@ from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
 from mrsfi_runtime.record.observers import Events, NamedFault, Window
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name
+
+if TYPE_CHECKING:
+    from mcap.records import Schema
 
 Message: TypeAlias = dict[str, Any]
 """Fields of a message to values; what is left out is zero or empty."""
@@ -79,6 +78,9 @@ class Bag:
         ]
         self._goals = [f"/goals/{plain_name(goal)}" for goal in mission.goal_ids]
         self._known: dict[str, Message] = {}
+        from mcap_ros2.writer import Writer  # noqa: PLC0415 - for bags alone
+        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - for bags alone
+
         self._writer = Writer(stream)
         self._types = get_typestore(Stores.ROS2_HUMBLE)
         self._schema = cache(self._registered)
@@ -94,7 +96,7 @@ class Bag:
         """Write what belongs to the end of the file."""
         self._writer.finish()  # type: ignore[no-untyped-call]
 
-    def _registered(self, name: str) -> Schema:
+    def _registered(self, name: str) -> "Schema":
         full = type_name(name, "msg", 2)
         return self._writer.register_msgdef(full, self._types.generate_msgdef(full, 2)[0])
 
