@@ -26,7 +26,7 @@ SOURCES = "tree"
 
 PUBLIC = (
     *("mrsfi.mission.load", "mrsfi.mission.Mission", "mrsfi.flight.Flight"),
-    *("mrsfi.campaign.Campaign", "mrsfi.models.write_models", "mrsfi.testing.regression_test"),
+    *("mrsfi.campaign.Campaign", "mrsfi.models.write_models", "mrsfi.regressions.regression_test"),
     *("mrsfi_runtime.model.faults.TimedFault", "mrsfi_runtime.model.mission.Outcome"),
     "mrsfi_runtime.errors",
 )

@@ -50,7 +50,7 @@ from mrsfi_runtime.fence import IMPORTED
 from mrsfi_runtime.files import telling, whole_file
 from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
-from mrsfi_runtime.record.regressions import Regression
+from mrsfi_runtime.record.settings import Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 if TYPE_CHECKING:

@@ -29,7 +29,6 @@ from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis import documents
-from mrsfi_runtime.analysis.illustrations import Draw, Drawing, DrawingProcess, drawn
 from mrsfi_runtime.analysis.report import (
     Shown,
     SpecificationWriter,
@@ -37,7 +36,7 @@ from mrsfi_runtime.analysis.report import (
     specification_rows,
     write_report,
 )
-from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.summary import Draw, Drawing, DrawingProcess, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import (
     failure_modes,
@@ -63,8 +62,7 @@ from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.regressions import folder_of
-from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, following
+from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_of, following
 from mrsfi_runtime.record.store import Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 

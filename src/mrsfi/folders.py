@@ -26,7 +26,7 @@ from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import changing, settle
 from mrsfi_runtime.generated_code import require_semantics
 from mrsfi_runtime.project_file import root
-from mrsfi_runtime.record.regressions import folder_of
+from mrsfi_runtime.record.settings import folder_of
 
 _MODELS, _GENERATED = "models", "generated"
 _MISSION_CODE = "mission_loader.py"

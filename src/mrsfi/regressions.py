@@ -1,6 +1,11 @@
-"""Weaknesses that are kept beside the models of a mission, and flown against those of today."""
+"""Weaknesses kept beside the models, flown again, and as cases of pytest.
 
-from collections.abc import Iterable, Iterator, Mapping
+Weaknesses that are kept beside the models of a mission, and flown against those of today.
+
+Kept weaknesses as test cases of pytest.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
@@ -8,7 +13,7 @@ from time import monotonic
 from mrsfi.campaign_folders import OpenCampaign, mission_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, way_of
-from mrsfi.folders import MissionFolders, folders_at
+from mrsfi.folders import MissionFolders, find_mission, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import verdict
@@ -22,8 +27,7 @@ from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.observers import named_faults
-from mrsfi_runtime.record.regressions import Regression, folder_of, kept
-from mrsfi_runtime.record.settings import CampaignSettings, following
+from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
 from mrsfi_runtime.record.store import Measure
 
 
@@ -314,3 +318,46 @@ def _why(
         return ("without any of its faults, the violations are there as well",)
     names = [fault.id for fault in engine.code.pool]
     return cause.sentences(named_faults(mission, engine.code.pool, specification, names))
+
+
+def regression_test(
+    mission: str, engine: str = AUTO, n_seeds: int | None = None
+) -> Callable[[str], None]:
+    """Return a test with a case for each weakness that is kept of a mission.
+
+    Parameters
+    ----------
+    mission
+        Name of a folder under ``models`` of the working folder, or the path of a mission folder.
+    engine
+        ``auto``, ``reference``, ``compiled`` or ``rosbridge``.
+    n_seeds
+        In how many mission seeds: those that are kept first, then others.
+
+    Raises
+    ------
+    UsageError
+        If there is no such mission, or nothing is kept of it: a suite of nothing is no pass.
+
+    Examples
+    --------
+    In a file that pytest collects::
+
+        from mrsfi.regressions import regression_test
+
+        test_what_was_found = regression_test("uuv_sampling")
+    """
+    import pytest  # noqa: PLC0415 - for tests alone
+
+    folders = find_mission(mission)
+    names = [regression.name for regression in all_kept(folders)]
+
+    @pytest.mark.parametrize("weakness", names)
+    def test_kept_weakness(weakness: str) -> None:
+        (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=weakness)
+        if checked.failure is not None:
+            raise checked.failure
+        found = f"came back: {checked.excess}; found in {checked.regression.found}"
+        assert not checked.exceeded, "\n".join((found, *checked.why))
+
+    return test_kept_weakness

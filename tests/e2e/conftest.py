@@ -12,7 +12,7 @@ from typing import TypeAlias
 import pytest
 
 from mrsfi import explaining
-from mrsfi_runtime.analysis import illustrations
+from mrsfi_runtime.analysis import summary
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 from tests.support.rendezvous import searched, write_rendezvous
@@ -29,10 +29,10 @@ def undrawn() -> Iterator[None]:
     draw figures, unless ``UNDRAWN`` is on their path.
     """
     empty = {".png": b"", ".svg": b""}
-    here = nullcontext(SimpleNamespace(draw=illustrations.draw_here))
+    here = nullcontext(SimpleNamespace(draw=summary.draw_here))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(illustrations, "drawn", lambda _: empty)
-        for room in (illustrations, explaining):
+        patch.setattr(summary, "drawn", lambda _: empty)
+        for room in (summary, explaining):
             patch.setattr(room, "DrawingProcess", lambda *_: here)
         yield
 

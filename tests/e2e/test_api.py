@@ -242,7 +242,7 @@ def test_algorithms_are_compared_as_by_command(uuv, place):
 
 
 SUITE = """
-from mrsfi.testing import regression_test
+from mrsfi.regressions import regression_test
 
 test_what_was_found = regression_test("models/uuv_sampling", engine="reference")
 """

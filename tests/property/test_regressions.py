@@ -6,8 +6,7 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.record.regressions import Regression
-from mrsfi_runtime.record.settings import VIOLATIONS
+from mrsfi_runtime.record.settings import VIOLATIONS, Regression
 from tests.tiers import law
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)

@@ -5,8 +5,7 @@ from io import BytesIO
 
 from rosbags.highlevel import AnyReader
 
-from mrsfi_runtime.record.bag import Bag
-from mrsfi_runtime.record.observers import Events, named_faults
+from mrsfi_runtime.record.observers import Bag, Events, named_faults
 
 
 def bagged(engine, specification):

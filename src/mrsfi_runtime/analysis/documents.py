@@ -20,8 +20,7 @@ from textwrap import fill
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from mrsfi_runtime.analysis.illustrations import Illustration
-from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import (
     COUNTS,
     MOST_LISTED,

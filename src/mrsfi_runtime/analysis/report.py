@@ -28,14 +28,6 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis.documents import report_latex, report_text, trend_in_words
-from mrsfi_runtime.analysis.illustrations import (
-    Draw,
-    Drawing,
-    Illustration,
-    draw_here,
-    drawn,
-    illustrate,
-)
 from mrsfi_runtime.analysis.story import (
     Flown,
     flight_content,
@@ -45,7 +37,17 @@ from mrsfi_runtime.analysis.story import (
     stride,
     timeline_table,
 )
-from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
+from mrsfi_runtime.analysis.summary import (
+    Draw,
+    Drawing,
+    Illustration,
+    Summary,
+    as_json,
+    draw_here,
+    drawn,
+    illustrate,
+    summarise,
+)
 from mrsfi_runtime.analysis.tables import (
     COUNTS,
     MOST_LISTED,

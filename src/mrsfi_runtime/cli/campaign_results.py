@@ -17,8 +17,7 @@ import click
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
 from mrsfi.explaining import report as write_report
-from mrsfi_runtime.analysis.illustrations import Draw
-from mrsfi_runtime.analysis.summary import Summary, as_json
+from mrsfi_runtime.analysis.summary import Draw, Summary, as_json
 from mrsfi_runtime.analysis.tables import (
     Table,
     critical_table,

@@ -138,7 +138,7 @@ def evolve_command(
     --resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
     """
     from mrsfi.evolving import evolve
-    from mrsfi_runtime.analysis.illustrations import DrawingProcess, map_drawing
+    from mrsfi_runtime.analysis.summary import DrawingProcess, map_drawing
     from mrsfi_runtime.cli.campaign_results import report
     from mrsfi_runtime.cli.terminal import search_progress
 

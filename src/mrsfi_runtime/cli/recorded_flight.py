@@ -134,7 +134,7 @@ def _observers(
 def _bag(
     path: Path, mission: Mission, faults: Sequence[NamedFault], tallies: Sequence[FaultTally]
 ) -> Iterator[Observer]:
-    from mrsfi_runtime.record.bag import Bag
+    from mrsfi_runtime.record.observers import Bag
 
     with whole_file(path) as file:
         bag = Bag(mission, file, faults, Events(mission, faults, tallies))

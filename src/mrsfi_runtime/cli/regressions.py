@@ -1,13 +1,20 @@
-"""Commands that keep weaknesses, and check them.
+"""Commands that keep weaknesses and check them, and what they print.
+
+What became of kept weaknesses: printed, or as files for scripts and build servers.
+
+Commands that keep weaknesses, and check them.
 
 The command ``mrsfi keep``: keeps a weakness beside the models, and takes new limits over.
 
 The command ``mrsfi check``: flies what is kept, and fails where a weakness came back.
 """
 
-from collections.abc import Mapping
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os.path import normpath
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,15 +25,164 @@ from mrsfi_runtime.cli.options import (
     generated_option,
     seeds_option,
 )
-from mrsfi_runtime.cli.terminal import print_json, tell
+from mrsfi_runtime.cli.terminal import print_json, print_table, tell
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.engine_settings import AUTO
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from mrsfi.regressions import Checked
-    from mrsfi_runtime.record.regressions import Regression
+    from mrsfi_runtime.record.settings import Regression
+
+
+_CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"
+_NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What stands in no file of XML: control characters, halves of characters."""
+
+
+def print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
+    """Print verdicts by mission, and why what came back did."""
+    for name, checked in found.items():
+        _print(name, checked)
+
+
+def print_annotations(checked: "Iterable[Checked]") -> None:
+    """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
+    for each in checked:
+        told = f"{each.regression.name}: "
+        if each.exceeded:
+            told += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
+        elif each.failure is not None:
+            told += str(each.failure)
+        else:
+            continue
+        for path, line in each.places or ((each.regression.specification, 1),):
+            file = _escaped(normpath(path), ":,")
+            click.echo(f"::error file={file},line={line}::{_escaped(told)}")
+
+
+def _escaped(text: str, more: str = "") -> str:
+    for letter in ("%", "\r", "\n", *more):
+        text = text.replace(letter, f"%{ord(letter):02X}")
+    return text
+
+
+def _print(name: str, checked: "Sequence[Checked]") -> None:
+    from mrsfi_runtime.analysis.tables import Table
+
+    judged = [each for each in checked if each.counts]
+    title = f"{name}: {sum(_state(each) == _HOLDS for each in checked)} of {len(checked)} hold"
+    if judged:
+        n_kept = _range(len(each.regression.mission_seeds) for each in judged)
+        n_flown = _range(len(each.seeds) for each in judged)
+        title += f" (mission seeds: limits of {n_kept}, flown in {n_flown})"
+    words = ("kept", "counted", "goal")
+    columns = (*words, "at most", "now", "verdict")
+    print_table(Table(title, columns, [*_rows(checked)], words, ("verdict",)))
+    failed: dict[str, list[str]] = defaultdict(list)
+    for each in checked:
+        if each.gone:
+            gone = ", ".join(each.gone)
+            click.echo(f"{each.regression.name}: not in the pool: {gone} (flown as kept)\n")
+        if each.regression.accepted:
+            click.echo(f"{each.regression.name}: accepted because {each.regression.accepted}\n")
+        if each.exceeded:
+            click.echo(f"{each.regression.name} came back. Found in {each.regression.found}")
+            click.echo("\n".join(f"  {sentence}" for sentence in each.why) + "\n")
+        elif each.failure is not None:
+            failed[str(each.failure)].append(each.regression.name)
+    for message, names in failed.items():
+        click.echo(f"{', '.join(names)} cannot be judged: {message}\n")
+
+
+def _range(numbers: Iterable[int]) -> str:
+    """Return ``5``, or ``1 to 5``."""
+    found = sorted({*numbers})
+    return " to ".join(map(str, dict.fromkeys((found[0], found[-1]))))
+
+
+def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
+    from mrsfi_runtime.record.store import NONE
+
+    for each in checked:
+        regression = each.regression
+        head = (regression.name, regression.violations)
+        if each.error is not None:
+            yield (*head, NONE, NONE, NONE, _UNKNOWN)
+            continue
+        counts = ((goal, regression.limits[goal], now) for goal, now in each.now.items())
+        for goal, most, now in [row for row in counts if any(row[1:])] or [(NONE, 0, 0)]:
+            worse = _CAME_BACK if goal in each.exceeded else _UNKNOWN
+            yield (*head, goal, most, now, _HOLDS if now <= most else worse)
+            head = ("", "")
+
+
+def _state(each: "Checked") -> str:
+    if each.exceeded:
+        return _CAME_BACK
+    return _HOLDS if each.failure is None else _UNKNOWN
+
+
+def verdict_as_json(each: "Checked") -> dict[str, Any]:
+    """Return a verdict for a script."""
+    regression = each.regression
+    return {
+        "name": regression.name,
+        "state": _state(each),
+        "violations": regression.violations,
+        "mission_seeds": list(each.seeds),
+        "kept_seeds": list(regression.mission_seeds),
+        "max": dict(regression.limits),
+        "now": each.now,
+        "exceeded": list(each.exceeded),
+        "error": None if each.failure is None else str(each.failure),
+        "not_in_pool": list(each.gone),
+        "why": list(each.why),
+        "found": regression.found,
+        "accepted": regression.accepted,
+    }
+
+
+def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
+    """Write what became of everything as the XML that build servers read of JUnit."""
+    from xml.etree import ElementTree as ET
+
+    from mrsfi_runtime.files import whole_file
+
+    root = ET.Element("testsuites")
+    for name, checked in found.items():
+        suite = ET.SubElement(
+            root,
+            "testsuite",
+            name=name,
+            tests=str(len(checked)),
+            failures=str(sum(_state(each) == _CAME_BACK for each in checked)),
+            errors=str(sum(_state(each) == _UNKNOWN for each in checked)),
+            time=f"{sum(each.seconds for each in checked):.3f}",
+        )
+        for each in checked:
+            case = ET.SubElement(
+                suite,
+                "testcase",
+                classname=f"mrsfi.{name}",
+                name=each.regression.name,
+                time=f"{each.seconds:.3f}",
+            )
+            if each.exceeded:
+                failure = ET.SubElement(case, "failure", message=each.excess)
+                failure.text = "\n".join((f"Found in {each.regression.found}", *each.why))
+            elif each.failure is not None:
+                ET.SubElement(case, "error", message=str(each.failure))
+    for element in root.iter():
+        element.text = element.text and _legal(element.text)
+        element.attrib.update({key: _legal(value) for key, value in element.attrib.items()})
+    ET.indent(root)
+    with whole_file(path) as file:
+        file.write(ET.tostring(root, "utf-8", xml_declaration=True) + b"\n")
+
+
+def _legal(text: str) -> str:
+    """Return a text with escapes in the place of what XML has no character for."""
+    return _NO_XML.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 _MOST_DIGITS = 99
@@ -188,7 +344,6 @@ def check_command(
     """
     from mrsfi.folders import find_mission
     from mrsfi.regressions import check_all, missions_with_kept
-    from mrsfi_runtime.cli import verdicts
 
     if mission is not None and mission.endswith(".zip"):
         is_of_kept = bool(generated or n_seeds or junit or github)
@@ -207,16 +362,16 @@ def check_command(
         )
     found = {each.name: [*check_all(each, settings, tell, n_seeds)] for each in places}
     if junit is not None:
-        verdicts.write_junit(junit, found)
+        write_junit(junit, found)
         tell(f"written    {junit}")
     every = [each for checked in found.values() for each in checked]
     if is_json:
-        told = {name: [*map(verdicts.as_json, checked)] for name, checked in found.items()}
+        told = {name: [*map(verdict_as_json, checked)] for name, checked in found.items()}
         print_json(told)
     else:
-        verdicts.print_tables(found)
+        print_tables(found)
     if github:
-        verdicts.print_annotations(every)
+        print_annotations(every)
     _end(every)
 
 

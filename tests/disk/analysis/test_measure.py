@@ -1,7 +1,7 @@
 import pytest
 
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
-from mrsfi_runtime.analysis.illustrations import fitness_label
+from mrsfi_runtime.analysis.summary import fitness_label
 from mrsfi_runtime.analysis.tables import critical_table
 from mrsfi_runtime.model.mission import COUNTED
 from mrsfi_runtime.record.settings import CampaignSettings

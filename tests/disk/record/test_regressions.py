@@ -5,7 +5,7 @@ import os
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.regressions import Regression, kept
+from mrsfi_runtime.record.settings import Regression, kept
 
 SOUND = {
     "found": '"here"',

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from mrsfi_runtime.analysis.illustrations import Drawing, DrawingProcess, draw_here
+from mrsfi_runtime.analysis.summary import Drawing, DrawingProcess, draw_here
 from mrsfi_runtime.analysis.tables import GenerationFitness, Trend
 from tests.support.search import paper_mission
 from tests.tiers import slow

@@ -7,9 +7,14 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.documents import report_text
-from mrsfi_runtime.analysis.illustrations import DrawingProcess, Drawings, draw_here, illustrate
 from mrsfi_runtime.analysis.report import campaign_page, specification_rows
-from mrsfi_runtime.analysis.summary import summarise
+from mrsfi_runtime.analysis.summary import (
+    DrawingProcess,
+    Drawings,
+    draw_here,
+    illustrate,
+    summarise,
+)
 from mrsfi_runtime.analysis.tables import fault_table
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault

@@ -15,8 +15,7 @@ from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.model.faults import robots_of, touched
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
-from mrsfi_runtime.record.bag import Bag
-from mrsfi_runtime.record.observers import Events, SimulationLog, TraceTable, named_faults
+from mrsfi_runtime.record.observers import Bag, Events, SimulationLog, TraceTable, named_faults
 from tests.support import world
 from tests.support.bags import bagged, read_bag
 from tests.tiers import slow

@@ -4,9 +4,9 @@ from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
-from mrsfi_runtime.analysis import illustrations
+from mrsfi_runtime.analysis import summary
 
 empty = {".png": b"", ".svg": b""}
-replaced: Any = illustrations
+replaced: Any = summary
 replaced.drawn = lambda _: empty
-replaced.DrawingProcess = lambda *_: nullcontext(SimpleNamespace(draw=illustrations.draw_here))
+replaced.DrawingProcess = lambda *_: nullcontext(SimpleNamespace(draw=summary.draw_here))
