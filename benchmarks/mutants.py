@@ -3,9 +3,10 @@
 Run ``python -m benchmarks.mutants record 30``. Each mutant is one changed place in a copy of the
 tree: a comparison, an operator, a number, an ``and``, a ``not``, what is returned, or a statement
 that is gone. The room's own tests of ``make test`` run on it, cheapest first, until one fails. With
-the same seed, a commit is compared with another. What was judged stands in ``--out``, one line of
-JSON each; the same command again goes on where it was stopped. Tests that fail in the copy without
-any mutation are left out, and named.
+the same seed, a commit is compared with another; after a move of code, ``--write`` there and
+``--same`` here judge the same changes of the same lines. What was judged stands in ``--out``, one
+line of JSON each; the same command again goes on where it was stopped. Tests that fail in the copy
+without any mutation are left out, and named.
 """
 
 import argparse
@@ -111,6 +112,13 @@ class Mutant:
     before: str
     after: str
     kind: str
+    function: str = ""
+    text: str = ""  # of the line
+
+    @property
+    def change(self) -> tuple[str, ...]:
+        """What tells it from others, wherever its statement stands."""
+        return self.kind, self.before, self.after, self.text
 
     def __str__(self) -> str:
         one, two = (" ".join(text.split())[:60] for text in (self.before, self.after))
@@ -197,7 +205,9 @@ def mutants(file: Path) -> Iterator[Mutant]:
                 after = text if isinstance(changed, ast.stmt) else f"({text})"
                 before = content[begin:end].decode()
                 name = str(file.relative_to(ROOT))
-                yield Mutant(name, node.lineno, begin, end, before, after, kind)
+                text = content[starts[node.lineno - 1] : starts[node.lineno]].decode().strip()
+                place = (name, node.lineno, begin, end, before, after, kind)
+                yield Mutant(*place, function.name, text)
 
 
 def drawn(seed: int, room: str) -> list[Mutant]:
@@ -213,6 +223,22 @@ def drawn(seed: int, room: str) -> list[Mutant]:
         places[each] = turn[each.kind], each.kind
         turn[each.kind] += 1
     return sorted(found, key=places.__getitem__)
+
+
+def again(listed: Path) -> Iterator[tuple[dict[str, Any], Mutant | None]]:
+    """Yield mutants that ``--write`` listed, each with the same change of the same line today.
+
+    A line that stands several times is looked for in a function of the same name.
+    """
+    files = [*(ROOT / "src").rglob("*.py"), *(ROOT / "m2t").rglob("*.py")]
+    today: dict[tuple[str, ...], list[Mutant]] = {}
+    for each in (mutant for file in sorted(files) for mutant in mutants(file)):
+        today.setdefault(each.change, []).append(each)
+    for line in listed.read_text("utf-8").splitlines():
+        values = json.loads(line)
+        found = today.get(Mutant(**values).change, [])
+        same = [each for each in found if each.function == values["function"]] or found
+        yield values, same[0] if same else None
 
 
 class Copy:
@@ -361,11 +387,23 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--write", type=Path, help="list the mutants, and judge none")
+    parser.add_argument("--same", type=Path, help="judge those of such a list")
     arguments = parser.parse_args()
     room = arguments.room
     named = [f"tests/{test}" for test in ROOMS[room].split()]
     tests = [test for test in named if (ROOT / test).exists()]  # also of an earlier commit
-    wanted = drawn(arguments.seed, room)[: arguments.n]
+    if arguments.same:
+        pairs = [*again(arguments.same)]
+        for values, _ in (pair for pair in pairs if pair[1] is None):
+            print(f"gone: {Mutant(**values)}")
+        wanted = [mutant for _, mutant in pairs if mutant is not None]
+    else:
+        wanted = drawn(arguments.seed, room)[: arguments.n]
+    if arguments.write:
+        lines = "".join(json.dumps(asdict(mutant)) + "\n" for mutant in wanted)
+        arguments.write.write_text(lines, encoding="utf-8")
+        return
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends what runs, as Ctrl-C does
     name = f"mutants-{room.replace('/', '-')}.jsonl"
     record = Record(arguments.out or ROOT / "runs" / name)
