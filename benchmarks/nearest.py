@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import FaultPool

@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
-from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine

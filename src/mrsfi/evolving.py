@@ -7,12 +7,13 @@ Campaigns from the first evaluation to the last.
 
 import platform
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
+from types import MappingProxyType
 from typing import TypeAlias
 
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
@@ -21,7 +22,7 @@ from mrsfi.engines import evaluator as evaluating
 from mrsfi.explaining import harvest
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.fronts import parse_ratio
-from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi_runtime.causes.harvest import Cover
 from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.compiled.engine import differing
 from mrsfi_runtime.engine.flights import Evaluator
@@ -43,8 +44,16 @@ from mrsfi_runtime.record.engine_settings import (
 )
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Measure
+from mrsfi_runtime.search import algorithms
+from mrsfi_runtime.search.loop import AlgorithmFactory
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace, random_specification
+
+ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
+    {**algorithms.ALGORITHMS, "cover": Cover}
+)
+"""All algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
+
 
 N_LOOKS = 3
 """Times that a specification is flown to see whether a node repeats itself, and if it does not."""

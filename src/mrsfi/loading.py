@@ -27,7 +27,6 @@ from mrsfi.engines import Tell, from_here, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
 from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
-from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import (
     EvaluationError,
     MrsfiError,
@@ -153,6 +152,8 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     It is named by name or folder, or is an ``.xmi`` file with a fault specification. ``tell`` is
     told why it was not flown.
     """
+    from mrsfi_runtime.engine.region_lint import lint_regions  # noqa: PLC0415 - brings pyflakes
+
     if mission.endswith(".xmi"):
         return Validated(mission, inspect_specification(Path(mission)).diagnostics)
     folders = find_mission(mission, generated)

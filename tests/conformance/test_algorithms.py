@@ -4,7 +4,7 @@ from itertools import product
 
 import pytest
 
-from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import COSTS, Gate

@@ -25,8 +25,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from random import Random
-from types import MappingProxyType
-from typing import NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
@@ -52,10 +51,11 @@ from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.settings import COVERING, CampaignSettings, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
-from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.space import SearchSpace, varied_fault, varied_specification
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.search.loop import GenerationSummary
 
 N_ALONE = 10
 """Forms in which each fault is flown alone before several are flown together."""
@@ -190,8 +190,10 @@ class Cover:
         """Return the specifications of the next turn."""
         return self._next
 
-    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+    def tell(self, scores: Sequence[Score]) -> "GenerationSummary":
         """Learn what they break, and end the turn."""
+        from mrsfi_runtime.search.loop import GenerationSummary  # noqa: PLC0415 - brings DEAP
+
         for specification, score in zip(self._next, scores, strict=True):
             if not specification and score.outcome is not None:
                 self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
@@ -223,12 +225,6 @@ def covered(
     while not search.is_finished and all(each in outcomes for each in search.ask()):
         search.tell([Score(0.0, (), outcomes[each]) for each in search.ask()])
     return search.known
-
-
-ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
-    {**algorithms.ALGORITHMS, "cover": Cover}
-)
-"""All algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
 
 
 N_SEEDS = 5

@@ -10,6 +10,7 @@ import pytest
 
 from mrsfi_runtime.causes.cause_set import Flights
 from mrsfi_runtime.causes.explanation import attribute, explain
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Measure
@@ -26,10 +27,10 @@ KEEP = 0.95
 @pytest.fixture(scope="module", params=[1, 2], ids=["1 worker", "2 workers"])
 def engines(request):
     """Return an engine of a mission, the same each time."""
-    with ExitStack() as opened:
+    with ExitStack() as stack:
         yield cache(
-            lambda mission: opened.enter_context(
-                opened(EngineSettings("compiled"), code_of(mission), 1, request.param)
+            lambda mission: stack.enter_context(
+                open_engine(EngineSettings("compiled"), code_of(mission), 1, request.param)
             )
         )
 

@@ -3,8 +3,9 @@ from hashlib import sha256
 
 import pytest
 
+from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.causes.cause_set import Column
-from mrsfi_runtime.causes.harvest import ALGORITHMS, N_ALONE, Cover
+from mrsfi_runtime.causes.harvest import N_ALONE, Cover
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from mrsfi_runtime.causes.harvest import ALGORITHMS
+from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import COSTS, FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Outcome
