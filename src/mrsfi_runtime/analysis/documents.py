@@ -1,12 +1,9 @@
-"""Documents.
+"""Write a campaign for people and tools: Markdown, LaTeX and fault trees.
 
-The report of a campaign as Markdown, in which nothing of a model becomes markup.
-
-The report of a campaign for a paper: tables with booktabs, figures as PDF at column width.
-
-Fault trees: for each goal, the least sets of faults that truly break it or let it be missed.
-
-Sets by which a goal is only believed broken are left out: nothing happens to it.
+No text of a model becomes markup in any of these formats. ``report_text`` writes the Markdown
+report. ``report_latex`` writes tables with booktabs and figures at column width. ``as_open_psa``
+and ``as_pfta`` write fault trees: for each goal, the smallest sets of faults that truly violate it
+or make it fail. Sets that break a goal only in belief are left out.
 
 References
 ----------

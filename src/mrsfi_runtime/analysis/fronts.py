@@ -1,12 +1,10 @@
-"""Evaluations as columns, and their fronts.
+"""Read all evaluations of a campaign as arrays, and find their fronts.
 
-What a report asks of all evaluations, in arrays: tens of bytes for each, and no object.
+An evaluation takes tens of bytes in ``Columns``, and is no object. A specification is identified
+by eight bytes of a hash over its timed faults, in any order. Among a million specifications, two
+share a hash with a chance of three in a hundred million; one of them is then not counted.
 
-A specification is told by eight bytes of a hash over its timed faults, in whatever order they
-stand. In a campaign of a million evaluations two different ones have the same with a chance of
-three in a hundred million; one of them would then not be counted as distinct.
-
-Which evaluations are the most critical; Pareto fronts, and the pick by a ratio.
+``Columns`` reads, ``find_front`` and ``find_harm`` search, and ``nearest_ratio`` picks a point.
 
 References
 ----------

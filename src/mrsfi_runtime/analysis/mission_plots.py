@@ -1,8 +1,7 @@
-"""Draws a mission (figure 5 of the paper), and a flight in space and in time.
+"""Draw a mission (figure 5 of the paper), and a flight in space and in time.
 
-References
-----------
-Source paper, section V, figure 5.
+``mission_map`` draws the mission, ``flight_map``, ``flight_gif`` and ``flight_timeline`` a flight;
+the helpers that they share follow. Style and rendering are those of ``plots``.
 """
 
 from collections.abc import Mapping, Sequence

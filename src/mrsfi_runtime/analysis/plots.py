@@ -1,7 +1,8 @@
-"""Draws figures 6 to 12 of the paper; of the modules that know matplotlib, the one with the style.
+"""Draw figures 6 to 12 of the paper, in the style of all figures.
 
-Figures are plain objects, never the global state of pyplot. The same input gives the same
-bytes: no dates, no random identifiers, no version numbers in the files.
+Figures are plain objects, never the global state of pyplot. The same input gives the same bytes:
+the files contain no dates, random identifiers or version numbers. ``rendered`` makes files of a
+figure; each function after it draws one kind; the last ones are shared with ``mission_plots``.
 
 References
 ----------

@@ -1,16 +1,12 @@
-"""The report and its page.
+"""Write the report of a campaign into its folder, and the page of a campaign or a flight.
 
-What the page shows of a campaign, or of one flight, as plain values.
+``write_report``, near the end, names all files in their order. ``look_at`` flies one weakness and
+draws it in time and in space. The first half collects what the page shows as plain values:
+``campaign_page`` for a campaign, ``flight_page`` for one flight.
 
-One HTML file with all that it shows, which asks the network for nothing.
-
-What comes of a model or a record is data: JSON in which no character can end the element that
-holds it, and which the page's own script turns into text, never into markup. The content security
-policy allows that script and those styles alone, by their hashes.
-
-Writes what a campaign found into its folder: specifications, figures, tables, report.
-
-A way to break a goal is also drawn by itself: its flight in time and in space.
+``document`` makes one HTML file of these values. It asks the network for nothing. Texts of a model
+or a record stay data: JSON in which no character can end its element, and which the page's script
+inserts as text. The content security policy allows that script and those styles alone, by hash.
 """
 
 import json

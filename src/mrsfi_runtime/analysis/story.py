@@ -1,8 +1,8 @@
-"""The story of a flight.
+"""Tell a recorded flight in space and time, for figures, tables and the page.
 
-A flight as a story in space and time: who was where, what was active, what was violated.
-
-Flights as the page shows them: positions to a stated resolution, verdicts as windows, events.
+A ``Story`` has true and believed positions, windows in which faults were active and goals were
+violated, and collisions; ``story_of`` makes one. ``flight_content`` packs a flight for the page:
+series to a stated resolution, verdicts as windows, and events.
 """
 
 import zlib

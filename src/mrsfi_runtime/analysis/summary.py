@@ -1,15 +1,12 @@
-"""The summary of a campaign, and its figures.
+"""Summarise a campaign as one value, and list and draw its figures.
 
-What a campaign found, as one value and as JSON.
+``summarise`` collects what a campaign found, ``as_json`` writes it for scripts. ``illustrate``,
+at the end, lists the figures that the campaign has numbers for. A ``Drawing`` names a function of
+``plots`` or ``mission_plots`` and its arguments.
 
-Figures of a campaign.
-
-Figures drawn by a process of their own, which gets ready while this one searches.
-
-matplotlib takes as long to import, and to draw three figures, as a whole search of compiled
-evaluations.
-
-Which figures there are numbers for in a campaign, and what these numbers are.
+matplotlib takes as long to import, and to draw three figures, as a search of compiled evaluations.
+``DrawingProcess`` therefore draws in a process of its own while this one searches; this module is
+that process's program.
 
 References
 ----------

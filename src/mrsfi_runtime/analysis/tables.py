@@ -1,20 +1,16 @@
-"""Tables of a campaign.
+"""Tables as values, their writers, and the tables of flights and campaigns.
 
-A titled table as a value, and its writers; ``cli/terminal.py`` writes it for terminals.
+A ``Table`` has a title, named columns and rows. Writers make Markdown, CSV, HTML and values for
+the page of it; ``cli/terminal.py`` writes it for terminals. The trend of fitness and the patterns
+of fault types come next, then one function for each table; ``weaknesses.py`` has those of
+weaknesses. This module loads without numpy, because ``mrsfi simulate`` prints some of its tables.
 
-What repeats in a campaign: fitness over its generations, fault types among its worst.
-
-A type that search met often is popular, not guilty: a count says something only beside the
-count that the type would have if the top were a random draw from the pool, and beside its
-share in everything the campaign tried.
+A fault type that search met often is popular, not guilty. Its count is shown beside the count
+that a random draw from the pool would give, and that its share in the campaign would give.
 
 References
 ----------
 Source paper, section V, RQ1, RQ2 and figures 6 to 9 and 12.
-
-Every table of a flight and of a campaign; ``weaknesses.py`` has those of weaknesses.
-
-What they are made from needs no numpy at run time: ``mrsfi simulate`` prints some of them.
 """
 
 import csv

@@ -1,12 +1,11 @@
-"""Weaknesses in words.
-
-What breaks which goal at the least, as people and scripts read of it.
-
-What a campaign says of each goal in sentences: does it break, by what, and who sees it.
+"""Put weaknesses into words and tables: which faults break which goal, and who detects it.
 
 Names come before identifiers. A goal *fails* if its purpose is certainly not met, is *violated* if
 it breaks in truth, and has a *false alarm* if it breaks only in what the collective intelligence
 believes.
+
+The tables come first, then failure modes (FMEA). ``verdicts`` returns a ``GoalVerdict``, a
+sentence with its evidence, for each goal; ``deed`` puts a fault into words.
 """
 
 import math

@@ -1,8 +1,11 @@
-"""Cause sets.
+"""Find the faults of a specification without which its violations would not be.
 
-The one prober of causes and weaknesses, and the counts by which sets of faults are compared.
+A set of faults is *kept* if it alone leaves a stated share of every count. The cause set is
+1-minimal: without any one of its faults it is not kept. No specification is flown twice in a
+mission seed: a ``Prober`` remembers what it found.
 
-The cause set: the faults of a specification without which violations would not be.
+Begin with ``Prober`` and ``Flights``, which fly and count. ``Question`` asks which faults are
+needed; ``reduction`` is its algorithm.
 
 References
 ----------

@@ -1,10 +1,11 @@
-"""Chains.
+"""Trace how the faults of a cause set come to break goals.
 
-How a fault comes to break a goal: the first differences that it makes, and these in a sentence.
+A flight is compared with its twin without one fault. Both have the same mission seed, so every
+difference comes from that fault. A ``Chain`` has the first differences in belief, commands, truth
+and verdicts.
 
-Both flights have the same mission seed, so that every difference comes from the fault.
-
-The faults that a specification's violations are due to, and how they come to break goals.
+``chain`` compares two recordings, ``sentence`` puts the result into words, and ``find_cause``
+joins cause set, chains and counts over several mission seeds.
 """
 
 import math

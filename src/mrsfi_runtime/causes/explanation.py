@@ -1,4 +1,7 @@
-"""All that is found out about one specification, in the order in which it is asked.
+"""Explain one specification: cause sets, labels, shares and the simplest variant.
+
+``explain`` names the parts in the order in which they are flown; each part is a function below
+it. All parts ask the same ``Flights``, which fly no specification twice.
 
 References
 ----------

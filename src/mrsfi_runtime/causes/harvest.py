@@ -1,20 +1,14 @@
-"""The flights after a search.
+"""Find all minimal sets of faults that break goals: while searching, or after a search.
 
-Probes: what is flown to find the least sets of faults that break each goal.
+``Probing`` first flies each fault alone, in varied variants, because most weaknesses are one fault.
+It then draws random specifications that contain no set known to break a column, and reduces those
+that break it to a minimal set by ddmin. Each flight is judged for all goals. The number of workers
+does not change what is found, because a turn asks for as many flights as there are columns.
 
-First each fault is flown alone, in varied forms: most weaknesses are one fault. Then come random
-specifications, for each goal by each measure, without a set that is known to break that; what
-breaks it nevertheless is reduced to a minimal one, by ddmin. Every flight is judged for all goals.
-
-The search ``cover``: all the ways in which goals break, without a fitness, by ``probing``.
-
-What a search has left unexplained: the flights after it that tell all the ways goals break.
-
-The evaluations of a search show that goals break, under many faults at a time. So each fault is
-flown alone, in varied forms; then random specifications are drawn and reduced, as by ``cover``. If
-nothing is known to break a goal by a measure, and evaluations do, these are reduced first. What is
-found is flown in more mission seeds; a search by ``cover`` has done all until here. The least that
-breaks each goal is shrunk to its mildest form, which takes flights beyond those of the harvest.
+``Cover`` is a search algorithm made of that. ``harvest`` does it after any other search: it
+first reduces evaluations of the search that break an unexplained column, repeats in more
+mission seeds what it found, and shrinks the smallest set of each goal to its mildest variant.
+The store records each flight, so an interrupted harvest flies only what is missing.
 """
 
 import json

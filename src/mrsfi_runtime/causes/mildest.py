@@ -1,13 +1,12 @@
-"""The mildest variants.
+"""Shrink weaknesses to their mildest variants, and number the weaknesses of each goal.
 
-The least that does it: the mildest form in which a set of faults still breaks a goal.
+A variant is mild whose values are near to what is true, and whose windows are short. Values and
+windows are bisected one after the other, while the goal breaks in several mission seeds at once.
+Bisection assumes that a variant milder than one that keeps the goal keeps it too. This need not
+hold, so the result is the mildest variant that was found.
 
-A form is mild whose values are near to what is true, and whose windows are short. One after the
-other is bisected, while the goal breaks in several mission seeds at once. That takes for granted
-that what is milder than a form that keeps the goal keeps it, too, which need not be so: what comes
-of it is the mildest form that was found.
-
-Ways to break a goal: its least sets of faults, numbered, and the one that is told first.
+``Deviation`` measures variants, ``mildest`` shrinks them, and ``Way`` numbers a goal with a set
+of faults that breaks it.
 """
 
 import math

@@ -1,9 +1,12 @@
-"""Weaknesses: the least sets of a pool's faults that break a goal, and what is known of them.
+"""Weaknesses: the minimal sets of a pool's faults that break a goal, and what is known of them.
 
-A goal is judged by three measures; one goal by one measure is a ``Column``. It is *broken* by a
-flight whose count is above 0, or, where the flight without faults has a count already, above that
-by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if none of its parts is
-known to break the same column.
+A goal is judged by three measures; one goal by one measure is a ``Column``. A flight *breaks* a
+column if its count is above 0. Where the flight without faults has a count already, it has to be
+above that by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if none of
+its parts is known to break the same column.
+
+``Yardstick`` judges a flight. ``Known`` learns from flights and lists ``Weakness`` values, which
+the functions after it extend by mission seeds, dates and detection.
 """
 
 import math

@@ -1,10 +1,7 @@
-"""What commands print of a campaign.
+"""Print what a campaign found: weaknesses, its report, explanations.
 
-How weaknesses are printed: which fault breaks which goal, as a matrix and as a list.
-
-The report of a campaign: written into its folder, and printed.
-
-What ``mrsfi explain`` prints of an explanation, and what scripts get in its place.
+``mrsfi evolve``, ``report``, ``weaknesses``, ``show`` and ``explain`` share these functions.
+For ``--json`` they print the same facts as values for scripts.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,14 +1,7 @@
-"""Commands that make a campaign, and show what it found.
+"""Commands that make a campaign and show what it found: evolve, report, weaknesses, show, pack.
 
-The command ``mrsfi evolve``: begins a campaign or continues one, by one writer at a time.
-
-The command ``mrsfi report``.
-
-The command ``mrsfi weaknesses``: which faults break which goal, as a matrix and as a list.
-
-The command ``mrsfi show``: how goals break, in words and in pictures.
-
-The command ``mrsfi pack``.
+A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
+it runs, so that ``mrsfi --help`` loads no toolchain. One process at a time writes a campaign.
 """
 
 from collections.abc import Mapping

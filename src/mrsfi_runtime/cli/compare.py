@@ -1,8 +1,7 @@
-"""The command mrsfi compare.
+"""The command ``mrsfi compare``: two campaigns, several algorithms, or a sweep of settings.
 
-What ``mrsfi compare --sweep`` prints.
-
-The command ``mrsfi compare``, and the tables that it prints.
+The command comes first. It calls ``_compare_runs`` for two campaigns; all else is a comparison of
+searches over many seeds, whose tables follow.
 """
 
 import json

@@ -1,12 +1,8 @@
-"""Commands that fly a specification.
+"""Commands that fly specifications: simulate, replay, explain, and bridge, a server between sides.
 
-The command ``mrsfi simulate``.
-
-The command ``mrsfi replay``.
-
-The command ``mrsfi explain``: which faults of a specification break which goal, and why.
-
-The command ``mrsfi bridge``: the command of ``mrsfi_bridge`` with the errors of ``mrsfi``.
+A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
+it runs, so that ``mrsfi --help`` loads no toolchain. ``mrsfi bridge`` is the command of
+``mrsfi_bridge`` with the errors of ``mrsfi``.
 """
 
 from dataclasses import fields

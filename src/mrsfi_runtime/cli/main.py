@@ -1,4 +1,8 @@
-"""The command ``mrsfi``: the group of subcommands, and what every error ends with."""
+"""The command ``mrsfi``: the group of subcommands, and what every error ends with.
+
+Subcommands are listed here with their help and imported when called. An error becomes an exit
+code in one place, ``CommandGroup.invoke``. ``main`` is the entry point.
+"""
 
 import signal
 import sys

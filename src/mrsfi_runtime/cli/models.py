@@ -1,16 +1,7 @@
-"""Commands that make, check and change models.
+"""Commands that make, check and change models: new, import, diff, rename, validate, generate.
 
-The command ``mrsfi new``: a project of a team's own.
-
-The command ``mrsfi import``.
-
-The command ``mrsfi diff``.
-
-The command ``mrsfi rename``.
-
-The command ``mrsfi validate``.
-
-The command ``mrsfi generate``.
+A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
+it runs, so that ``mrsfi --help`` loads no toolchain.
 """
 
 import re

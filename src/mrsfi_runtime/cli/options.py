@@ -1,4 +1,8 @@
-"""What several commands take: a mission, an engine, workers, files of a flight."""
+"""Options that several commands share: a mission, an engine, workers, files of a flight.
+
+``options`` makes options of the fields of a data class, whose metadata has their help; a command
+receives them as one argument. So a new option of every command that flies is one field.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, astuple, dataclass, fields

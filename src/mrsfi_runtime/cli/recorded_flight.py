@@ -1,4 +1,8 @@
-"""A flight with what the user wants written of it: log, trace, bag and page; and printed."""
+"""Fly once, write the log, trace, bag, page or animation that the user asked for, and print.
+
+``fly_recorded`` opens each file before the flight and completes it after; an error while writing
+names the file.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager

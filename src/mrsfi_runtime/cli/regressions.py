@@ -1,12 +1,7 @@
 """Commands that keep weaknesses and check them, and what they print.
 
-What became of kept weaknesses: printed, or as files for scripts and build servers.
-
-Commands that keep weaknesses, and check them.
-
-The command ``mrsfi keep``: keeps a weakness beside the models, and takes new limits over.
-
-The command ``mrsfi check``: flies what is kept, and fails where a weakness came back.
+``keep_command`` and ``check_command`` come last; before them are the outputs of a check: tables,
+JSON, JUnit's XML and annotations for GitHub. A ``Checked`` is the verdict on one kept weakness.
 """
 
 import re

@@ -1,12 +1,7 @@
-"""What the terminal shows: results on standard output, progress on standard error.
+"""Print results to standard output and progress to standard error.
 
-Where text goes: results to standard output, progress to standard error.
-
-What rich lays out for terminals: tables on standard output, progress on standard error.
-
-Rich is imported where something is laid out, so that every command may import this module.
-
-How far a search is: a bar on a terminal, plain lines anywhere else.
+Rich lays out tables, wrapped text and progress bars. It is imported where it is needed, so that
+every command may import this module. On anything but a terminal, progress is plain lines.
 """
 
 import json
