@@ -17,33 +17,10 @@ from textwrap import fill
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
+from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
-from mrsfi_runtime.analysis.tables import (
-    COUNTS,
-    MOST_LISTED,
-    Cell,
-    Table,
-    Trend,
-    TypePattern,
-    critical_table,
-    every,
-    fault_table,
-    front_table,
-    goal_table,
-    harm_table,
-    in_words,
-    pattern_table,
-    plain,
-    printable,
-    settings_table,
-    to_markdown,
-)
-from mrsfi_runtime.analysis.weaknesses import (
-    broken_by,
-    goal_in_words,
-    matrix_table,
-    way_table,
-)
+from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
+from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words, matrix_table, way_table
 from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -66,7 +43,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         _extent(summary),
         *([f"**Caution**: {plain(summary.unrepeated)}."] if summary.unrepeated else []),
         *_weaknesses(summary),
-        *_section(settings_table(summary.settings)),
+        *_section(tables.settings_table(summary.settings)),
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
@@ -83,14 +60,17 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         sections += _linked(captions, "figure_12_weaknesses")
     if summary.front is not None:
         words = "Non-dominated specifications; of equal ones the earliest."
-        sections += [*_section(front_table(summary.front), words), *_linked(captions, "front")]
+        sections += [
+            *_section(tables.front_table(summary.front), words),
+            *_linked(captions, "front"),
+        ]
     if summary.harm is not None:
         words = (
             "The most goals violated, and the most violations in all, by a specification of at "
             f"most so many {summary.measure.minimised}, and the evaluations that found it. What is "
             "not listed does no more than the line above."
         )
-        table = harm_table(summary.harm, summary.measure)
+        table = tables.harm_table(summary.harm, summary.measure)
         sections += [*_section(table, words), *_linked(captions, "harm")]
     if summary.pick is not None:
         picked = summary.pick.in_words(summary.measure)
@@ -103,11 +83,11 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
 def _section(table: Table, *words: str, level: int = 2) -> Iterator[str]:
     yield f"{'#' * level} {plain(table.title)}"
     yield from words
-    yield to_markdown(table)
+    yield tables.to_markdown(table)
 
 
 def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
-    return pattern_table(title, [each for each in patterns if each.n_occurrences])
+    return tables.pattern_table(title, [each for each in patterns if each.n_occurrences])
 
 
 def trend_in_words(trend: Trend) -> str:
@@ -125,7 +105,7 @@ def trend_in_words(trend: Trend) -> str:
 
 
 def _extent(summary: Summary) -> str:
-    step = every(summary.n_evaluations, MOST_LISTED)
+    step = tables.every(summary.n_evaluations, tables.MOST_LISTED)
     listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
     return (
         f"{summary.counted} of {summary.n_distinct} distinct specifications in "
@@ -137,7 +117,7 @@ def _extent(summary: Summary) -> str:
 
 def _top(summary: Summary) -> Iterator[str]:
     measure, top = summary.measure, summary.top
-    table = critical_table(measure, summary.pool, top, summary.n_distinct)
+    table = tables.critical_table(measure, summary.pool, top, summary.n_distinct)
     if not top:
         yield f"## {table.title}"
         yield "No evaluation is recorded yet."
@@ -154,7 +134,7 @@ def _top(summary: Summary) -> Iterator[str]:
     of_each = zip(top, summary.faults, summary.contained, strict=True)
     for rank, (evaluation, faults, found) in enumerate(of_each, 1):
         title = f"Faults of {rank}, evaluation {evaluation.index}"
-        yield from _section(fault_table(title, faults, evaluation.outcome), level=3)
+        yield from _section(tables.fault_table(title, faults, evaluation.outcome), level=3)
         yield (
             f"Of generation {evaluation.generation}, {evaluation.fault_ticks} fault-ticks; "
             f"[critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
@@ -186,9 +166,11 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
     for way in least(summary.ways):
         title = f"{goal_in_words(mission, way.goal)}, broken by weakness {way.number}"
         outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
-        goals, by = goal_table(title, mission, outcome), broken_by(way, mission.units)
-        yield from _section(goals, f"{by} {COUNTS} It flew in the first mission seed.", level=3)
-        yield to_markdown(fault_table("", faults, outcome))
+        goals, by = tables.goal_table(title, mission, outcome), broken_by(way, mission.units)
+        yield from _section(
+            goals, f"{by} {tables.COUNTS} It flew in the first mission seed.", level=3
+        )
+        yield tables.to_markdown(tables.fault_table("", faults, outcome))
         if sentences := summary.sentences.get(way.number):
             yield "\n".join(f"- {plain(each)}" for each in sentences)
 
@@ -241,7 +223,7 @@ def to_latex(table: Table) -> str:
     """Return a table that floats, at most as wide as the page, with its title as caption."""
 
     def line(cells: Sequence[Cell]) -> str:
-        return " & ".join(in_latex(in_words(cell)) for cell in cells) + r" \\"
+        return " & ".join(in_latex(tables.in_words(cell)) for cell in cells) + r" \\"
 
     words = {*table.words, *table.texts}
     columns = "".join("l" if name in words else "r" for name in table.columns)
@@ -274,8 +256,8 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         yield to_latex(matrix_table(mission, pool, summary.ways))
         title = "The least that breaks each goal, in its mildest form"
         yield to_latex(way_table(title, mission, pool, least(summary.ways)))
-    yield to_latex(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
-    yield to_latex(settings_table(summary.settings))
+    yield to_latex(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
+    yield to_latex(tables.settings_table(summary.settings))
     for each in shown:
         yield (
             "\\begin{figure}\n\\centering\n"

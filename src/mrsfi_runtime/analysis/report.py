@@ -23,6 +23,7 @@ from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+from mrsfi_runtime.analysis import tables, weaknesses
 from mrsfi_runtime.analysis.documents import report_latex, report_text, trend_in_words
 from mrsfi_runtime.analysis.story import (
     Flown,
@@ -44,31 +45,7 @@ from mrsfi_runtime.analysis.summary import (
     illustrate,
     summarise,
 )
-from mrsfi_runtime.analysis.tables import (
-    COUNTS,
-    MOST_LISTED,
-    as_csv,
-    evaluations_table,
-    every,
-    fault_table,
-    goal_table,
-    nearest_in_words,
-    settings_table,
-    short_evaluations_table,
-    to_page,
-    write_csv,
-)
-from mrsfi_runtime.analysis.weaknesses import (
-    GoalVerdict,
-    State,
-    broken_by,
-    cause_in_words,
-    detection,
-    goal_in_words,
-    harmless,
-    owner_of,
-    verdict,
-)
+from mrsfi_runtime.analysis.weaknesses import GoalVerdict, State
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.mildest import Way, least
@@ -121,9 +98,9 @@ def campaign_page(
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign; ``next_of`` has commands by what they do."""
-    step = every(summary.n_evaluations, MOST_ON_PAGE)
+    step = tables.every(summary.n_evaluations, MOST_ON_PAGE)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
-    evaluations = short_evaluations_table(listed, store.flown(step), summary.measure)
+    evaluations = tables.short_evaluations_table(listed, store.flown(step), summary.measure)
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": mission_content(summary.mission),
@@ -131,7 +108,7 @@ def campaign_page(
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
         "search": {"said": _searched_in_words(summary), "charts": list(_charts(summary))},
-        "evaluations": to_page(evaluations),
+        "evaluations": tables.to_page(evaluations),
         "record": list(_record(summary, store)),
     }
 
@@ -165,9 +142,10 @@ def _first_screen(
                 "number": way.number,
                 "goal": way.goal,
                 "name": names[way.goal],
-                "said": f"{names[way.goal]} breaks if {cause_in_words(mission, pool, way)}; "
-                f"{detection(way, mission.units)}",
-                "sure": verdict(way, mission.units),
+                "said": f"{names[way.goal]} breaks if "
+                f"{weaknesses.cause_in_words(mission, pool, way)}; "
+                f"{weaknesses.detection(way, mission.units)}",
+                "sure": weaknesses.verdict(way, mission.units),
                 "kind": way.shown.column.kind,
                 "unseen": way.is_undetected,
                 "share": way.shown.share,
@@ -202,7 +180,7 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
 def _matrix(summary: Summary) -> dict[str, Any]:
     mission, pool = summary.mission, summary.pool
     guilty = {fault for way in summary.ways for fault in way.faults}
-    owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
+    owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
     fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # which replace the others
     cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
@@ -224,7 +202,7 @@ def _matrix(summary: Summary) -> dict[str, Any]:
             for each in summary.verdicts
             if each.way is not None
         ],
-        "note": f"{harmless(pool, summary.ways)}.",
+        "note": f"{weaknesses.harmless(pool, summary.ways)}.",
     }
 
 
@@ -240,7 +218,7 @@ def flown_of(
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
         said.append(sentence(fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
-    title, since = goal_in_words(mission, way.goal), way.shown.since or 0
+    title, since = weaknesses.goal_in_words(mission, way.goal), way.shown.since or 0
     return Flown(title, faults, flight, others, way.goal, since), tuple(said)
 
 
@@ -251,20 +229,22 @@ def told_content(
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
-    faults = fault_table("", told.faults, told.outcome)
-    nearest = nearest_in_words(mission, told.outcome)
+    faults = tables.fault_table("", told.faults, told.outcome)
+    nearest = tables.nearest_in_words(mission, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
     return {
         "title": told.title,
         "sentence": told.sentence,
-        "faults": to_page(
+        "faults": tables.to_page(
             replace(
                 faults,
                 columns=(*faults.columns, "what it did"),
                 rows=[(*row, did) for row, did in zip(faults.rows, sentences, strict=True)],
             )
         ),
-        "counts": to_page(goal_table(f"{COUNTS} {nearest}".rstrip(), mission, told.outcome)),
+        "counts": tables.to_page(
+            tables.goal_table(f"{tables.COUNTS} {nearest}".rstrip(), mission, told.outcome)
+        ),
         "command": shlex.join(told.command),
         "xmi": told.xmi,
         "flight": flight,
@@ -322,7 +302,9 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
         "digest": summary.digest,
     }.items()
     yield from ((f"version of {name}", text) for name, text in manifest.versions.items())
-    yield from ((f"setting {name}", text) for name, text in settings_table(summary.settings).rows)
+    yield from (
+        (f"setting {name}", text) for name, text in tables.settings_table(summary.settings).rows
+    )
     yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
 
 
@@ -412,11 +394,11 @@ def write_report(  # noqa: PLR0913 - most have a default
                 flown = [*_fly(layout, summary, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with _writing(folder, "report"):
-                listed = store.flown(every(summary.n_evaluations, MOST_LISTED))
-                table = evaluations_table("Evaluations", listed, summary.measure)
+                listed = store.flown(tables.every(summary.n_evaluations, tables.MOST_LISTED))
+                table = tables.evaluations_table("Evaluations", listed, summary.measure)
                 path = layout.tables / "evaluations.csv"
                 with path.open("w", encoding="utf-8", newline="") as file:
-                    write_csv(file, table.lines)
+                    tables.write_csv(file, table.lines)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
                 captions = {each.name: each.table.title for each in shown}
@@ -461,7 +443,12 @@ def look_at(
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
             _write_figures(layout, illustrations, draw_here)()
-    return Shown(way, flown.title, (broken_by(way, mission.units), *sentences), files[: len(names)])
+    return Shown(
+        way,
+        flown.title,
+        (weaknesses.broken_by(way, mission.units), *sentences),
+        files[: len(names)],
+    )
 
 
 def _fly(
@@ -479,8 +466,8 @@ def _fly(
         except MrsfiError as error:
             flown, sentences = str(error), ()
         told = PageEntry(
-            title=goal_in_words(mission, way.goal),
-            sentence=broken_by(way, mission.units),
+            title=weaknesses.goal_in_words(mission, way.goal),
+            sentence=weaknesses.broken_by(way, mission.units),
             faults=named_faults(mission, pool, way.shown.witness),
             sentences=sentences,
             outcome=summary.outcome(way),
@@ -556,7 +543,7 @@ def _write_figures(
 ) -> Callable[[], None]:
     """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
     for each in shown:
-        (layout.tables / f"{each.name}.csv").write_bytes(as_csv(each.table.lines))
+        (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.table.lines))
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 

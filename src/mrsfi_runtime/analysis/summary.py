@@ -28,6 +28,7 @@ from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.fronts import (
     Columns,
     Front,
@@ -40,17 +41,7 @@ from mrsfi_runtime.analysis.fronts import (
     parse_ratio,
     thinned,
 )
-from mrsfi_runtime.analysis.tables import (
-    Table,
-    Trend,
-    TypePattern,
-    find_patterns,
-    find_trend,
-    front_table,
-    harm_table,
-    map_table,
-    pattern_table,
-)
+from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.mildest import Way
@@ -154,7 +145,7 @@ def summarise(
     front = find_front(measure, columns, goals) if goals else None
     best = tuple(map(store.evaluation, columns.top(N_TOP)))
     tops = {each.index: each.specification for each in best}
-    trend = find_trend(store.generations())
+    trend = tables.find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
     found = () if known is None else known.ways
     judged = () if known is None else verdicts(mission, pool, known)
@@ -184,8 +175,8 @@ def summarise(
         harm=find_harm(measure, columns) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, columns, front, wanted),
         trend=trend,
-        patterns=find_patterns([*tops.values()], columns.tried, pool),
-        guilty=find_patterns([each.shown.witness for each in found], columns.tried, pool),
+        patterns=tables.find_patterns([*tops.values()], columns.tried, pool),
+        guilty=tables.find_patterns([each.shown.witness for each in found], columns.tried, pool),
     )
     return summary, columns
 
@@ -426,13 +417,13 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
     fitness only; figures 10 and 11 show the first two goals of its front, whatever is minimised
     beside them.
     """
-    table = map_table("Mission map", summary.mission)
+    table = tables.map_table("Mission map", summary.mission)
     yield Illustration("figure_05_mission_map", map_drawing(summary.mission), table)
     if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:
         drawing = Drawing("harm_front", (summary.harm, summary.measure))
-        yield Illustration("figure_harm", drawing, harm_table(summary.harm, summary.measure))
+        yield Illustration("figure_harm", drawing, tables.harm_table(summary.harm, summary.measure))
     if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
         yield from _fronts(summary, summary.front.goals[:2], columns, store)
     for name, found, where, patterns in (
@@ -440,7 +431,7 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
         ("weaknesses", summary.ways, "least sets that break a goal", summary.guilty),
     ):
         if found:
-            table = pattern_table(f"Fault types in the {len(found)} {where}", patterns)
+            table = tables.pattern_table(f"Fault types in the {len(found)} {where}", patterns)
             drawing = Drawing("fault_types", (patterns, table.title))
             yield Illustration(f"figure_12_{name}", drawing, table)
 
@@ -489,7 +480,7 @@ def _fronts(
         rows = [
             (generation, *row)
             for generation, front in by_generation.items()
-            for row in front_table(front).rows
+            for row in tables.front_table(front).rows
         ]
         title = f"Pareto points of some generations {over}"
         yield Illustration(
@@ -504,7 +495,7 @@ def _fronts(
     yield Illustration(
         "figure_11_front",
         Drawing("whole_front", (front, cloud, _shown_pick(summary, front), n_left_out)),
-        replace(front_table(front), title=title),
+        replace(tables.front_table(front), title=title),
     )
 
 

@@ -112,8 +112,7 @@ class Flights(Prober[Outcome]):
 
     def outcome(self, specification: Specification) -> Outcome:
         """Return what flying a specification finds in the first mission seed."""
-        (found,) = self([specification], self.mission_seeds[0])
-        return found
+        return self([specification], self.mission_seeds[0])[0]
 
     def counts(self, specification: Specification, seed: int | None = None) -> Counts:
         """Return the violations under a specification, shape ``(n_columns,)``, with one or all."""
@@ -137,8 +136,6 @@ KEEP = 0.95
 
 N_ORDERS = 5
 """Shuffled orders in which other minima are looked for."""
-
-_ORDER_SEED = 1
 
 Places: TypeAlias = tuple[int, ...]
 """Faults of a specification, by their places in it, ascending."""
@@ -183,7 +180,7 @@ class Question:
 
     def minima(self) -> tuple[Places, ...]:
         """Return the different minima that shuffled orders lead to, as often ``N_ORDERS`` says."""
-        random = Random(_ORDER_SEED)
+        random = Random(1)
         places = range(len(self.specification))
         orders = [random.sample(places, len(places)) for _ in range(N_ORDERS)]
         return tuple(dict.fromkeys(self.minimum(order) for order in orders))

@@ -16,17 +16,8 @@ from statistics import median
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
-from mrsfi_runtime.causes.cause_set import (
-    ALL_OR_NONE,
-    Column,
-    Counts,
-    Flights,
-    Places,
-    Question,
-    chosen,
-    floor,
-    without,
-)
+from mrsfi_runtime.causes import cause_set
+from mrsfi_runtime.causes.cause_set import Column, Counts, Flights, Places, Question
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck, Units
@@ -39,9 +30,6 @@ POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory
 
 Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
 """Fields of a record, by what they say together."""
-
-_Pair: TypeAlias = tuple[str, Quantities, Part, Part]
-"""Records of a list in both flights, by its name, and what counts there."""
 
 KNOWN: Mapping[str, Quantities] = MappingProxyType(
     {
@@ -58,17 +46,6 @@ KNOWN: Mapping[str, Quantities] = MappingProxyType(
     }
 )
 """Quantities of a true or local state, by the list whose records have them."""
-
-SENT: Mapping[str, Quantities] = MappingProxyType(
-    {"commands": {HEADING: ("heading_x", "heading_y"), "speed": ("speed",)}}
-)
-"""Those of the true state that say what was sent."""
-
-SWITCHED: Mapping[str, Quantities] = MappingProxyType({"switches": {"activation": ("active",)}})
-"""Those of the local state that do."""
-
-FORGED: Mapping[str, Quantities] = MappingProxyType({"sensors": {"activation": ("active",)}})
-"""Those of the true state that do so late: a forged activation shows here only, a tick later."""
 
 
 class Change(NamedTuple):
@@ -150,23 +127,24 @@ def chain_as_json(chain: Chain) -> dict[str, Any]:
 def chains(record: Record, mission: Mission, specification: Specification) -> tuple[Chain, ...]:
     """Return the chain of each fault of a specification, against all of it but the fault."""
     whole = record(specification)
-    return tuple(
-        chain(mission, whole, record(without(specification, place)))
-        for place in range(len(specification))
-    )
+    twins = (record(cause_set.without(specification, place)) for place in range(len(specification)))
+    return tuple(chain(mission, whole, twin) for twin in twins)
 
 
 def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
     """Return the first differences between a flight and that without one of its faults."""
     owners = _owners(mission)
     truths, beliefs = ((flight[side], twin[side]) for side in ("world", "belief"))
+    moved, switched = {HEADING: ("heading_x", "heading_y"), "speed": ("speed",)}, ("active",)
+    sent = (
+        (*truths, {"commands": moved}),
+        (*beliefs, {"switches": {"activation": switched}}),
+        (*truths, {"sensors": {"activation": switched}}),  # all that shows of a forged one
+    )
     return Chain(
-        belief=_first(owners, _pairs(*beliefs, KNOWN)),
-        command=_first(
-            owners,
-            _pairs(*truths, SENT) + _pairs(*beliefs, SWITCHED) + _pairs(*truths, FORGED),
-        ),
-        truth=_first(owners, _pairs(*truths, KNOWN)),
+        belief=_first(owners, (*beliefs, KNOWN)),
+        command=_first(owners, *sent),
+        truth=_first(owners, (*truths, KNOWN)),
         verdicts=tuple(_verdicts(mission, flight, twin)),
     )
 
@@ -192,24 +170,24 @@ def _first_tick(found: Records, otherwise: Records) -> int | None:
     return int(differs.reshape(len(differs), -1).any(axis=1).argmax())
 
 
-def _pairs(found: Part, otherwise: Part, lists: Mapping[str, Quantities]) -> list[_Pair]:
-    return [(name, fields, found[name], otherwise[name]) for name, fields in lists.items()]
-
-
 def _owners(mission: Mission) -> Mapping[str, Sequence[str]]:
     known = {
         name: [each.id for each in getattr(mission, name)]
         for name in ("robots", "sensors", "obstacles", "goals")
     }
     members = [goal.id for goal in mission.goals for _ in goal.terms.robots]
-    return known | {
-        "members": members,
-        "commands": known["robots"],
-        "switches": known["sensors"],
-    }
+    return known | {"members": members, "commands": known["robots"], "switches": known["sensors"]}
 
 
-def _first(owners: Mapping[str, Sequence[str]], pairs: Sequence[_Pair]) -> First | None:
+def _first(
+    owners: Mapping[str, Sequence[str]], *compared: tuple[Part, Part, Mapping[str, Quantities]]
+) -> First | None:
+    """Return the first differences of the quantities of some lists, in parts of both flights."""
+    pairs = [
+        (name, quantities, found[name], otherwise[name])
+        for found, otherwise, lists in compared
+        for name, quantities in lists.items()
+    ]
     ticks = (
         _first_tick(found[field], otherwise[field])
         for _, quantities, found, otherwise in pairs
@@ -370,7 +348,7 @@ class Cause:
     @property
     def faults(self) -> Specification:
         """The cause set as a specification."""
-        return chosen(self.specification, self.places)
+        return cause_set.chosen(self.specification, self.places)
 
     def sentences(self, faults: Sequence[NamedFault]) -> tuple[str, ...]:
         """Return what each fault of it did, in words; ``faults`` are all of the specification."""
@@ -387,14 +365,14 @@ def find_cause(
     a share of every count, above 0, at most 1. If the mission's own code fails, that is an
     ``EvaluationError``.
     """
-    with flights.on(ALL_OR_NONE):
+    with flights.on(cause_set.ALL_OR_NONE):
         counts, fault_free = flights.counts(specification), flights.counts(())
     if not any(counts):
         return None
     with flights.on("cause set"):
         columns = range(len(flights.columns))
-        places = Question(flights, specification, floor(counts, keep, columns)).minimum()
-        cause = chosen(specification, places)
+        places = Question(flights, specification, cause_set.floor(counts, keep, columns)).minimum()
+        cause = cause_set.chosen(specification, places)
     with flights.on("chains"):
         flights.spend(len(cause) + 1 if cause else 0)
         record = partial(engine.record, seed=flights.mission_seeds[0])

@@ -21,6 +21,7 @@ from itertools import islice
 from random import Random
 from typing import TYPE_CHECKING, NamedTuple, Self
 
+from mrsfi_runtime.causes import weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import Mildest, Way, least, mildest, ways
@@ -31,13 +32,7 @@ from mrsfi_runtime.causes.weakness import (
     Known,
     Weakness,
     Yardstick,
-    columns,
-    dated,
-    detected,
-    flown_with,
     form,
-    in_seeds,
-    yardstick_of,
 )
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
@@ -295,7 +290,7 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
         known.learn(specification, yardstick.broken(outcome))
     known.restore(kept.weaknesses, kept.n_kept)
     some = (*kept.weaknesses, *(each.weakness for each in kept.mildest))
-    told = iter(detected(mission, store, some))
+    told = iter(weakness.detected(mission, store, some))
     found = tuple(islice(told, len(kept.weaknesses)))
     mild = tuple(replace(each, weakness=next(told)) for each in kept.mildest)
     near = _nearest(mission, store, found)
@@ -339,7 +334,7 @@ def harvest(
         known = Known(mission)
         (fault_free,) = prober([()], seeds[0])
         n_taken += 1
-        yardstick = yardstick_of(mission, fault_free, seeds[0])
+        yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
         known.learn((), yardstick.broken(fault_free))
         probing = _probing(space, store, known, yardstick, most)
         while turn := probing.turn()[: _affordable(known, most - n_taken)]:
@@ -347,10 +342,10 @@ def harvest(
                 known.learn(each, yardstick.broken(flown))
     weaknesses = known.weaknesses()
     left = max(0, most - n_taken)
-    n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
-    found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
+    n_others = min(N_SEEDS - 1, left // len(weakness.flown_with(weaknesses)))
+    found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
-        found = dated(yardstick, found, record)
+        found = weakness.dated(yardstick, found, record)
     n_flights, some = n_taken, [way.shown for way in least(ways(found))]
     go_on = partial(fly, limit=None)
     mild = mildest(space, known, some, go_on, record, seeds[:N_MILD]) if some else ()
@@ -389,7 +384,7 @@ class _Kept(NamedTuple):
         except KeyError as error:
             raise ValueError(f"found {text[:60]}; expected what is known of weaknesses") from error
         told = {*n_kept, *(each.column for each in found)}
-        if unknown := told.difference(columns(mission)):
+        if unknown := told.difference(weakness.columns(mission)):
             raise ValueError(f"found what breaks {min(unknown)}; expected a goal of the mission")
         return cls(n_evaluations, n_flights, n_kept, found, mild)
 
@@ -412,7 +407,7 @@ def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
     searched = _searched(store)
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None
-    found = detected(space.gate.mission, store, known.weaknesses())
+    found = weakness.detected(space.gate.mission, store, known.weaknesses())
     told = _nearest(space.gate.mission, store, found)
     return Harvest(known, found, 0, flown, yardstick, nearest=told)
 
@@ -437,7 +432,7 @@ def _nearest(
 def _affordable(known: Known, left: int) -> int:
     """Return how many flights may be next: what they find is to be flown in other seeds, too."""
     n_others = N_SEEDS - 1
-    spare = left - n_others * (len(flown_with(known.weaknesses())) + _N_PAIR)
+    spare = left - n_others * (len(weakness.flown_with(known.weaknesses())) + _N_PAIR)
     return max(0, spare) // N_SEEDS
 
 

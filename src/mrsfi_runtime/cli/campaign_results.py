@@ -14,24 +14,10 @@ import click
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
 from mrsfi.explaining import report as write_report
+from mrsfi_runtime.analysis import tables, weaknesses
 from mrsfi_runtime.analysis.summary import Draw, Summary, as_json
-from mrsfi_runtime.analysis.tables import (
-    Table,
-    critical_table,
-    fault_table,
-    front_table,
-    harm_table,
-)
-from mrsfi_runtime.analysis.weaknesses import (
-    State,
-    facts,
-    harmless,
-    headline,
-    matrix_table,
-    not_found,
-    verdicts,
-    way_table,
-)
+from mrsfi_runtime.analysis.tables import Table
+from mrsfi_runtime.analysis.weaknesses import State
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
@@ -53,9 +39,9 @@ def print_verdicts(
     """Print of some goals in a sentence each whether they break, by what, and how sure that is."""
     mission, pool = campaign.mission, campaign.pool
     wanted = mission.goal_ids if goals is None else goals
-    found = [each for each in verdicts(mission, pool, known) if each.goal in wanted]
-    print_words((headline(found), "bold"))
-    for fact in facts(mission, pool, found, known.ways):
+    found = [each for each in weaknesses.verdicts(mission, pool, known) if each.goal in wanted]
+    print_words((weaknesses.headline(found), "bold"))
+    for fact in weaknesses.facts(mission, pool, found, known.ways):
         print_words(fact)
     click.echo()
     held = [each for each in found if each.state is State.HOLDS]
@@ -79,10 +65,10 @@ def print_all(
     mission, pool = campaign.mission, campaign.pool
     print_verdicts(campaign, known, goals)
     if found:
-        print_table(matrix_table(mission, pool, found))
-        print_table(way_table("How, in one of the forms that do", mission, pool, found))
-    click.echo("\n".join(not_found(known.known, each) for each in goals) + "\n")
-    click.echo(f"{harmless(pool, known.ways)}\n{_never_flown(campaign)}")
+        print_table(weaknesses.matrix_table(mission, pool, found))
+        print_table(weaknesses.way_table("How, in one of the forms that do", mission, pool, found))
+    click.echo("\n".join(weaknesses.not_found(known.known, each) for each in goals) + "\n")
+    click.echo(f"{weaknesses.harmless(pool, known.ways)}\n{_never_flown(campaign)}")
 
 
 def _never_flown(campaign: OpenCampaign) -> str:
@@ -112,7 +98,7 @@ def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool
         return
     shown = [replace(way, by=(each.weakness,)) for way, each in told]
     title = "The mildest form that was found"
-    print_table(way_table(title, campaign.mission, campaign.pool, shown))
+    print_table(weaknesses.way_table(title, campaign.mission, campaign.pool, shown))
     for way, each in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
 
@@ -148,13 +134,13 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     folder, known = campaign.folder.path, summary.harvest
     mission, pool = campaign.mission, campaign.pool
     if known is not None and summary.ways:
-        print_table(matrix_table(mission, pool, summary.ways))
+        print_table(weaknesses.matrix_table(mission, pool, summary.ways))
     else:
-        print_table(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
+        print_table(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
     if summary.front is not None:
-        print_table(front_table(summary.front))
+        print_table(tables.front_table(summary.front))
     if summary.harm:
-        print_table(harm_table(summary.harm, summary.measure))
+        print_table(tables.harm_table(summary.harm, summary.measure))
     if summary.pick is not None:
         click.echo(f"{summary.pick.in_words(summary.measure)}\n")
     if known is not None:
@@ -222,9 +208,9 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     click.echo()
     if found.cause.places:
         causes = [shown.faults[place] for place in found.cause.places]
-        print_table(fault_table("Cause set", causes, found.cause.outcome))
+        print_table(tables.fault_table("Cause set", causes, found.cause.outcome))
         simple = shown.simplest(found)
-        print_table(fault_table("Its simplest form", simple, found.simplest_outcome))
+        print_table(tables.fault_table("Its simplest form", simple, found.simplest_outcome))
     print_table(_counts_table(shown, found))
     _print_faults(shown, found)
     for part, n_flown in found.n_flown.items():

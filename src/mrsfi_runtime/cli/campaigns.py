@@ -12,17 +12,8 @@ import click
 from click.core import ParameterSource
 
 from mrsfi.engines import Given, chosen
-from mrsfi_runtime.cli.options import (
-    FILE,
-    OF_ENGINE,
-    OneOf,
-    engine_options,
-    file_option,
-    folder_option,
-    generated_option,
-    seeds_option,
-    worker_options,
-)
+from mrsfi_runtime.cli import options
+from mrsfi_runtime.cli.options import FILE, OF_ENGINE, OneOf
 from mrsfi_runtime.cli.terminal import print_json, tell
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
 from mrsfi_runtime.model.faults import COSTS
@@ -48,7 +39,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @click.command(name="evolve")
 @click.pass_context
 @click.argument("mission", metavar="[MISSION]", required=False)
-@generated_option
+@options.generated_option
 @click.option(
     "--case",
     show_default="a",
@@ -74,9 +65,11 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     metavar="|".join(COSTS),
     help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
 )
-@worker_options
-@engine_options(default=AUTO)
-@folder_option("--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N].")
+@options.worker_options
+@options.engine_options(default=AUTO)
+@options.folder_option(
+    "--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N]."
+)
 @click.option(
     "--resume",
     type=click.Path(path_type=Path),
@@ -257,7 +250,7 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
 @click.command(name="weaknesses")
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.option("--goal", metavar="G", help="Of this goal alone.")
-@seeds_option("Fly in N mission seeds.")
+@options.seeds_option("Fly in N mission seeds.")
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
 @click.option(
     "--map",
@@ -266,10 +259,10 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
     metavar="N FILE",
     help="Draw which values and windows of number N do: .csv, .png, .svg.",
 )
-@file_option("--fmea", "Write failure modes: .csv or .md.")
-@file_option("--fault-tree", "Write .xml, or .txt for pfta.")
-@worker_options
-@engine_options(default=AUTO)
+@options.file_option("--fmea", "Write failure modes: .csv or .md.")
+@options.file_option("--fault-tree", "Write .xml, or .txt for pfta.")
+@options.worker_options
+@options.engine_options(default=AUTO)
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
 @click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
 def weaknesses_command(
@@ -407,7 +400,7 @@ def show_command(run: Path, number: int | None) -> None:
 
 @click.command(name="pack")
 @click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
-@file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
+@options.file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
 def pack_command(run: Path, out: Path | None) -> None:
     """Pack CAMPAIGN into one file that repeats itself elsewhere.
 

@@ -18,14 +18,8 @@ from click.core import ParameterSource
 
 from mrsfi.engines import Given, chosen
 from mrsfi_runtime.analysis.tables import Cell, Table
-from mrsfi_runtime.cli.options import (
-    OF_ENGINE,
-    engine_options,
-    file_option,
-    folder_option,
-    generated_option,
-    worker_options,
-)
+from mrsfi_runtime.cli import options
+from mrsfi_runtime.cli.options import OF_ENGINE
 from mrsfi_runtime.cli.terminal import left, print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import TransportError
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
@@ -72,7 +66,7 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 @click.command(name="compare")
 @click.pass_context
 @click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
-@generated_option
+@options.generated_option
 @click.option(
     "--case",
     default="a",
@@ -106,13 +100,13 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
     show_default=True,
     help="Evaluations of each run.",
 )
-@worker_options
-@engine_options(default=AUTO, sides=(BOTH,))
-@folder_option(
+@options.worker_options
+@options.engine_options(default=AUTO, sides=(BOTH,))
+@options.folder_option(
     "--out", "Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE]."
 )
-@file_option("--markdown", "Of two campaigns: write Markdown.")
-@file_option("--html", "Of two campaigns: write a page.")
+@options.file_option("--markdown", "Of two campaigns: write Markdown.")
+@options.file_option("--html", "Of two campaigns: write a page.")
 @click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
 def compare_command(  # noqa: PLR0913 - one for each option
     ctx: click.Context,
@@ -228,7 +222,6 @@ def _compare_runs(
     from mrsfi.comparing import change_table, changes, sentence
     from mrsfi_runtime.analysis.report import document
     from mrsfi_runtime.analysis.tables import to_markdown, to_page
-    from mrsfi_runtime.cli.terminal import print_table, print_words
     from mrsfi_runtime.files import whole_file
 
     for name, value in ctx.params.items():
@@ -292,9 +285,6 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
 
 
 def _print(comparison: "Comparison", n_evaluations: int) -> None:
-    from mrsfi_runtime.analysis.tables import Table
-    from mrsfi_runtime.cli.terminal import print_table
-
     title = (
         f"{len(comparison.algorithms)} algorithms, {len(comparison.seeds)} seeds, "
         f"{n_evaluations} evaluations a run"

@@ -16,18 +16,8 @@ from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.settings import bridge_command as command_of
 from mrsfi_runtime.causes.cause_set import KEEP
-from mrsfi_runtime.cli.options import (
-    SIMULATION,
-    FlightFiles,
-    OneOf,
-    engine_options,
-    file_option,
-    folder_option,
-    generated_option,
-    mission_argument,
-    recording_options,
-    worker_options,
-)
+from mrsfi_runtime.cli import options
+from mrsfi_runtime.cli.options import SIMULATION, FlightFiles, OneOf
 from mrsfi_runtime.cli.terminal import print_json, tell
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import UsageError
@@ -53,13 +43,13 @@ if TYPE_CHECKING:
 
 
 @click.command(name="simulate")
-@mission_argument
-@generated_option
+@options.mission_argument
+@options.generated_option
 @click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
-@file_option("--faults", "Fly under this fault specification.")
+@options.file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
-@recording_options
-@engine_options(sides=(BOTH, CI, INJECTOR, SIMULATION))
+@options.recording_options
+@options.engine_options(sides=(BOTH, CI, INJECTOR, SIMULATION))
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def simulate_command(
     mission: str,
@@ -145,8 +135,8 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
-@recording_options
-@engine_options()
+@options.recording_options
+@options.engine_options()
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def replay_command(
     folder: Path,
@@ -227,8 +217,8 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
 
 @click.command(name="explain")
 @click.argument("target", metavar="RUN|MISSION")
-@generated_option
-@file_option("--faults", "Explain this fault specification of MISSION.")
+@options.generated_option
+@options.file_option("--faults", "Explain this fault specification of MISSION.")
 @click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
 @click.option("--all", "is_all", is_flag=True, help="All the ways in which goals of RUN break.")
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
@@ -253,13 +243,13 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
     show_default="that of RUN, else 1",
     help="With --faults: mission seed.",
 )
-@folder_option(
+@options.folder_option(
     "--out",
     "Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
     "weaknesses need one].",
 )
-@worker_options
-@engine_options(default=AUTO)
+@options.worker_options
+@options.engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def explain_command(  # noqa: PLR0913 - one parameter per option
     *,

@@ -10,13 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mrsfi_runtime.analysis.tables import (
-    fault_table,
-    faults_as_json,
-    goal_table,
-    goals_as_json,
-    nearest_in_words,
-)
+from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.cli.options import FlightFiles
 from mrsfi_runtime.cli.terminal import flight_progress, print_json, print_table, print_words, tell
 from mrsfi_runtime.cosimulation.lockstep import Observer
@@ -102,15 +96,15 @@ def print_flight(
     """Print what happened to each goal, under which faults; for a script, where it has a head."""
     faults = named_faults(mission, pool, specification)
     if head is not None:
-        goals = goals_as_json(mission, outcome)
-        print_json({**head, "goals": goals, "faults": faults_as_json(faults, outcome)})
+        goals = tables.goals_as_json(mission, outcome)
+        print_json({**head, "goals": goals, "faults": tables.faults_as_json(faults, outcome)})
         return
-    print_table(goal_table(title, mission, outcome))
-    if near := nearest_in_words(mission, outcome):
+    print_table(tables.goal_table(title, mission, outcome))
+    if near := tables.nearest_in_words(mission, outcome):
         print_words(near)
         print_words("")
     if faults:
-        print_table(fault_table("Faults", faults, outcome))
+        print_table(tables.fault_table("Faults", faults, outcome))
 
 
 def _observers(

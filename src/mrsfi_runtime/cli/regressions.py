@@ -14,12 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi.engines import Given, again, chosen
-from mrsfi_runtime.cli.options import (
-    engine_options,
-    file_option,
-    generated_option,
-    seeds_option,
-)
+from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_json, print_table, tell
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.engine_settings import AUTO
@@ -207,12 +202,14 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     callback=_limits,
     help="Limit these goals alone, to so many ticks each.",
 )
-@seeds_option("Limits are the most over N mission seeds; with --update, those of each so far.")
+@options.seeds_option(
+    "Limits are the most over N mission seeds; with --update, those of each so far."
+)
 @click.option(
     "--because", "accepted", default="", metavar="TEXT", help="Why these limits are accepted."
 )
 @click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
-@engine_options(default=AUTO)
+@options.engine_options(default=AUTO)
 def keep_command(
     target: str,
     weakness: int | None,
@@ -291,19 +288,19 @@ def _print_change(before: "Regression", new: "Regression") -> None:
 
 @click.command(name="check")
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
-@generated_option
-@seeds_option(
+@options.generated_option
+@options.seeds_option(
     "Fly in N mission seeds: those that are kept first, then others, of which limits say "
     "nothing unless they hold there too."
 )
-@file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
+@options.file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
 @click.option(
     "--digest",
     metavar="HEX",
     help="Refuse an ARCHIVE unless mrsfi pack printed this digest for it.",
 )
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
-@engine_options(default=AUTO)
+@options.engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
 def check_command(
     mission: str | None,
