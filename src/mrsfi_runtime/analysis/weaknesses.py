@@ -101,10 +101,10 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
 
 def not_found(known: Known, goal: str) -> str:
     """Return in a sentence how seldom a goal may break in a way that is not known."""
-    columns = {Column(goal, measure): words for measure, words in _BREAKS.items()}
+    columns = ((Column(goal, measure), words) for measure, words in _BREAKS.items())
     parts = (
         f"{100 * known.bound(column):.1f} % {words} (0 of {known.n_kept[column]})"
-        for column, words in columns.items()
+        for column, words in columns
     )
     return (
         f"{goal} breaks under at most so many random specifications without these: "
@@ -170,10 +170,7 @@ class FailureMode(NamedTuple):
 
 
 def failure_modes(
-    mission: Mission,
-    pool: FaultPool,
-    found: Sequence[Way],
-    record: Record,
+    mission: Mission, pool: FaultPool, found: Sequence[Way], record: Record
 ) -> list[FailureMode]:
     """Return what weaknesses come to, by occurrence where it is known, then by severity.
 
@@ -187,41 +184,36 @@ def failure_modes(
         counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
         return "; ".join(effects), [*zip(*counts, strict=True)]
 
+    def happens(named: NamedFault) -> str:
+        window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
+        return ", ".join(filter(None, (window, named.told)))
+
     def mode(way: Way) -> FailureMode:
         shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
         faults = named_faults(mission, pool, shown.witness)
         effect, counts = flown(shown.witness)
+        chances = (pool[fault].likelihood for fault in way.faults)
+        known = [chance for chance in chances if chance is not None]
         return FailureMode(
             number=way.number,
             faults=" ".join(way.faults),
             form="listed" if way.mildest is None else "mildest",
             item="; ".join(dict.fromkeys(each.target for each in faults)),
-            failure_mode="; ".join(map(_mode, faults)),
+            failure_mode="; ".join(map(happens, faults)),
             local_effect=effect,
             end_effect=goal_in_words(mission, way.goal),
             measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
             detected=detection(way, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
             ticks=max(counts[place]),
-            occurrence=_chance([pool[fault].likelihood for fault in way.faults]),
+            occurrence=math.prod(known) if len(known) == len(way.faults) else None,
         )
 
-    return sorted(map(mode, found), key=_rank)
+    def rank(mode: FailureMode) -> tuple[float, bool, int]:
+        chance = 1.0 if mode.occurrence is None else -mode.occurrence
+        return chance, mode.severity != "missed", -mode.ticks
 
-
-def _mode(named: NamedFault) -> str:
-    window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
-    return ", ".join(filter(None, (window, named.told)))
-
-
-def _chance(chances: Sequence[float | None]) -> float | None:
-    known = [chance for chance in chances if chance is not None]
-    return math.prod(known) if len(known) == len(chances) else None
-
-
-def _rank(mode: FailureMode) -> tuple[float, bool, int]:
-    chance = 1.0 if mode.occurrence is None else -mode.occurrence
-    return chance, mode.severity != "missed", -mode.ticks
+    return sorted(map(mode, found), key=rank)
 
 
 def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
@@ -246,12 +238,7 @@ class State(IntEnum):
     HOLDS = 4
 
 
-_ONE = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
-"""What is one of something."""
-
-_STATES = dict(
-    zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
-)
+_STATES = {"missed": State.FAILS, "true": State.VIOLATED, "believed": State.FALSE_ALARM}
 _WORDS = (
     "fails",
     "is violated",
@@ -404,7 +391,8 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     subject, s = _subject(mission, fault.fault)
     kind, values = fault.fault.kind, fault.timed.values
     told = zip(values, kind.parameters, strict=True)
-    words = [_ONE.sub(r"\1", fault.units.told(value, each.range)) for value, each in told]
+    one = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
+    words = [one.sub(r"\1", fault.units.told(value, each.range)) for value, each in told]
     first = words[0].replace(" percent", " %") if words else ""
     fixed = off
     if off is None:
@@ -438,12 +426,10 @@ def _owned(mission: Mission, target: Target) -> tuple[str, str]:
     """Return in names who has a property, and what it is called; nothing for a robot as a whole."""
     affected, index = target
     if affected is Field.OBSTACLE:
-        obstacle = mission.obstacles[index]
-        return f"obstacle {obstacle.id}", "place on the map"
+        return f"obstacle {mission.obstacles[index].id}", "place on the map"
     if affected not in {*OF_SENSOR, Field.ACTIVATION}:
         robot = mission.robots[index]
-        what = "" if affected is Field.MOTION else affected.name.lower()
-        return robot.name or robot.id, what
+        return robot.name or robot.id, "" if affected is Field.MOTION else affected.name.lower()
     sensor, robot = mission.sensors[index], mission.robots[mission.sensor_robot[index]]
     owned = {Field.COUNT: "samples", Field.RATE: "rate", Field.COST: "cost", Field.ACTIVATION: ""}
     measured = sensor.type.lower().replace("_", " ")

@@ -150,17 +150,15 @@ def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
 
 
 def _verdicts(mission: Mission, flight: Recording, twin: Recording) -> Iterator[FirstVerdicts]:
-    names = ("is_believed", "is_true", "missed")
-    pairs = [(flight[name] > 0, twin[name] > 0) for name in names]
+    def first(name: str, g: int) -> FirstVerdict | None:
+        found, otherwise = (recording[name][:, g] > 0 for recording in (flight, twin))
+        tick = _first_tick(found, otherwise)
+        return None if tick is None else FirstVerdict(tick, bool(found[tick]))
+
     for g, goal in enumerate(mission.goal_ids):
-        judged = [_judged(found[:, g], otherwise[:, g]) for found, otherwise in pairs]
+        judged = [first(name, g) for name in ("is_believed", "is_true", "missed")]
         if any(judged):
             yield FirstVerdicts(goal, *judged)
-
-
-def _judged(found: Records, otherwise: Records) -> FirstVerdict | None:
-    tick = _first_tick(found, otherwise)
-    return None if tick is None else FirstVerdict(tick, bool(found[tick]))
 
 
 def _first_tick(found: Records, otherwise: Records) -> int | None:
@@ -210,26 +208,17 @@ def _changes(
 ) -> Iterator[Change]:
     for place, owner in enumerate(owners):
         for quantity, fields in quantities.items():
-            values = (
+            of, without = (
                 tuple(records[field][place].tolist() for field in fields)
                 for records in (found, otherwise)
             )
-            yield from _told(owner, quantity, *values)
-
-
-def _told(
-    owner: str, quantity: str, found: tuple[Any, ...], otherwise: tuple[Any, ...]
-) -> Iterator[Change]:
-    if found == otherwise:
-        return
-    if quantity == HEADING:
-        yield Change(owner, quantity, _degrees(found), _degrees(otherwise))
-    elif quantity == MEMORY:
-        for place, (one, other) in enumerate(zip(*found, *otherwise, strict=True)):
-            if one != other:
-                yield Change(owner, f"{quantity}[{place}]", (one,), (other,))
-    else:
-        yield Change(owner, quantity, found, otherwise)
+            if quantity == MEMORY:
+                for k, (one, other) in enumerate(zip(*of, *without, strict=True)):
+                    if one != other:
+                        yield Change(owner, f"{quantity}[{k}]", (one,), (other,))
+            elif of != without:
+                turned = map(_degrees, (of, without))
+                yield Change(owner, quantity, *(turned if quantity == HEADING else (of, without)))
 
 
 def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:
@@ -249,11 +238,10 @@ def sentence(fault: NamedFault, chain: Chain) -> str:
 
 def _deed(fault: NamedFault) -> str:
     kind = fault.fault.kind
-    deed = "falsified"
+    is_forged = {Field.MOTION, Field.ACTIVATION} & {*kind.properties}
+    deed = "forged" if is_forged else "falsified"
     if kind.mode in {Mode.DELAY, Mode.BLOCK}:
         deed = "held back"
-    elif {Field.MOTION, Field.ACTIVATION} & {*kind.properties}:
-        deed = "forged"
     where = f" in message {fault.fault.target}" if kind.struck is Struck.MESSAGE else ""
     return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
 
@@ -299,14 +287,10 @@ def _value(change: Change, value: tuple[float, ...]) -> str:
 
 
 def _verdict(first: FirstVerdicts) -> str:
-    words = {
-        "believed violated": first.believed,
-        "truly violated": first.true,
-        "certain to be missed": first.missed,
-    }
+    words = ("believed violated", "truly violated", "certain to be missed")
     said = [
         f"{'' if verdict.is_so else 'no longer '}{what} at tick {verdict.tick}"
-        for what, verdict in words.items()
+        for what, verdict in zip(words, first[1:], strict=True)
         if verdict is not None
     ]
     return f"{first.goal} was {', '.join(said)}"
@@ -370,8 +354,8 @@ def find_cause(
     if not any(counts):
         return None
     with flights.on("cause set"):
-        columns = range(len(flights.columns))
-        places = Question(flights, specification, cause_set.floor(counts, keep, columns)).minimum()
+        least = cause_set.floor(counts, keep, range(len(counts)))
+        places = Question(flights, specification, least).minimum()
         cause = cause_set.chosen(specification, places)
     with flights.on("chains"):
         flights.spend(len(cause) + 1 if cause else 0)

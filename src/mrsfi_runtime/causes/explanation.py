@@ -31,12 +31,7 @@ N_EXACT = 10
 N_PERMUTATIONS = 100
 """Orders in which faults join where there are more."""
 
-_SEED = 1
-_NORMAL = 1.96  # of a normal distribution, 95 % lies so many standard deviations from the mean
 BYSTANDER = "bystander"
-_RISE = Fraction("1.05")
-_KEEP_SIMPLEST = 0.99  # of each count of the cause set
-_DIGITS = (1, 2, 3)  # of a round number, the fewest first
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +136,7 @@ def goal_causes(question: Question, goal: str) -> GoalCauses:
     for other in others:
         if any(map(question.is_kept_by, _swaps(places, other))):
             labels[other] = "redundant"
-        elif _rises(question, goal, whole, without(whole, other), _RISE):
+        elif _rises(question, goal, whole, without(whole, other), Fraction("1.05")):
             labels[other] = "masking"
         elif _rises(question, goal, (), (whole[other],), Fraction(1)):
             labels[other] = "lesser"
@@ -173,7 +168,7 @@ def simplest(
     the number itself in one, two or three digits with which enough is kept.
     """
     columns = range(len(flights.columns))
-    least = floor(flights.counts(specification), _KEEP_SIMPLEST, columns)
+    least = floor(flights.counts(specification), 0.99, columns)
     found = [*specification]
     for place, timed in enumerate(specification):
 
@@ -204,23 +199,16 @@ def _cut(timed: TimedFault, duration: int, is_kept: Callable[[TimedFault], bool]
 def _plain(
     timed: TimedFault, mission: Mission, fault: Fault, is_kept: Callable[[TimedFault], bool]
 ) -> TimedFault:
-    bounds = value_bounds(mission, fault)
-    for k, (low, high) in enumerate(bounds):
-        for value in _plainer(timed.values[k], fault.values[k], low, high):
+    for k, (low, high) in enumerate(value_bounds(mission, fault)):
+        rounded = (float(f"{timed.values[k]:.{digits}g}") for digits in (1, 2, 3))
+        inside = [value for value in rounded if low <= value <= high]
+        for value in (fault.values[k], low, high, *inside):
             values = (*timed.values[:k], value, *timed.values[k + 1 :])
             tried = timed._replace(values=values)
             if value == timed.values[k] or is_kept(tried):
                 timed = tried
                 break
     return timed
-
-
-def _plainer(value: float, own: float, low: float, high: float) -> Iterator[float]:
-    yield from (own, low, high)
-    for digits in _DIGITS:
-        rounded = float(f"{value:.{digits}g}")
-        if low <= rounded <= high:
-            yield rounded
 
 
 def attribute(flights: Flights, specification: Specification) -> Attribution:
@@ -230,22 +218,20 @@ def attribute(flights: Flights, specification: Specification) -> Attribution:
     which the faults can join; beyond ``N_EXACT`` faults over ``N_PERMUTATIONS`` drawn ones, the
     same in every call.
     """
-    joined = _joined(len(specification))
-    flights.fly(
-        chosen(specification, places)
-        for joining, some in enumerate(joined)
-        for _, before in some
-        for places in (before, (*before, joining))
-    )
+    joined = [
+        [(n, chosen(specification, some), chosen(specification, (*some, k))) for n, some in before]
+        for k, before in enumerate(_joined(len(specification)))
+    ]
+    flights.fly(each for pairs in joined for _, *pair in pairs for each in pair)
     shares, margins = [], []
-    for joining, some in enumerate(joined):
-        weights = [weight for weight, _ in some]
-        added = (_added(flights, specification, before, joining) for _, before in some)
+    for pairs in joined:
+        weights = [n_orders for n_orders, _, _ in pairs]
+        added = (map(sub, flights.counts(more), flights.counts(less)) for _, less, more in pairs)
         columns = [*zip(*added, strict=True)]
         sums = (sum(map(mul, weights, column)) for column in columns)
         shares.append(tuple(Fraction(each, sum(weights)) for each in sums))
         if len(joined) > N_EXACT:
-            scale = _NORMAL / math.sqrt(N_PERMUTATIONS)
+            scale = 1.96 / math.sqrt(N_PERMUTATIONS)  # 95 % of a normal distribution
             margins.append(tuple(scale * stdev(column) for column in columns))
     return Attribution(tuple(shares), tuple(margins) or None)
 
@@ -254,7 +240,7 @@ def _joined(n: int) -> list[list[tuple[int, Places]]]:
     """Return for each of ``n`` faults those before it when it joins, in how many orders each."""
     everyone = range(n)
     if n > N_EXACT:
-        random = Random(_SEED)
+        random = Random(1)
         orders = [tuple(random.sample(everyone, n)) for _ in range(N_PERMUTATIONS)]
         return [[(1, order[: order.index(place)]) for order in orders] for place in everyone]
     weights = [math.factorial(size) * math.factorial(n - size - 1) for size in everyone]
@@ -263,9 +249,3 @@ def _joined(n: int) -> list[list[tuple[int, Places]]]:
         [(weights[size], before) for size in everyone for before in combinations(some, size)]
         for some in others
     ]
-
-
-def _added(flights: Flights, specification: Specification, before: Places, joining: int) -> Counts:
-    """Return what a fault adds to each count when it joins some others, all by their places."""
-    less, more = (chosen(specification, places) for places in (before, (*before, joining)))
-    return tuple(map(sub, flights.counts(more), flights.counts(less)))

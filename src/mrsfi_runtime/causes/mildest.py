@@ -21,7 +21,6 @@ from mrsfi_runtime.causes.cause_set import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
     MEASURES,
     Breaking,
-    FaultSet,
     Known,
     Weakness,
     dated,
@@ -193,21 +192,10 @@ def _n_held(flown: Breaking, column: Column, tried: Specification) -> int:
     return len([*takewhile(lambda seed: flown.isolates(column, whole, seed), flown.seeds)])
 
 
-def _tried(flown: Breaking, column: Column, faults: FaultSet) -> dict[Specification, bool]:
-    """Return the forms of some faults that are known, and whether one breaks it in any seed."""
-    tried: dict[Specification, bool] = {}
-    for (each, _), broken in flown.known.items():
-        if faults_of(each) == faults:
-            tried[each] = tried.get(each, False) or column in broken
-    return tried
-
-
 def _shrunk(
-    deviation: Deviation, known: Known, weakness: Weakness, flown: Breaking
+    deviation: Deviation, starts: Iterable[Specification], column: Column, flown: Breaking
 ) -> Specification:
-    column = weakness.column
-    known_ones = known.breaking(column, frozenset(weakness.faults))
-    starts = [*sorted(known_ones, key=deviation.size)[:_N_STARTS], weakness.witness]
+    """Return the mildest variant that the best of some starts leads to."""
     found = max(starts, key=lambda each: _n_held(flown, column, each))
     n_held = _n_held(flown, column, found)
     for place in range(len(found)) if n_held else ():
@@ -228,15 +216,20 @@ def _shrunk(
 def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: Breaking) -> Mildest:
     before, column = flown.n_flown.total(), weakness.column
     faults = frozenset(weakness.faults)
-    shrunk = form(_shrunk(deviation, known, weakness, flown))
-    as_flown = {form(each): each for each in known.breaking(column, faults)}
+    breaking = [*known.breaking(column, faults)]
+    starts = (*sorted(breaking, key=deviation.size)[:_N_STARTS], weakness.witness)
+    shrunk = form(_shrunk(deviation, starts, column, flown))
+    as_flown = {form(each): each for each in breaking}
     least = replace(
         weakness,
         witness=as_flown.get(shrunk, shrunk),
         n_held=_n_held(flown, column, shrunk),
         n_seeds=len(flown.seeds),
     )
-    tried = _tried(flown, column, faults)
+    tried: dict[Specification, bool] = {}
+    for (each, _), broken in flown.known.items():
+        if faults_of(each) == faults:
+            tried[each] = tried.get(each, False) or column in broken
     off = (deviation.in_words(each) if deviation.share(each) else "" for each in least.witness)
     sentence = _sentence(deviation, least, tried)
     return Mildest(least, sentence, flown.n_flown.total() - before, tuple(off))
@@ -314,16 +307,15 @@ class Way:
 
 def ways(found: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
     """Return weaknesses, in the order in which they are known, as ways to break goals."""
-    grouped = groupby(found, key=_way)
-    least_of = {_way(each.weakness): each for each in mildest}
+
+    def broken(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
+        return weakness.column.goal, weakness.faults
+
+    least_of = {broken(each.weakness): each for each in mildest}
     return tuple(
         Way(number, *way, tuple(each), least_of.get(way))
-        for number, (way, each) in enumerate(grouped, 1)
+        for number, (way, each) in enumerate(groupby(found, key=broken), 1)
     )
-
-
-def _way(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
-    return weakness.column.goal, weakness.faults
 
 
 def least(found: Iterable[Way]) -> tuple[Way, ...]:

@@ -32,8 +32,6 @@ MEASURES = ("believed", "true", "missed")
 MARGIN = 0.05
 """Share of a mission's ticks by which a count has to exceed that of the flight without faults."""
 
-_DOUBT = 0.05
-
 FaultSet: TypeAlias = frozenset[str]
 """IDs of faults of a pool."""
 
@@ -157,7 +155,7 @@ class Known:
         Pearson.
         """
         n = self.n_kept[column]
-        return 1.0 - _DOUBT ** (1.0 / n) if n else 1.0
+        return 1.0 - 0.05 ** (1.0 / n) if n else 1.0
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether a set that breaks a column is among some faults."""
@@ -179,11 +177,11 @@ class Known:
             goal, kind = each.column
             return place[goal], len(each.faults), each.faults, MEASURES.index(kind)
 
-        found = (
-            self._weakness(column, faults, witness)
-            for faults, broken in broken_by.items()
-            for column, witness in self._witnesses(faults, broken)
-        )
+        found = []
+        for faults, broken in broken_by.items():
+            for column, witness in self._witnesses(faults, broken):
+                n_tried, n_broken = len(self._forms[faults]), len([*self.breaking(column, faults)])
+                found.append(Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken))
         return tuple(sorted(found, key=order))
 
     def _witnesses(
@@ -193,10 +191,14 @@ class Known:
 
         What is long at work breaks a goal with any seed, if any form of its faults does.
         """
+
+        def shortness(each: Specification) -> tuple[int, Specification]:
+            return -sum(timed.finish - timed.start for timed in each), each
+
         left = {*broken}
         shown = {each: left & self._isolated(each) for each in self._forms[faults]}
         while left:
-            witness = min(shown, key=lambda each: (-len(shown[each] & left), _shortness(each)))
+            witness = min(shown, key=lambda each: (-len(shown[each] & left), shortness(each)))
             if not shown[witness] & left:  # told of a set, and never of its parts
                 shown = {each: left & self.flown[form(each)] for each in shown}
                 continue
@@ -208,14 +210,6 @@ class Known:
         broken = self.flown[form(flown)]
         known = (self.flown.get(form(part), broken) for part in parts(flown) if part)
         return broken.difference(*known)
-
-    def _weakness(self, column: Column, faults: FaultSet, witness: Specification) -> "Weakness":
-        n_tried, n_broken = len(self._forms[faults]), len([*self.breaking(column, faults)])
-        return Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken)
-
-
-def _shortness(specification: Specification) -> tuple[int, Specification]:
-    return -sum(timed.finish - timed.start for timed in specification), specification
 
 
 @dataclass(frozen=True, slots=True)
