@@ -26,14 +26,11 @@ from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import named_faults
 
-_BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
-_MISSED = "and the tick from which on it was certain that the goal's purpose is not met, if it was"
 _POPULAR = (
     "Popular is not guilty: compare the occurrences of a type with what its share in the pool, and "
     "in everything the campaign tried, would give by chance. A type may also ride along with the "
     "one that does the harm."
 )
-_FEW_GENERATIONS = 3
 
 
 def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
@@ -52,11 +49,11 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         *_linked(captions, "fault_types"),
     ]
     if summary.ways:
-        words = (
+        sections += _section(
+            _occurring("Fault types in the least sets", summary.guilty),
             "The same over the least sets that break a goal: a type that is above but not here "
-            "rode along."
+            "rode along.",
         )
-        sections += _section(_occurring("Fault types in the least sets", summary.guilty), words)
         sections += _linked(captions, "figure_12_weaknesses")
     if summary.front is not None:
         words = "Non-dominated specifications; of equal ones the earliest."
@@ -65,13 +62,13 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
             *_linked(captions, "front"),
         ]
     if summary.harm is not None:
-        words = (
+        sections += _section(
+            tables.harm_table(summary.harm, summary.measure),
             "The most goals violated, and the most violations in all, by a specification of at "
             f"most so many {summary.measure.minimised}, and the evaluations that found it. What is "
-            "not listed does no more than the line above."
+            "not listed does no more than the line above.",
         )
-        table = tables.harm_table(summary.harm, summary.measure)
-        sections += [*_section(table, words), *_linked(captions, "harm")]
+        sections += _linked(captions, "harm")
     if summary.pick is not None:
         picked = summary.pick.in_words(summary.measure)
         words = f"The specification {picked}. `mrsfi replay` flies any evaluation again."
@@ -93,7 +90,7 @@ def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
 def trend_in_words(trend: Trend) -> str:
     """Return how mean fitness went in this run, which is no test: generations are dependent."""
     rows = trend.generations
-    if len(rows) < _FEW_GENERATIONS:
+    if len(rows) < 3:
         return f"{len(rows)} finished generations: too few to speak of a trend."
     return (
         f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
@@ -122,10 +119,13 @@ def _top(summary: Summary) -> Iterator[str]:
         yield f"## {table.title}"
         yield "No evaluation is recorded yet."
         return
-    words = _BELIEVED_TRUE + (" on the first mission seed" if measure.n_seeds > 1 else "")
-    if not measure.is_shown_by_outcomes:
-        words = f"{measure}: {words}"
-    yield from _section(table, f"Violations per goal in ticks, {words}; {_MISSED}.")
+    measured = "" if measure.is_shown_by_outcomes else f"{measure}: "
+    yield from _section(
+        table,
+        f"Violations per goal in ticks, {measured}believed by the collective intelligence / true "
+        f"in the simulation{' on the first mission seed' if measure.n_seeds > 1 else ''}; and the "
+        "tick from which on it was certain that the goal's purpose is not met, if it was.",
+    )
     yield (
         "The faults of each: *start* and *finish* are the window, *applied* and *changed* the "
         "numbers of ticks at which it was active and changed a value; *target* is what it "

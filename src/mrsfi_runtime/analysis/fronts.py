@@ -110,11 +110,9 @@ def _decoding(
         fitness = database.lists(fitness_texts)
         violations: NDArray[Any] = np.empty((len(faults), 0))
         if places:
-            found = (
-                database.integers(database.lists(counts[0]))
-                if counts
-                else [each[1:] for each in fitness]
-            )
+            found: Any = [each[1:] for each in fitness]
+            if counts:
+                found = database.integers(database.lists(counts[0]))
             table = np.array(found, np.float64 if is_mean else np.int64)
             violations = table.reshape(len(faults), len(recorded))[:, places]
         costs = [*map(len, faults)] if measure.minimised == "faults" else fault_ticks
@@ -136,12 +134,6 @@ def _met(
 
 def _key(texts: Sequence[str]) -> bytes:
     return blake2b("]],[".join(sorted(texts)).encode(), digest_size=8).digest()
-
-
-_MOST_DRAWN = 10_000  # points of a cloud of which none is left out
-_N_CELLS = 200  # of either axis, for clouds of more
-_NUMBER = r"(\d+(?:\.\d+)?)"
-_RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,13 +204,9 @@ def find_front(
     vectors = np.column_stack([violations, -costs])
     earliest = _earliest(vectors)
     found = earliest[_undominated(vectors[earliest])]
-    points = zip(rows[found], violations[found], costs[found], strict=True)
-    return Front(
-        goals=tuple(goals),
-        points=tuple(FrontPoint(int(row), (*of.tolist(),), int(cost)) for row, of, cost in points),
-        counts=str(measure),
-        minimised=measure.minimised,
-    )
+    found_rows = zip(rows[found], violations[found], costs[found], strict=True)
+    points = (FrontPoint(int(row), (*of.tolist(),), int(cost)) for row, of, cost in found_rows)
+    return Front(tuple(goals), tuple(points), str(measure), measure.minimised)
 
 
 def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
@@ -228,9 +216,9 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
     of the range of each goal: what is drawn of a point covers its cell.
     """
     shown = found = np.unique(vectors, axis=0)
-    if len(found) > _MOST_DRAWN:
+    if len(found) > 10_000:
         least, most = found.min(axis=0), found.max(axis=0)
-        cells = (found - least) * _N_CELLS // np.maximum(most - least, 1)
+        cells = (found - least) * 200 // np.maximum(most - least, 1)
         shown = found[np.sort(_earliest(cells))]
     return [tuple(vector) for vector in shown.tolist()], len(found) - len(shown)
 
@@ -303,12 +291,12 @@ class Pick:
 
 def parse_ratio(text: str) -> Ratio:
     """Return the ratio that ``g3:g1=2:1`` asks for; any other text is a ``UsageError``."""
-    match = _RATIO.fullmatch(text)
+    goal, number = r"\s*([^:=\s]+)\s*", r"\s*(\d+(?:\.\d+)?)\s*"
+    match = re.fullmatch(f"{goal}:{goal}={number}:{number}", text)
     if match is not None:
-        first, second = match[1], match[2]
         parts = (float(match[3]), float(match[4]))
-        if first != second and any(parts):
-            return Ratio((first, second), parts)
+        if match[1] != match[2] and any(parts):
+            return Ratio((match[1], match[2]), parts)
     raise UsageError(
         f"found ratio '{text}'; expected two goals and two numbers, not both 0, such as 'g3:g1=2:1'"
     )

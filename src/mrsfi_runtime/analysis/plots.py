@@ -13,7 +13,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from itertools import accumulate
-from types import MappingProxyType
 from typing import Any
 
 from matplotlib import rc_context
@@ -24,7 +23,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
+from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick
 from mrsfi_runtime.analysis.tables import Trend, TypePattern, every
 from mrsfi_runtime.causes.mildest import Tried
 from mrsfi_runtime.errors import counted
@@ -68,13 +67,11 @@ STYLE: dict[Any, Any] = {
     "ytick.color": SOFT,
 }
 
-_CANVASES: Mapping[str, tuple[Any, int, Sequence[str]]] = MappingProxyType(
-    {
-        ".png": (FigureCanvasAgg, 150, ("Software",)),
-        ".svg": (FigureCanvasSVG, 150, ("Date", "Creator")),
-        ".pdf": (FigureCanvasPdf, 100, ("CreationDate", "Creator", "Producer")),
-    }
-)
+_CANVASES: dict[str, tuple[Any, int, Sequence[str]]] = {
+    ".png": (FigureCanvasAgg, 150, ("Software",)),
+    ".svg": (FigureCanvasSVG, 150, ("Date", "Creator")),
+    ".pdf": (FigureCanvasPdf, 100, ("CreationDate", "Creator", "Producer")),
+}
 """What draws a figure by the suffix of its file, dots per inch, and what is not said in it."""
 
 MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
@@ -120,10 +117,9 @@ def best_fitness(trend: Trend, label: str) -> Figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
         firsts = range(0, len(trend.generations), step)
-        xs = [trend.generations[first].generation for first in firsts]
-        best = [
-            max(row.best for row in trend.generations[first : first + step]) for first in firsts
-        ]
+        some = [trend.generations[first : first + step] for first in firsts]
+        xs = [rows[0].generation for rows in some]
+        best = [max(row.best for row in rows) for rows in some]
         so_far = list(accumulate(best, max))
         axes.step(xs, so_far, where="post", color=SAND, lw=1.8, label="best so far")
         drawn = "best of the generation" if step == 1 else f"best of {step} generations"
@@ -164,7 +160,7 @@ def whole_front(
         )
         _draw_front(axes, front, f"non-dominated ({len(front.points)})", BLUE, size=52)
         if pick is not None and pick.point is not None:
-            _draw_pick(axes, pick, pick.ratio, pick.point)
+            _draw_pick(axes, pick, pick.point)
         legend_below(figure, ncols=3)
     return figure
 
@@ -290,9 +286,9 @@ def _draw_front(
     )
 
 
-def _draw_pick(axes: Axes, pick: Pick, ratio: Ratio, point: FrontPoint) -> None:
-    goals = pick.goals
-    parts = [ratio.parts[ratio.goals.index(goal)] for goal in goals]
+def _draw_pick(axes: Axes, pick: Pick, point: FrontPoint) -> None:
+    ratio = pick.ratio
+    parts = [ratio.parts[ratio.goals.index(goal)] for goal in pick.goals]
     x, y = point.violations
     scale = min(end / part for end, part in zip((x, y), parts, strict=True) if part)
     ends = [[0, part * scale] for part in parts]

@@ -57,12 +57,6 @@ from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import CampaignStore
 
-MOST_ON_PAGE = 5000
-"""Evaluations that the page lists, at most."""
-
-_MARKS = dict(zip(State, "×!!?✓", strict=True))
-"""What stands for the state of a goal."""
-
 
 @dataclass(frozen=True, slots=True)
 class PageEntry:
@@ -98,16 +92,21 @@ def campaign_page(
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign; ``next_of`` has commands by what they do."""
-    step = tables.every(summary.n_evaluations, MOST_ON_PAGE)
+    step = tables.every(summary.n_evaluations, 5000)  # at most so many are listed
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = tables.short_evaluations_table(listed, store.flown(step), summary.measure)
+    caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
+    picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": mission_content(summary.mission),
         "first": _first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
-        "search": {"said": _searched_in_words(summary), "charts": list(_charts(summary))},
+        "search": {
+            "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}",
+            "charts": list(_charts(summary)),
+        },
         "evaluations": tables.to_page(evaluations),
         "record": list(_record(summary, store)),
     }
@@ -165,7 +164,7 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "id": each.goal,
         "name": each.name,
         "state": each.words,
-        "mark": _MARKS[each.state],
+        "mark": "×!!?✓"[each.state],
         "grave": each.state <= State.VIOLATED,
         "cause": each.cause,
         "by": "" if way is None else " and ".join(way.faults),
@@ -210,10 +209,10 @@ def flown_of(
     mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> tuple[Flown, tuple[str, ...]]:
     """Fly what breaks a goal, and all of its faults but each; say what each did until it broke."""
-    faults = named_faults(mission, pool, way.shown.witness)
-    flight, others, said = record(way.shown.witness), {}, []
+    witness, others, said = way.shown.witness, {}, []
+    faults, flight = named_faults(mission, pool, witness), record(witness)
     for place, fault in enumerate(faults):
-        twin = record(without(way.shown.witness, place))
+        twin = record(without(witness, place))
         linked = chain(mission, flight, twin)
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
         said.append(sentence(fault, replace(linked, verdicts=verdicts)))
@@ -232,16 +231,12 @@ def told_content(
     faults = tables.fault_table("", told.faults, told.outcome)
     nearest = tables.nearest_in_words(mission, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
+    columns = (*faults.columns, "what it did")
+    rows = [(*row, did) for row, did in zip(faults.rows, sentences, strict=True)]
     return {
         "title": told.title,
         "sentence": told.sentence,
-        "faults": tables.to_page(
-            replace(
-                faults,
-                columns=(*faults.columns, "what it did"),
-                rows=[(*row, did) for row, did in zip(faults.rows, sentences, strict=True)],
-            )
-        ),
+        "faults": tables.to_page(replace(faults, columns=columns, rows=rows)),
         "counts": tables.to_page(
             tables.goal_table(f"{tables.COUNTS} {nearest}".rstrip(), mission, told.outcome)
         ),
@@ -250,12 +245,6 @@ def told_content(
         "flight": flight,
         "no_flight": reason,
     }
-
-
-def _searched_in_words(summary: Summary) -> str:
-    caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
-    picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
-    return f"{caution}{trend_in_words(summary.trend)}{picked or ''}"
 
 
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
@@ -308,23 +297,18 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
     yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
 
 
-_STYLES = ("uPlot.css", "page.css")
-_SCRIPTS = ("uPlot.js", "build.js", "flight.js", "screen.js", "page.js")
-_UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&\u2028\u2029"}
-
-
 def document(content: Mapping[str, Any]) -> str:
     """Return the page that shows some content: plain values, as ``page.js`` reads them."""
-    styles, scripts = ("\n".join(map(_asset, names)) for names in (_STYLES, _SCRIPTS))
-    policy = (
-        f"default-src 'none'; script-src '{_hash(scripts)}'; style-src '{_hash(styles)}'; "
-        "base-uri 'none'; form-action 'none'"
-    )
+    styles = "\n".join(map(_asset, ("uPlot.css", "page.css")))
+    names = ("uPlot.js", "build.js", "flight.js", "screen.js", "page.js")
+    scripts = "\n".join(map(_asset, names))
     data = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    safe = data.translate({ord(each): f"\\u{ord(each):04x}" for each in "<>&\u2028\u2029"})
     parts = {
-        "policy": policy,
+        "policy": f"default-src 'none'; script-src '{_hash(scripts)}'; style-src "
+        f"'{_hash(styles)}'; base-uri 'none'; form-action 'none'",
         "styles": f"<style>{styles}</style>",
-        "data": f'<script type="application/json" id="data">{data.translate(_UNSAFE)}</script>',
+        "data": f'<script type="application/json" id="data">{safe}</script>',
         "scripts": f"<script>{scripts}</script>",
     }
     return re.sub(r"\{\{(\w+)}}", lambda found: parts[found[1]], _asset("page.html"))
@@ -404,13 +388,11 @@ def write_report(  # noqa: PLR0913 - most have a default
                 captions = {each.name: each.table.title for each in shown}
                 layout.report.write_text(report_text(summary, captions), encoding="utf-8")
                 if latex:
-                    tex = report_latex(summary, shown)
-                    layout.latex.write_text(tex, encoding="utf-8")
+                    layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
             show(summary)
             with _writing(folder, "page"):
                 told = [content for *_, content in flown]
-                next_of = partial(_next, layout, summary)
-                page = campaign_page(summary, store, told, next_of)
+                page = campaign_page(summary, store, told, partial(_next, layout, summary))
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with _writing(folder, "figures"):
@@ -435,20 +417,16 @@ def look_at(
         )
         for what, table in (("timeline", timeline_table), ("map", places_table))
     ]
-    names = [each.name for each in illustrations]
-    files = [layout.figures / f"{name}{kind}" for kind in (".png", ".svg") for name in names]
+    kinds = (".png", ".svg")
+    files = [layout.figures / f"{each.name}{kind}" for kind in kinds for each in illustrations]
     recorded = layout.database.stat().st_mtime_ns
     if any(not file.exists() or file.stat().st_mtime_ns <= recorded for file in files):
         with _writing(layout.path, "figures"):
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
             _write_figures(layout, illustrations, draw_here)()
-    return Shown(
-        way,
-        flown.title,
-        (weaknesses.broken_by(way, mission.units), *sentences),
-        files[: len(names)],
-    )
+    said = (weaknesses.broken_by(way, mission.units), *sentences)
+    return Shown(way, flown.title, said, files[: len(illustrations)])
 
 
 def _fly(
@@ -479,8 +457,7 @@ def _fly(
 
 
 def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
-    seed = str(summary.settings.mission_seed)
-    path = str(_witness(layout, way))
+    path, seed = str(_witness(layout, way)), str(summary.settings.mission_seed)
     return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
 
 

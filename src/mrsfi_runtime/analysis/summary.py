@@ -54,11 +54,6 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 from mrsfi_runtime.search.space import SearchSpace
 
-SCHEMA = 2
-"""Version of ``summary.json``."""
-
-N_TOP = 10
-
 
 @dataclass(frozen=True, slots=True)
 class Summary:
@@ -127,11 +122,7 @@ def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) ->
 
 
 def summarise(
-    folder: Path,
-    store: CampaignStore,
-    mission: Mission,
-    pool: FaultPool,
-    ratio: str | None,
+    folder: Path, store: CampaignStore, mission: Mission, pool: FaultPool, ratio: str | None
 ) -> tuple[Summary, Columns]:
     """Return what the campaign in a folder found so far, and its evaluations."""
     measure = Measure.of(store.settings, mission)
@@ -143,7 +134,7 @@ def summarise(
     looked_at = (*goals, *(() if wanted is None else wanted.goals), *harmed)
     columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
     front = find_front(measure, columns, goals) if goals else None
-    best = tuple(map(store.evaluation, columns.top(N_TOP)))
+    best = tuple(map(store.evaluation, columns.top(10)))
     tops = {each.index: each.specification for each in best}
     trend = tables.find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
@@ -184,9 +175,9 @@ def summarise(
 def as_json(summary: Summary) -> dict[str, Any]:
     """Return a summary as plain values, whose keys always stand in the same order."""
     pairs = zip(summary.top, summary.faults, summary.contained, strict=True)
-    ranked = [_ranked(summary, *each) for each in pairs]
+    ranked, pick = [_ranked(summary, *each) for each in pairs], summary.pick
     return {
-        "schema": SCHEMA,
+        "schema": 2,
         "campaign": summary.folder.name,
         "mission": summary.name,
         "settings": summary.settings.as_json(),
@@ -203,7 +194,12 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "weaknesses": summary.harvest and _weaknesses(summary, summary.harvest),
         "front": summary.front and _front(summary.front),
         "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
-        "pick": summary.pick and _picked(summary.pick),
+        "pick": pick
+        and {
+            "ratio": str(pick.ratio),
+            "evaluation": pick.point and pick.point.evaluation,
+            "violations": pick.point and dict(zip(pick.goals, pick.point.violations, strict=True)),
+        },
         "trend": asdict(summary.trend),
         "patterns": [asdict(pattern) for pattern in summary.patterns],
     }
@@ -235,17 +231,14 @@ def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio
 def _ranked(
     summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault], found: Iterable[Way]
 ) -> dict[str, Any]:
-    outcome = evaluation.outcome
+    outcome, goals = evaluation.outcome, summary.measure.goals
     told = outcome.told(summary.measure.duration)
     return {
         "evaluation": evaluation.index,
         "generation": evaluation.generation,
         "fitness": evaluation.fitness[0],
         "fault_ticks": evaluation.fault_ticks,
-        **{
-            kind: dict(zip(summary.measure.goals, counts, strict=True))
-            for kind, counts in told.items()
-        },
+        **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in told.items()},
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
         "weaknesses": [way.number for way in found],
@@ -264,15 +257,6 @@ def _front(front: Front) -> dict[str, Any]:
             }
             for point in front.points
         ],
-    }
-
-
-def _picked(pick: Pick) -> dict[str, Any]:
-    point = pick.point
-    return {
-        "ratio": str(pick.ratio),
-        "evaluation": point and point.evaluation,
-        "violations": point and dict(zip(pick.goals, point.violations, strict=True)),
     }
 
 
@@ -399,9 +383,6 @@ if __name__ == "__main__":
     main()
 
 
-N_GENERATION_FRONTS = 5
-
-
 class Illustration(NamedTuple):
     """A figure and the numbers behind it, with its caption as title, by the stem of their files."""
 
@@ -503,7 +484,7 @@ def _generation_fronts(
     measure: Measure, columns: Columns, store: CampaignStore, goals: Sequence[str]
 ) -> dict[int, Front]:
     populated = store.populated()
-    evenly = np.linspace(0, len(populated) - 1, N_GENERATION_FRONTS).astype(int).tolist()
+    evenly = np.linspace(0, len(populated) - 1, 5).astype(int).tolist()
     fronts = {}
     for place in dict.fromkeys(evenly) if populated else ():
         generation = store.generation(populated[place])

@@ -46,8 +46,6 @@ if TYPE_CHECKING:
 
 Cell: TypeAlias = str | int | float | None
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -156,12 +154,12 @@ def as_csv(lines: Iterable[Sequence[Cell]]) -> bytes:
 
 def write_csv(file: TextIO, lines: Iterable[Sequence[Cell]]) -> None:
     """Write lines as CSV into a file that leaves line feeds as they are, one after the other."""
-    csv.writer(file, lineterminator="\n").writerows(map(_inert, line) for line in lines)
 
+    def inert(cell: Cell) -> Cell:  # a name may begin like what spreadsheets take for a formula
+        is_formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+        return f"'{cell}" if is_formula else cell
 
-def _inert(cell: Cell) -> Cell:
-    """Return a cell that no spreadsheet takes for a formula: a name may begin like one."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(_FORMULA) else cell
+    csv.writer(file, lineterminator="\n").writerows(map(inert, line) for line in lines)
 
 
 def plain(text: str) -> str:
@@ -236,33 +234,19 @@ def find_patterns(
 
     ``tried`` says how often each fault, by its ID, stands in the campaign's specifications.
     """
-    in_top = _types(Counter(timed.fault for each in top for timed in each), pool)
-    in_campaign = _types(tried, pool)
-    in_pool = Counter(fault.type for fault in pool)
-    containing = Counter(
-        kind
-        for specification in top
-        for kind in {pool[timed.fault].type for timed in specification}
-    )
-    n_top = in_top.total()
+    types = [[pool[timed.fault].type for timed in each] for each in top]
+    in_top, in_pool = Counter(chain(*types)), Counter(fault.type for fault in pool)
+    in_campaign: Counter[str] = Counter()
+    for fault, n_occurrences in tried.items():
+        in_campaign[pool[fault].type] += n_occurrences
+    containing = Counter(chain.from_iterable(map(set, types)))
     patterns = []
     for kind in in_pool:
-        shares = [_share(counts, kind) for counts in (in_top, in_pool, in_campaign)]
-        expected = [n_top * share for share in shares[1:]]
+        counts = (in_top, in_pool, in_campaign)
+        shares = [each[kind] / (each.total() or 1) for each in counts]
+        expected = [in_top.total() * share for share in shares[1:]]
         patterns.append(TypePattern(kind, in_top[kind], containing[kind], *shares, *expected))
     return tuple(sorted(patterns, key=lambda pattern: (-pattern.n_occurrences, pattern.type)))
-
-
-def _types(faults: Mapping[str, int], pool: FaultPool) -> Counter[str]:
-    types: Counter[str] = Counter()
-    for fault, n_occurrences in faults.items():
-        types[pool[fault].type] += n_occurrences
-    return types
-
-
-def _share(counts: Counter[str], kind: str) -> float:
-    total = counts.total()
-    return counts[kind] / total if total else 0.0
 
 
 COUNTS = (
@@ -307,8 +291,8 @@ def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
     found = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
     told = [
         f"{goal.id} by {nearness(mission, goal, margin)} at tick {margin[1]}"
-        for goal, margin, n_violated, n_missed in found
-        if margin is not None and not n_violated and not n_missed
+        for goal, margin, *n_broken in found
+        if margin is not None and not any(n_broken)
     ]
     return f"Held: {', '.join(told)}" if told else ""
 
@@ -355,7 +339,9 @@ def critical_table(
     rows: list[tuple[Cell, ...]] = []
     for rank, each in enumerate(top, 1):
         lines = map("\n".join, zip(*_violation_lines(measure, each), strict=True))
-        faults = _fault_counts(pool, each.specification)
+        n_timed = Counter(timed.fault for timed in each.specification)
+        counts = ((fault.id, n_timed[fault.id]) for fault in pool if fault.id in n_timed)
+        faults = " ".join(fault if n == 1 else f"{fault}×{n}" for fault, n in counts)
         rows.append((rank, each.index, each.fitness[0], *lines, faults))
     title = f"The {len(top)} most critical of {n_distinct} fault specifications"
     folded = ("violations", *measure.goals)
@@ -373,16 +359,6 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
     yield ("true", *map(str, evaluation.outcome.true))
     since = evaluation.outcome.missed_since(measure.duration)
     yield (_MISSED_FROM, *map(in_words, since))
-
-
-def _fault_counts(pool: FaultPool, specification: Specification) -> str:
-    """Return the faults of a specification in the order of the pool: ``f4 f9×2 f11``."""
-    counts = Counter(timed.fault for timed in specification)
-    return " ".join(
-        fault.id if counts[fault.id] == 1 else f"{fault.id}×{counts[fault.id]}"
-        for fault in pool
-        if fault.id in counts
-    )
 
 
 def map_table(title: str, mission: Mission) -> Table:
@@ -407,9 +383,8 @@ def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
         "faults": (f"{each.id} {each.type}" for each in pool),
     }
     rows = [(what, ", ".join(some) or NONE) for what, some in parts.items()]
-    return Table(
-        f"Mission {name}, {mission.units.ticks(mission.duration)}", ("what", "which"), rows
-    )
+    title = f"Mission {name}, {mission.units.ticks(mission.duration)}"
+    return Table(title, ("what", "which"), rows)
 
 
 def settings_table(settings: CampaignSettings) -> Table:
