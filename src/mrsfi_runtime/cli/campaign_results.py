@@ -29,9 +29,6 @@ from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE, Measure, ticks
 
-_MOST_UNTRIED = 10
-"""Faults and pairs that are named at most, of those that were never flown."""
-
 
 def print_verdicts(
     campaign: OpenCampaign, known: Harvest, goals: Sequence[str] | None = None
@@ -68,16 +65,11 @@ def print_all(
         print_table(weaknesses.matrix_table(mission, pool, found))
         print_table(weaknesses.way_table("How, in one of the forms that do", mission, pool, found))
     click.echo("\n".join(weaknesses.not_found(known.known, each) for each in goals) + "\n")
-    click.echo(f"{weaknesses.harmless(pool, known.ways)}\n{_never_flown(campaign)}")
-
-
-def _never_flown(campaign: OpenCampaign) -> str:
-    n_faults, never = len(campaign.pool), untried(campaign)
-    return (
-        f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
-        f"{', '.join(' with '.join(each) for each in never[:_MOST_UNTRIED]) or 'none'}"
-        f"{f' and {len(never) - _MOST_UNTRIED} more' if len(never) > _MOST_UNTRIED else ''}"
-    )
+    n_faults, (*never,) = len(pool), untried(campaign)
+    named = ", ".join(" with ".join(each) for each in never[:10]) or "none"
+    more = f" and {len(never) - 10} more" if len(never) > 10 else ""
+    pairs = f"{n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs"
+    click.echo(f"{weaknesses.harmless(pool, known.ways)}\nOf {pairs}, never flown: {named}{more}")
 
 
 def print_bounds(known: Known, goals: Sequence[str]) -> None:
@@ -227,12 +219,9 @@ def _print_faults(shown: Shown, found: Explanation) -> None:
     for table in (_chain_table(shown, found), _fault_table(shown, found)):
         if table.rows:
             print_table(table)
-    rest = [
-        fault.name
-        for place, fault in enumerate(shown.faults)
-        if all(goal.labels[place] == BYSTANDER for goal in found.goals)
-    ]
-    if rest:
+    labels = zip(*(goal.labels for goal in found.goals), strict=True)
+    named = zip(shown.faults, labels, strict=True)
+    if rest := [fault.name for fault, of in named if {*of} == {BYSTANDER}]:
         click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
 
 

@@ -28,10 +28,6 @@ if TYPE_CHECKING:
     from mrsfi_runtime.causes.mildest import Way
 
 
-_FREE = {"resume", "ratio", "explain", "is_json"} | OF_ENGINE
-"""Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
-
-
 def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
     return None if text is None else [goal.strip() for goal in text.split(",")]
 
@@ -166,8 +162,7 @@ def _begun(
     workers.require_sense(engine)
     if mission is None:
         raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
-    case = case or "a"
-    folders = find_mission(mission, generated)
+    folders, case = find_mission(mission, generated), case or "a"
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     code = load_fresh(folders)
     return begun(folders, code, settings, case, engine, out=out, ratio=ratio, tell=tell)
@@ -192,7 +187,8 @@ def _resumed(
 def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str, Any]) -> None:
     for parameter in ctx.command.params:
         name = str(parameter.name)
-        if name in _FREE or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+        is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if not is_given or name in {"resume", "ratio", "explain", "is_json"} | OF_ENGINE:
             continue
         given = ctx.params[name]
         label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"

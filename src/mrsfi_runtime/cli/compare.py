@@ -5,7 +5,7 @@ searches over many seeds, whose tables follow.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import groupby
 from math import isinf
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) -> None:
     """Print the median of each value, and which settings are better or worse than the paper's."""
+    from mrsfi_runtime.study.comparison import quartiles
     from mrsfi_runtime.study.folder import setting_table
 
     title = (
@@ -37,27 +38,23 @@ def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) ->
         f"{n_evaluations} evaluations a run: best fitness"
     )
     columns = ("setting", "value", "n_runs", "lower", "median", "upper")
-    print_table(Table(title, columns, [*_value_rows(comparison, sweep)], ("setting",)))
+    rows: list[Sequence[Cell]] = []
+    for key, values in sweep.values.items():
+        for number, value in enumerate(values):
+            found = comparison.with_values({key: value})
+            head = ("" if number else key, str(value), len(found))
+            rows.append((*head, *astuple(quartiles(found))))
+    print_table(Table(title, columns, rows, ("setting",)))
     table = setting_table(comparison)
     place, verdict = table.columns.index("a12"), table.columns.index("verdict")
     differ = [row for row in table.rows if row[verdict] in ("better", "worse")]
     if differ:
-        rows = sorted(differ, key=lambda row: -float(row[place] or 0.0))
-        print_table(replace(table, title="Settings that differ from the paper's", rows=rows))
+        differ.sort(key=lambda row: -float(row[place] or 0.0))
+        print_table(replace(table, title="Settings that differ from the paper's", rows=differ))
     n_better = sum(row[verdict] == "better" for row in differ)
     said = f"{n_better} better, {len(differ) - n_better} worse" if differ else "none differs"
     n_others = len(comparison.algorithms) - 1
     print_words((f"Of {n_others} settings beside the paper's, {sweep.papers}: {said}", "bold"))
-
-
-def _value_rows(comparison: "Comparison", sweep: "Sweep") -> Iterator[tuple[Cell, ...]]:
-    from mrsfi_runtime.study.comparison import quartiles
-
-    for key, values in sweep.values.items():
-        for number, value in enumerate(values):
-            found = comparison.with_values({key: value})
-            told = astuple(quartiles(found))
-            yield ("" if number else key, str(value), len(found), *told)
 
 
 _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
@@ -154,7 +151,7 @@ def compare_command(  # noqa: PLR0913 - one for each option
     digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
     """
     if len(targets) > 1:
-        _compare_runs(ctx, targets, engine, workers, markdown, html, is_json=is_json)
+        _compare_runs(ctx, markdown, html, engine, workers)
         return
     if markdown or html:
         raise click.UsageError("--markdown and --html need two campaigns: RUN_A RUN_B")
@@ -210,20 +207,15 @@ def compare_command(  # noqa: PLR0913 - one for each option
 
 
 def _compare_runs(
-    ctx: click.Context,
-    targets: tuple[str, ...],
-    engine: Given,
-    workers: Workers,
-    markdown: Path | None,
-    html: Path | None,
-    *,
-    is_json: bool,
+    ctx: click.Context, markdown: Path | None, html: Path | None, engine: Given, workers: Workers
 ) -> None:
+    """Compare the campaigns that the command was given."""
     from mrsfi.comparing import change_table, changes, sentence
     from mrsfi_runtime.analysis.report import document
     from mrsfi_runtime.analysis.tables import to_markdown, to_page
     from mrsfi_runtime.files import whole_file
 
+    targets: tuple[str, ...] = ctx.params["targets"]
     for name, value in ctx.params.items():
         is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if is_given and name not in _OF_RUNS:
@@ -243,7 +235,7 @@ def _compare_runs(
             file.write(document(page).encode())
     for path in filter(None, (markdown, html)):
         tell(f"written    {path}")
-    if is_json:
+    if ctx.params["is_json"]:
         print_json([each.as_json() for each in found])
         return
     print_table(table)
@@ -291,7 +283,12 @@ def _print(comparison: "Comparison", n_evaluations: int) -> None:
     )
     words = ("measure", "algorithm")
     columns = (*words, "lower quartile", "median", "upper quartile")
-    print_table(Table(title, columns, [*_quartile_rows(comparison)], words))
+    rows = [
+        ("" if number else measure, name, *map(_number, astuple(found)))
+        for measure, by_algorithm in comparison.quartiles.items()
+        for number, (name, found) in enumerate(by_algorithm.items())
+    ]
+    print_table(Table(title, columns, rows, words))
     if comparison.tests:
         pair = ("measure", "first", "second")
         found = (*pair, "U", "p", "p (Holm)", "A12", "magnitude")
@@ -300,28 +297,15 @@ def _print(comparison: "Comparison", n_evaluations: int) -> None:
     _print_legend(comparison)
 
 
-def _quartile_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
-    for measure, by_algorithm in comparison.quartiles.items():
-        for number, (name, found) in enumerate(by_algorithm.items()):
-            yield ("" if number else measure, name, *map(_number, astuple(found)))
-
-
 def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
     for measure, tests in groupby(comparison.tests, lambda test: test.measure):
         of_measure = list(tests)
         if all(test.ranks.a12 == 0.5 for test in of_measure):
             continue
         for number, test in enumerate(of_measure):
-            yield (
-                "" if number else measure,
-                test.first,
-                test.second,
-                f"{test.ranks.u:g}",
-                _probability(test.ranks.p_value),
-                _probability(test.holm_p_value),
-                f"{test.ranks.a12:.3f}",
-                test.effect,
-            )
+            pair = ("" if number else measure, test.first, test.second)
+            chances = map(_probability, (test.ranks.p_value, test.holm_p_value))
+            yield (*pair, f"{test.ranks.u:g}", *chances, f"{test.ranks.a12:.3f}", test.effect)
 
 
 def _print_legend(comparison: "Comparison") -> None:

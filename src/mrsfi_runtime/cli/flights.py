@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import Given, again, chosen
+from mrsfi.engines import Given, again, chosen, project
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.settings import bridge_command as command_of
@@ -179,21 +179,14 @@ def replay_command(
             subject = Subject(f"evaluation {number} of {folder}", words)
             outcome = fly_recorded(opened, specification, campaign.pool, files, subject)
         require_same(folder, recorded, outcome)
-    title = (
-        f"Evaluation {number} of {folder}, generation "
-        f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
-    )
-    head = {
-        "evaluation": number,
-        "generation": recorded.generation,
-        "fitness": list(recorded.fitness),
-        "is_same": True,
-        "digest": outcome.digest,
-    }
+    generation, fitness, digest = recorded.generation, recorded.fitness, outcome.digest
+    title = f"Evaluation {number} of {folder}, generation {generation}, fitness {fitness[0]:.2f}"
+    head = {"evaluation": number, "generation": generation, "fitness": list(fitness)}
+    head |= {"is_same": True, "digest": digest}
     told = head if is_json else None
     print_flight(campaign.mission, campaign.pool, specification, outcome, title, told)
     if not is_json:
-        click.echo(f"same as recorded, digest {outcome.digest}")
+        click.echo(f"same as recorded, digest {digest}")
 
 
 def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool) -> None:
@@ -202,10 +195,8 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
     from mrsfi.campaign_folders import fly_all
     from mrsfi_runtime.cli.terminal import progress_console
 
-    n_evaluations = campaign.store.n_evaluations
-    flown = fly_all(campaign, engine)
-    console = progress_console()
-    disable = not console.is_terminal
+    n_evaluations, console = campaign.store.n_evaluations, progress_console()
+    flown, disable = fly_all(campaign, engine), not console.is_terminal
     for _ in track(flown, "replay", n_evaluations, console=console, disable=disable):
         pass
     digest = campaign.store.digest()
@@ -304,12 +295,8 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
     from mrsfi.campaign_folders import open_to_fly
     from mrsfi.folders import find_mission
 
-    selected = {
-        "--best": best or None,
-        "--all": is_all or None,
-        "--evaluation": evaluation,
-        "--top": n_top,
-    }
+    flags = {"--best": best or None, "--all": is_all or None}
+    selected = {**flags, "--evaluation": evaluation, "--top": n_top}
     given = [option for option, value in selected.items() if value is not None]
     if len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other")
@@ -333,9 +320,8 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
         settings = again(engine, campaign.store.manifest.engine)
         some = [*explaining.evaluations_of(campaign, evaluation, n_top or 1)]
         explainer = explaining.explainer_of_campaign(campaign, kind, out)
-        fitness = campaign.store.settings.fitness
+        fitness, about = campaign.store.settings.fitness, explainer.measure.words
         if ":" in fitness:
-            about = explainer.measure.words
             tell(f"fitness {fitness} plays no part: causes are about {about}")
         _explain(explainer, some, settings, workers, keep, is_json=is_json)
 
@@ -405,10 +391,4 @@ def _serve_bridge(settings: ServerSettings) -> None:
         raise as_ours(error) from error
 
 
-def _ros_of_project() -> int:
-    from mrsfi.engines import project
-
-    return project().ros
-
-
-bridge_command = command_of("mrsfi bridge", _serve_bridge, _ros_of_project)
+bridge_command = command_of("mrsfi bridge", _serve_bridge, lambda: project().ros)

@@ -6,7 +6,7 @@ it runs, so that ``mrsfi --help`` loads no toolchain.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -77,10 +77,6 @@ def new_command(
     click.echo(f"then       mrsfi keep runs/{name}-a-1 --weakness 1 && make regressions")
 
 
-_SHOWN_LINES = 8
-_NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
-
-
 @click.command(name="import")
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path, exists=True))
 @click.option(
@@ -123,8 +119,8 @@ def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> 
     from mrsfi.engines import project
     from mrsfi.models import import_published
 
-    usual = project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
-    result = import_published(file, out or usual, is_forced=force)
+    usual = re.sub(r"[^A-Za-z0-9_.-]+", "_", file.stem).strip("_.-") or "imported"
+    result = import_published(file, out or project().models / usual, is_forced=force)
     if is_json:
         print_json({**asdict(result), "folder": str(result.folder)})
         return
@@ -133,12 +129,12 @@ def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> 
     counts = ", ".join(counted(n, noun) for noun, n in result.counts.items())
     click.echo(f"kept          {counts}")
     click.echo(f"renamed       {counted(result.n_xmi_ids, 'xmi:ids')}, now IDs or places")
-    for line in _lines(result.notes):
-        click.echo(line)
+    _print_notes(result.notes)
     click.echo(f"next          mrsfi validate {result.folder}")
 
 
-def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
+def _print_notes(notes: "Iterable[Note]") -> None:
+    """Print what was changed in a model; what happened to several elements takes one line."""
     alike: defaultdict[tuple[str, str, str], list[Note]] = defaultdict(list)
     for note in notes:
         alike[note.kind, note.feature, note.message].append(note)
@@ -146,10 +142,10 @@ def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
         if len(same) == 1:
             where = f"line {same[0].line}, {same[0].element}: {feature}"
         else:
-            lines = ", ".join(str(note.line) for note in same[:_SHOWN_LINES])
-            more = ", ..." if len(same) > _SHOWN_LINES else ""
+            lines = ", ".join(str(note.line) for note in same[:8])
+            more = ", ..." if len(same) > 8 else ""
             where = f"{feature} of {len(same)} elements (lines {lines}{more})"
-        yield f"{kind:<12}  {where} {message}"
+        click.echo(f"{kind:<12}  {where} {message}")
 
 
 @click.command(name="diff")

@@ -29,12 +29,6 @@ _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What stands in no file of XML: control characters, halves of characters."""
 
 
-def print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
-    """Print verdicts by mission, and why what came back did."""
-    for name, checked in found.items():
-        _print(name, checked)
-
-
 def print_annotations(checked: "Iterable[Checked]") -> None:
     """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
     for each in checked:
@@ -56,7 +50,13 @@ def _escaped(text: str, more: str = "") -> str:
     return text
 
 
+def _print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
+    for name, checked in found.items():
+        _print(name, checked)
+
+
 def _print(name: str, checked: "Sequence[Checked]") -> None:
+    """Print the verdicts on a mission, and why what came back did."""
     from mrsfi_runtime.analysis.tables import Table
 
     judged = [each for each in checked if each.counts]
@@ -140,23 +140,14 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
 
     root = ET.Element("testsuites")
     for name, checked in found.items():
-        suite = ET.SubElement(
-            root,
-            "testsuite",
-            name=name,
-            tests=str(len(checked)),
-            failures=str(sum(_state(each) == _CAME_BACK for each in checked)),
-            errors=str(sum(_state(each) == _UNKNOWN for each in checked)),
-            time=f"{sum(each.seconds for each in checked):.3f}",
-        )
+        states = [*map(_state, checked)]
+        counts = {"failures": states.count(_CAME_BACK), "errors": states.count(_UNKNOWN)}
+        suite = ET.SubElement(root, "testsuite", name=name, tests=str(len(checked)))
+        suite.attrib |= {kind: str(n) for kind, n in counts.items()}
+        suite.set("time", f"{sum(each.seconds for each in checked):.3f}")
         for each in checked:
-            case = ET.SubElement(
-                suite,
-                "testcase",
-                classname=f"mrsfi.{name}",
-                name=each.regression.name,
-                time=f"{each.seconds:.3f}",
-            )
+            about = {"classname": f"mrsfi.{name}", "name": each.regression.name}
+            case = ET.SubElement(suite, "testcase", about, time=f"{each.seconds:.3f}")
             if each.exceeded:
                 failure = ET.SubElement(case, "failure", message=each.excess)
                 failure.text = "\n".join((f"Found in {each.regression.found}", *each.why))
@@ -175,17 +166,14 @@ def _legal(text: str) -> str:
     return _NO_XML.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
-_MOST_DIGITS = 99
-
-
 def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str, int] | None:
     if text is None:
         return None
     limits = {}
     for part in text.split(","):
         goal, _equals, ticks = part.strip().partition("=")
-        if not goal or not ticks.isdecimal() or len(ticks) > _MOST_DIGITS:
-            message = f"found '{part.strip()[:_MOST_DIGITS]}'; expected GOAL=TICKS, such as g2=0"
+        if not goal or not ticks.isdecimal() or len(ticks) > 99:
+            message = f"found '{part.strip()[:99]}'; expected GOAL=TICKS, such as g2=0"
             raise click.BadParameter(message)
         limits[goal] = int(ticks)
     return limits
@@ -277,8 +265,7 @@ def _update(
 def _print_change(before: "Regression", new: "Regression") -> None:
     click.echo(before.name)
     if new.mission_seeds != before.mission_seeds:
-        n_before, n_new = len(before.mission_seeds), len(new.mission_seeds)
-        click.echo(f"  mission seeds: {n_before} → {n_new}")
+        click.echo(f"  mission seeds: {len(before.mission_seeds)} → {len(new.mission_seeds)}")
     if new.accepted != before.accepted:
         click.echo(f"  accepted because {new.accepted}")
     for goal, ticks in new.limits.items():
@@ -361,7 +348,7 @@ def check_command(
         told = {name: [*map(verdict_as_json, checked)] for name, checked in found.items()}
         print_json(told)
     else:
-        print_tables(found)
+        _print_tables(found)
     if github:
         print_annotations(every)
     _end(every)

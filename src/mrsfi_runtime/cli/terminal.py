@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from mrsfi_runtime.search.run import CampaignProgress
 
 
-_OUTPUT, _ERRORS = 1, 2
-
-
 class Sink(FileIO):
     """A stream of this process on which nothing fails; it keeps the first error."""
 
@@ -51,18 +48,16 @@ def steady_output() -> Sink | None:
 
     Returns what standard output became, unless somebody captures that.
     """
-    while None in (sys.stdin, sys.stdout, sys.stderr) and os.open(os.devnull, os.O_RDWR) < _ERRORS:
+    while None in (sys.stdin, sys.stdout, sys.stderr) and os.open(os.devnull, os.O_RDWR) < 2:
         pass  # or the next file that is opened would be standard output
-    for number, name in ((_ERRORS, "stderr"), (_OUTPUT, "stdout")):
+    for number, name in ((2, "stderr"), (1, "stdout")):
         stream = getattr(sys, name)
         output = None
         if stream is getattr(sys, f"__{name}__"):
             output = Sink(number, "w", closefd=False)
             encoding = stream.encoding if stream else "utf-8"
-            lines = number == _ERRORS or output.isatty()
-            steady = TextIOWrapper(
-                BufferedWriter(output), encoding, "backslashreplace", line_buffering=lines
-            )
+            lines, buffer = name == "stderr" or output.isatty(), BufferedWriter(output)
+            steady = TextIOWrapper(buffer, encoding, "backslashreplace", line_buffering=lines)
             setattr(sys, name, steady)
     return output
 
@@ -91,14 +86,7 @@ def tell(message: str) -> None:
     click.echo(message, err=True)
 
 
-_WIDTH = 100
-"""Columns of a table in a pipe or a file, unless the variable COLUMNS says otherwise."""
-
-_WIDEST = 100_000
-"""Columns that hold any table."""
-
-_LEAST = 16
-"""Columns that a text which may wrap has at least, if it is as long."""
+_LEAST = 16  # columns that a text which may wrap has at least, if it is as long
 
 
 def progress_console() -> "Console":
@@ -152,7 +140,7 @@ def _console() -> "Console":
     width = int(given) if given.isdecimal() and int(given) > 0 else None
     console = Console(file=sys.stdout, highlight=False, width=width)
     if width is None and not console.is_terminal:
-        console.width = _WIDTH
+        console.width = 100
     return console
 
 
@@ -179,7 +167,7 @@ def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> 
         )
     for row in table.rows:
         grid.add_row(*(Text(in_words(cell)) for cell in row))
-    whole = console.options.update(width=_WIDEST)
+    whole = console.options.update(width=100_000)  # which holds any table
     for name, column in zip(table.columns, grid.columns, strict=True):
         cells = (column.header, *column.cells)
         sizes = [console.measure(cell, options=whole) for cell in cells]
@@ -191,16 +179,6 @@ def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> 
         else:  # or else rich makes it narrower than its longest number
             column.width = max(each.minimum for each in sizes)
     return grid, console.measure(grid, options=whole).minimum
-
-
-_LINES = 100
-"""About how many plain lines a long search prints."""
-
-_EVERY = 5.0
-"""Seconds between two lines about a flight."""
-
-_PACE = 8
-"""Lines that tell how fast a search is now: it may be compiled since."""
 
 
 @contextmanager
@@ -225,13 +203,8 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
         bar.update(task, completed=begun)
 
         def advance(state: "CampaignProgress") -> None:
-            bar.update(
-                task,
-                completed=share_done(settings, state),
-                generation=_generation(settings, state),
-                best=state.best,
-                mean=state.mean,
-            )
+            done, words = share_done(settings, state), _generation(settings, state)
+            bar.update(task, completed=done, generation=words, best=state.best, mean=state.mean)
 
         yield advance
 
@@ -240,13 +213,13 @@ def plain_lines(
     settings: "CampaignSettings", clock: Callable[[], float], begun: float = 0.0
 ) -> "Callable[[CampaignProgress], None]":
     """Return what writes a line after a generation, at most some hundred in a search."""
-    recent = deque([(clock(), begun)], maxlen=_PACE)
+    recent = deque([(clock(), begun)], maxlen=8)  # tell the pace: it may be compiled since
     told = -1.0
 
     def tell_after(state: "CampaignProgress") -> None:
         nonlocal told
         done = share_done(settings, state)
-        if done < 1.0 and (done <= begun or done - told < 1.0 / _LINES):
+        if done < 1.0 and (done <= begun or done - told < 0.01):
             return
         told = done
         since, before = recent[0]
@@ -268,7 +241,7 @@ def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "O
     def tell_after(world: "State", *_: object) -> None:
         nonlocal told
         now = clock()
-        if now - told < _EVERY:
+        if now - told < 5.0:
             return
         told = now
         n_done = world.mission.tick + 1
