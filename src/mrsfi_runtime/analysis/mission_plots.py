@@ -9,7 +9,6 @@ from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import fill
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,23 +21,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.text import Annotation
 
-from mrsfi_runtime.analysis.plots import (
-    BELIEVED,
-    BLUE,
-    GRID,
-    INK,
-    MANY_POINTS,
-    PAPER,
-    ROCK,
-    SERIES,
-    SOFT,
-    STYLE,
-    TRUE,
-    drawing,
-    legend_below,
-    name_rows,
-    whole_numbers,
-)
+from mrsfi_runtime.analysis import plots
+from mrsfi_runtime.analysis.plots import BELIEVED, BLUE, GRID, INK, PAPER, ROCK, SERIES, SOFT, TRUE
 from mrsfi_runtime.analysis.story import Story, seen, windows, working_window
 from mrsfi_runtime.files import telling_of_temporary_files
 from mrsfi_runtime.model.fault_types import Range
@@ -47,22 +31,15 @@ from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 Place: TypeAlias = tuple[float, float]
 
 _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
-_MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_LABELS = 12  # of the map of a flight
-_MOST_ROUNDS = 60  # of parting labels
 _WAITING, _ACTIVE = 0.15, 0.75  # how dark the windows of faults are
 _N_FRAMES = 100
-_PER_SECOND = 12
-_GIF_DPI = 72
-_TRAIL = 20  # frames of a robot's way that are seen behind it
-_TRAJECTORY: Mapping[str, Any] = MappingProxyType(
-    {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
-)
+_TRAJECTORY: Mapping[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 
 
 def mission_map(mission: Mission) -> Figure:
     """Draw the working area of a mission beside its whole mission area (figure 5)."""
-    with drawing((11.0, 7.4)) as figure:
+    with plots.drawing((11.0, 7.4)) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
         colours = _colours(mission)
         near = figure.add_subplot(grid[:, 0])
@@ -75,15 +52,14 @@ def mission_map(mission: Mission) -> Figure:
         far = figure.add_subplot(grid[0, 1])
         _draw_mission(far, mission, colours, is_small=True)
         centre, radius = mission.area.center, mission.area.radius
-        far.add_patch(
-            Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
-        )
+        corner, width = (x - half, y - half), 2 * half
+        far.add_patch(Rectangle(corner, width, width, fill=False, ec=INK, lw=1.2))
         _look_at(far, (centre.x, centre.y, radius * 1.08), "", "")
         far.set(anchor="NW", xlabel="", ylabel="")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
-        far.xaxis.set_major_locator(whole_numbers(4))
-        far.yaxis.set_major_locator(whole_numbers(4))
+        far.xaxis.set_major_locator(plots.whole_numbers(4))
+        far.yaxis.set_major_locator(plots.whole_numbers(4))
 
         key = figure.add_subplot(grid[1, 1])
         key.set_axis_off()
@@ -95,9 +71,9 @@ def mission_map(mission: Mission) -> Figure:
 def flight_map(story: Story) -> Figure:
     """Draw where robots were, and where they were believed to be at ticks at which that differs."""
     wrong = (story.true != story.believed).any(axis=-1)
-    is_many = bool(wrong.sum() > MANY_POINTS)
+    is_many = bool(wrong.sum() > plots.MANY_POINTS)
     mission, colours = story.mission, _colours(story.mission)
-    with drawing((8.2, 8.6)) as figure:
+    with plots.drawing((8.2, 8.6)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, mission, colours)
         labels = _foremost(_labelled(axes, mission, colours), story)
@@ -114,7 +90,7 @@ def flight_map(story: Story) -> Figure:
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id} truly")
-            for robot in mission.robots[:_MANY_ROBOTS]
+            for robot in mission.robots[:12]  # of more, no legend would be read
         ]
         keys += [
             _key(".", "believed instead", color=SOFT),
@@ -129,14 +105,14 @@ def flight_map(story: Story) -> Figure:
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
             keys.append(_key("", f"believed outside the picture: {n_outside} robot-ticks"))
-        legend_below(figure, ncols=4, handles=keys)
+        plots.legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
 
 
 def flight_gif(story: Story) -> bytes:
     """Return where robots were (filled) and were believed to be (rings), as a GIF."""
-    with drawing((8.2, 8.2)) as figure:
+    with plots.drawing((8.2, 8.2)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
         window, unit = seen(story.mission, story.true), story.mission.distance_unit
@@ -145,16 +121,16 @@ def flight_gif(story: Story) -> bytes:
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
-    trail = _TRAIL * max(1, n_ticks // _N_FRAMES)
-    with telling_of_temporary_files(), TemporaryDirectory() as folder, rc_context(STYLE):
+    trail = 20 * max(1, n_ticks // _N_FRAMES)  # ticks of a robot's way that stay behind it
+    with telling_of_temporary_files(), TemporaryDirectory() as folder, rc_context(plots.STYLE):
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
         true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
         told = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
         path = Path(folder) / "flight.gif"
         FigureCanvasAgg(figure)
-        writer = PillowWriter(fps=_PER_SECOND)
-        with writer.saving(figure, path, _GIF_DPI):
+        writer = PillowWriter(fps=12)
+        with writer.saving(figure, path, dpi=72):
             for tick in ticks.tolist():
                 for k, line in enumerate(trails):
                     line.set_data(*story.true[max(0, tick - trail) : tick + 1, k].T)
@@ -180,7 +156,7 @@ def flight_timeline(story: Story) -> Figure:
     faults = [fault for fault in story.faults if fault.window or fault.trigger]
     names = [f"{fault.name} {fault.fault.type}" for fault in faults]
     names += [goal.id for goal in story.mission.goals]
-    with drawing((10.4, 1.9 + 0.36 * len(names))) as figure:
+    with plots.drawing((10.4, 1.9 + 0.36 * len(names))) as figure:
         axes = figure.add_subplot()
         for row, fault in enumerate(faults):
             drawn = [(fault.timed[1:3], _WAITING)] if fault.trigger else []
@@ -197,7 +173,7 @@ def flight_timeline(story: Story) -> Figure:
         time = story.mission.time_unit
         axes.set_xlabel(f"time ({time})" if time else "tick")
         axes.axhline(len(faults) - 0.5, color=GRID, lw=1.4)
-        name_rows(axes, names)
+        plots.name_rows(axes, names)
         keys: list[Line2D | Patch] = [
             Patch(fc=INK, alpha=_ACTIVE, label="fault active"),
             Patch(fc=BELIEVED, label="believed violated"),
@@ -206,7 +182,7 @@ def flight_timeline(story: Story) -> Figure:
         ]
         if any(fault.trigger for fault in faults):
             keys.insert(1, Patch(fc=INK, alpha=_WAITING, label="may be set off"))
-        legend_below(figure, handles=keys)
+        plots.legend_below(figure, handles=keys)
     return figure
 
 
@@ -216,22 +192,16 @@ def _colours(mission: Mission) -> dict[str, str]:
 
 def _look_at(axes: Axes, window: tuple[float, float, float], title: str, unit: str) -> None:
     x, y, half = window
-    axes.set(
-        xlim=(x - half, x + half),
-        ylim=(y - half, y + half),
-        aspect="equal",
-        anchor="N",
-        xlabel=f"x ({unit or 'distance units'})",
-        ylabel=f"y ({unit or 'distance units'})",
-        title=title,
-    )
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", anchor="N")
+    unit = unit or "distance units"
+    axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=title)
 
 
 def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
     """Move labels that fall onto each other apart, up and down, until none do or time is up."""
     renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     points = 72.0 / figure.dpi
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(60):
         boxes = [(label, label.get_window_extent(renderer)) for label in labels]
         pairs = (pair for pair in combinations(boxes, 2) if pair[0][1].overlaps(pair[1][1]))
         first = next(pairs, None)
@@ -284,9 +254,8 @@ def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[
     labels = []
 
     def label(words: str, spot: Place, above: float, **style: Any) -> None:
-        labels.append(
-            axes.annotate(words, spot, (0, above), textcoords="offset points", ha="center", **style)
-        )
+        style |= {"textcoords": "offset points", "ha": "center"}
+        labels.append(axes.annotate(words, spot, (0, above), **style))
 
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)

@@ -148,16 +148,10 @@ def whole_front(
     with drawing((7.6, 6.0)) as figure:
         axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front)
         points = sorted(set(cloud))
-        axes.scatter(
-            [x for x, _ in points],
-            [y for _, y in points],
-            s=14,
-            color=SAND,
-            alpha=0.6,
-            lw=0,
-            label=f"evaluated ({n_left_out} points not drawn)" if n_left_out else "evaluated",
-            rasterized=len(points) > MANY_POINTS,
-        )
+        label = f"evaluated ({n_left_out} points not drawn)" if n_left_out else "evaluated"
+        style: dict[str, Any] = {"s": 14, "color": SAND, "alpha": 0.6, "lw": 0, "label": label}
+        xs, ys = [x for x, _ in points], [y for _, y in points]
+        axes.scatter(xs, ys, rasterized=len(points) > MANY_POINTS, **style)
         _draw_front(axes, front, f"non-dominated ({len(front.points)})", BLUE, size=52)
         if pick is not None and pick.point is not None:
             _draw_pick(axes, pick, pick.point)
@@ -203,8 +197,8 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
             keys.append(axes.scatter(values, places, size, label=words, **style))
         expected = [share for p in patterns for share in (p.pool_expected, p.campaign_expected)]
         reach = max([1.0, *counts, *expected])
+        across = axes.get_yaxis_transform()
         for count, place in zip(counts, places, strict=True):
-            across = axes.get_yaxis_transform()
             axes.text(1.01, place, str(count), transform=across, va="center", color=INK)
         axes.set(xlim=(0, reach * 1.04), xlabel="occurrences (timed faults)", title=title)
         name_rows(axes, names)
@@ -219,13 +213,8 @@ def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
         axes.set_ylabel("values off, % of their range")
         for is_broken, colour, words in ((False, SAND, "kept"), (True, ORANGE, "broken")):
             points = [each for each in tried if each.is_broken is is_broken]
-            axes.scatter(
-                [each.ticks for each in points],
-                [100 * each.off for each in points],
-                marker="s",
-                color=colour,
-                label=f"{words}, {len(points)}",
-            )
+            xs, ys = [each.ticks for each in points], [100 * each.off for each in points]
+            axes.scatter(xs, ys, marker="s", color=colour, label=f"{words}, {len(points)}")
         legend_below(figure)
     return figure
 
@@ -281,9 +270,8 @@ def _draw_front(
     xs, ys = zip(*sorted(point.violations for point in front.points), strict=True)
     border = [0, *xs, xs[-1]], [ys[0], *ys, 0]
     axes.step(*border, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
-    axes.scatter(
-        xs, ys, s=size, color=colour, marker=marker, ec=PAPER, lw=0.7, label=words, zorder=3
-    )
+    style: dict[str, Any] = {"s": size, "color": colour, "marker": marker, "label": words}
+    axes.scatter(xs, ys, ec=PAPER, lw=0.7, zorder=3, **style)
 
 
 def _draw_pick(axes: Axes, pick: Pick, point: FrontPoint) -> None:

@@ -25,9 +25,6 @@ from mrsfi_runtime.record.observers import NamedFault, Window
 Places: TypeAlias = npt.NDArray[np.float64]
 """Points of the plane, in distance units; the last axis has x and y."""
 
-_MOST_PLACES = 20_000  # rows of a table of places
-_BOX = 32  # ticks of a way that a box is put around
-
 
 @dataclass(frozen=True, slots=True)
 class Judged:
@@ -105,7 +102,7 @@ def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
 
 def _near(true: Places) -> Callable[[int], Iterable[int]]:
     """Return what tells which robots before one may have met it, by the boxes around their ways."""
-    begins = np.arange(0, len(true), _BOX)
+    begins = np.arange(0, len(true), 32)  # ticks, around whose part of a way a box is put
     low, high = (reach.reduceat(true, begins) for reach in (np.fmin, np.fmax))
     reach = 2.001 * ROBOT_RADIUS
 
@@ -181,9 +178,10 @@ def windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
 def places_table(story: Story) -> Table:
     """Return where robots were and were believed to be, at every tick or at each so many-th."""
     robots, duration = story.mission.robots, story.mission.duration
+    step = every(duration * len(robots), 20_000)  # rows, at most
     rows = [
         (tick, robot.id, *story.true[tick, k].tolist(), *story.believed[tick, k].tolist())
-        for tick in range(0, duration, every(duration * len(robots), _MOST_PLACES))
+        for tick in range(0, duration, step)
         for k, robot in enumerate(robots)
     ]
     return Table(story.title, ("tick", "robot", "x", "y", "believed_x", "believed_y"), rows)
@@ -193,7 +191,6 @@ MOST_VALUES = 6_000_000
 """Numbers of all series of a page, at most; where there were more, ticks between are left out."""
 
 _SERIES = ("x", "y", "speed", "energy")
-_DIGITS = 6  # of the largest value of a series
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,26 +208,18 @@ class Flown:
 def mission_content(mission: Mission) -> dict[str, Any]:
     """Return what the page shows of a mission before anything flies."""
     area, units = mission.area, mission.units
+    obstacles = ((each.id, each.area.center, each.area.radius) for each in mission.obstacles)
+    length, speed = units.distance, units.of(Range.SPEED) if units.distance else ""
     return {
         "name": mission.name,
         "duration": mission.duration,
         "robot_radius": ROBOT_RADIUS,
-        "units": {
-            "x": units.distance,
-            "y": units.distance,
-            "speed": units.of(Range.SPEED) if units.distance else "",
-            "energy": units.energy,
-        },
+        "units": {"x": length, "y": length, "speed": speed, "energy": units.energy},
         "area": [area.center.x, area.center.y, area.radius],
         "robots": [{"id": robot.id, "name": robot.name} for robot in mission.robots],
         "obstacles": [
-            {
-                "id": each.id,
-                "x": each.area.center.x,
-                "y": each.area.center.y,
-                "radius": each.area.radius,
-            }
-            for each in mission.obstacles
+            {"id": name, "x": center.x, "y": center.y, "radius": radius}
+            for name, center, radius in obstacles
         ],
         "goals": [
             {"id": goal.id, "name": goal.name, "label": goal.name or goal.id}
@@ -247,9 +236,8 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     """Return what the page shows of a flight, of motion every so many-th tick (``stride``)."""
     world = flown.recording["world"]["robots"]
     story = story_of(flown.title, mission, flown.faults, flown.recording)
-    steps = {
-        name: _step(world[name], flown.recording["belief"]["robots"][name]) for name in _SERIES
-    }
+    belief = flown.recording["belief"]["robots"]
+    steps = {name: _step(world[name], belief[name]) for name in _SERIES}
     steps["x"] = steps["y"] = max(steps["x"], steps["y"])
     flights = [(None, flown.recording), *flown.others.items()]
     return {
@@ -318,9 +306,9 @@ def _packed(values: npt.NDArray[np.int32]) -> str:
 
 
 def _step(*values: npt.NDArray[Any]) -> float:
-    """Return the power of ten that leaves the largest of values so many digits."""
+    """Return the power of ten that leaves the largest of values six digits."""
     largest = max(float(np.abs(each).max(initial=1.0)) for each in values)
-    return float(10.0 ** (floor(log10(max(largest, 1.0))) + 1 - _DIGITS))
+    return float(10.0 ** (floor(log10(max(largest, 1.0))) - 5))
 
 
 def _digits(step: float) -> int:
@@ -345,8 +333,7 @@ def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ..
         if not is_wrong.any():
             continue
         moved = np.flatnonzero((np.diff(x) != 0) | (np.diff(y) != 0)) + 1
-        edges = [0, *moved.tolist(), len(x)]
-        for first, after in pairwise(edges):
+        for first, after in pairwise([0, *moved.tolist(), len(x)]):
             if is_wrong[first]:
                 place = float(x[first]), float(y[first])
                 yield first, after - 1, *place, obstacle.id, obstacle.area.radius

@@ -15,7 +15,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, lru_cache
-from types import MappingProxyType
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, to_markdown
@@ -248,24 +247,22 @@ _WORDS = (
 )
 """What stands for each state in a sentence."""
 
-_DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
-    {
-        Mode.DELAY: ("come{s} {first} late", "late"),
-        Mode.BLOCK: ("{is_} held back", "lost"),
-        Mode.RANDOM: ("{is_} reported at random", "random"),
-        Mode.ZERO: ("{is_} reported as 0", "zero"),
-        Mode.FIXED: ("stick{s} {fixed}", "stuck"),
-        Mode.INCREMENT: ("{is_} reported {first} too high", "too high"),
-        Mode.DECREMENT: ("{is_} reported {first} too low", "too low"),
-        Mode.INCREMENT_PERCENT: ("{is_} reported {first} too high", "too high"),
-        Mode.DECREMENT_PERCENT: ("{is_} reported {first} too low", "too low"),
-        Mode.STOP: ("{is_} stopped", "stopped"),
-        Mode.START: ("{is_} set going", "set going"),
-        Mode.DEACTIVATE: ("{is_} switched off", "off"),
-        Mode.ACTIVATE: ("{is_} switched on", "on"),
-        Mode.OWN: ("suffer{s}", ""),
-    }
-)
+_DEEDS: Mapping[Mode, tuple[str, str]] = {
+    Mode.DELAY: ("come{s} {first} late", "late"),
+    Mode.BLOCK: ("{is_} held back", "lost"),
+    Mode.RANDOM: ("{is_} reported at random", "random"),
+    Mode.ZERO: ("{is_} reported as 0", "zero"),
+    Mode.FIXED: ("stick{s} {fixed}", "stuck"),
+    Mode.INCREMENT: ("{is_} reported {first} too high", "too high"),
+    Mode.DECREMENT: ("{is_} reported {first} too low", "too low"),
+    Mode.INCREMENT_PERCENT: ("{is_} reported {first} too high", "too high"),
+    Mode.DECREMENT_PERCENT: ("{is_} reported {first} too low", "too low"),
+    Mode.STOP: ("{is_} stopped", "stopped"),
+    Mode.START: ("{is_} set going", "set going"),
+    Mode.DEACTIVATE: ("{is_} switched off", "off"),
+    Mode.ACTIVATE: ("{is_} switched on", "on"),
+    Mode.OWN: ("suffer{s}", ""),
+}
 """What a fault of each mode does, as a sentence goes on, and in a word or two."""
 
 

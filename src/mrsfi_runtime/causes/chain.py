@@ -13,7 +13,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
-from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.causes import cause_set
@@ -31,20 +30,18 @@ POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory
 Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
 """Fields of a record, by what they say together."""
 
-KNOWN: Mapping[str, Quantities] = MappingProxyType(
-    {
-        "robots": {POSITION: ("x", "y", "z"), "speed": ("speed",), "energy": ("energy",)},
-        "sensors": {
-            "samples": ("count",),
-            "activation": ("active",),
-            "rate": ("rate",),
-            "cost": ("cost",),
-        },
-        "obstacles": {POSITION: ("x", "y")},
-        "goals": {PROGRESS: ("count", "seen", "sampled_x", "sampled_y"), MEMORY: ("memory",)},
-        "members": {PROGRESS: ("since", "reached", "waypoint")},
-    }
-)
+KNOWN: Mapping[str, Quantities] = {
+    "robots": {POSITION: ("x", "y", "z"), "speed": ("speed",), "energy": ("energy",)},
+    "sensors": {
+        "samples": ("count",),
+        "activation": ("active",),
+        "rate": ("rate",),
+        "cost": ("cost",),
+    },
+    "obstacles": {POSITION: ("x", "y")},
+    "goals": {PROGRESS: ("count", "seen", "sampled_x", "sampled_y"), MEMORY: ("memory",)},
+    "members": {PROGRESS: ("since", "reached", "waypoint")},
+}
 """Quantities of a true or local state, by the list whose records have them."""
 
 
