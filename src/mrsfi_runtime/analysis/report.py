@@ -23,17 +23,9 @@ from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from mrsfi_runtime.analysis import tables, weaknesses
+from mrsfi_runtime.analysis import story, tables, weaknesses
 from mrsfi_runtime.analysis.documents import report_latex, report_text, trend_in_words
-from mrsfi_runtime.analysis.story import (
-    Flown,
-    flight_content,
-    mission_content,
-    places_table,
-    story_of,
-    stride,
-    timeline_table,
-)
+from mrsfi_runtime.analysis.story import Flown
 from mrsfi_runtime.analysis.summary import (
     Draw,
     Drawing,
@@ -78,7 +70,7 @@ def flight_page(
     flown = Flown(told.title, told.faults, recording, {})
     return {
         "title": told.title,
-        "mission": mission_content(mission),
+        "mission": story.mission_content(mission),
         "heading": "What flew",
         "shown": [told_content(mission, told, flown, 1)],
         "record": list(facts),
@@ -99,7 +91,7 @@ def campaign_page(
     picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
-        "mission": mission_content(summary.mission),
+        "mission": story.mission_content(summary.mission),
         "first": _first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
@@ -227,7 +219,7 @@ def told_content(
     """Return what the page shows of what was flown, and of its flight or why it has none."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
-        flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
+        flight, reason = story.flight_content(mission, flown, story.stride(mission, n_flights)), ""
     faults = tables.fault_table("", told.faults, told.outcome)
     nearest = tables.nearest_in_words(mission, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
@@ -408,14 +400,14 @@ def look_at(
 ) -> Shown:
     """Fly a way to break a goal, and draw what is missing, or older than the campaign's record."""
     flown, sentences = flown_of(mission, pool, way, record)
-    story = story_of(flown.title, mission, flown.faults, flown.recording)
+    told = story.story_of(flown.title, mission, flown.faults, flown.recording)
     illustrations = [
         Illustration(
             f"weakness_{way.number:02d}_{what}",
-            Drawing(f"flight_{what}", (story,), "mission_plots"),
-            table(story),
+            Drawing(f"flight_{what}", (told,), "mission_plots"),
+            table(told),
         )
-        for what, table in (("timeline", timeline_table), ("map", places_table))
+        for what, table in (("timeline", story.timeline_table), ("map", story.places_table))
     ]
     kinds = (".png", ".svg")
     files = [layout.figures / f"{each.name}{kind}" for kind in kinds for each in illustrations]

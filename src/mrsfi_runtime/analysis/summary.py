@@ -28,19 +28,8 @@ from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
-from mrsfi_runtime.analysis import tables
-from mrsfi_runtime.analysis.fronts import (
-    Columns,
-    Front,
-    Harm,
-    Pick,
-    Ratio,
-    find_front,
-    find_harm,
-    nearest_ratio,
-    parse_ratio,
-    thinned,
-)
+from mrsfi_runtime.analysis import fronts, tables
+from mrsfi_runtime.analysis.fronts import Columns, Front, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
@@ -126,14 +115,14 @@ def summarise(
 ) -> tuple[Summary, Columns]:
     """Return what the campaign in a folder found so far, and its evaluations."""
     measure = Measure.of(store.settings, mission)
-    wanted = None if ratio is None else parse_ratio(ratio)
+    wanted = None if ratio is None else fronts.parse_ratio(ratio)
     goals = store.settings.goals
     if len(goals) < (1 if measure.minimised else 2):
         goals = () if wanted is None else wanted.goals
     harmed = measure.chosen if measure.minimised else ()
     looked_at = (*goals, *(() if wanted is None else wanted.goals), *harmed)
     columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
-    front = find_front(measure, columns, goals) if goals else None
+    front = fronts.find_front(measure, columns, goals) if goals else None
     best = tuple(map(store.evaluation, columns.top(10)))
     tops = {each.index: each.specification for each in best}
     trend = tables.find_trend(store.generations())
@@ -163,7 +152,7 @@ def summarise(
         said=() if known is None else (headline(judged), *facts(mission, pool, judged, found)),
         contained=tuple(_contained(known, found, each) for each in best),
         front=front,
-        harm=find_harm(measure, columns) if measure.minimised else None,
+        harm=fronts.find_harm(measure, columns) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, columns, front, wanted),
         trend=trend,
         patterns=tables.find_patterns([*tops.values()], columns.tried, pool),
@@ -224,8 +213,8 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
 def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio) -> Pick:
     """Pick from the campaign's front, or from one over the ratio's own goals if that lacks them."""
     if front is None or not set(wanted.goals) <= set(front.goals):
-        front = find_front(measure, columns, wanted.goals)
-    return Pick(wanted, nearest_ratio(front, wanted), front.goals)
+        front = fronts.find_front(measure, columns, wanted.goals)
+    return Pick(wanted, fronts.nearest_ratio(front, wanted), front.goals)
 
 
 def _ranked(
@@ -469,8 +458,8 @@ def _fronts(
             Drawing("generation_fronts", (by_generation,)),
             Table(title, ("generation", "evaluation", *goals), rows),
         )
-    front = find_front(measure, columns, goals)
-    cloud, n_left_out = thinned(columns.of(goals))
+    front = fronts.find_front(measure, columns, goals)
+    cloud, n_left_out = fronts.thinned(columns.of(goals))
     drawn = f"; {len(cloud)} of {len(cloud) + n_left_out} points are drawn" if n_left_out else ""
     title = f"All non-dominated specifications {over}{drawn}"
     yield Illustration(
@@ -485,13 +474,13 @@ def _generation_fronts(
 ) -> dict[int, Front]:
     populated = store.populated()
     evenly = np.linspace(0, len(populated) - 1, 5).astype(int).tolist()
-    fronts = {}
+    found = {}
     for place in dict.fromkeys(evenly) if populated else ():
         generation = store.generation(populated[place])
         assert generation is not None
         rows = columns.distinct_among(generation.population)
-        fronts[generation.index] = find_front(measure, columns, goals, rows)
-    return fronts
+        found[generation.index] = fronts.find_front(measure, columns, goals, rows)
+    return found
 
 
 def _shown_pick(summary: Summary, front: Front) -> Pick | None:

@@ -25,15 +25,7 @@ from mrsfi_runtime.causes import weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import Mildest, Way, least, mildest, ways
-from mrsfi_runtime.causes.weakness import (
-    MEASURES,
-    Broken,
-    FaultSet,
-    Known,
-    Weakness,
-    Yardstick,
-    form,
-)
+from mrsfi_runtime.causes.weakness import MEASURES, Broken, FaultSet, Known, Weakness, Yardstick
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
@@ -84,7 +76,7 @@ class Probing:
         """Return what is to be flown next, each form once; nothing if there seems to be no more."""
         for _ in range(self._n_first + 1):
             self._n_turns += 1
-            if new := {form(each): each for each in self._wanted()}:
+            if new := {weakness.form(each): each for each in self._wanted()}:
                 return [*new.values()]
         return []
 
@@ -95,7 +87,7 @@ class Probing:
             wishes = [wish for column in self._probes if (wish := self._wish(column))]
             n_alone = -(-len(self._probes) // 2)
         wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
-        return (each for each in wanted if form(each) not in self._known.flown)
+        return (each for each in wanted if weakness.form(each) not in self._known.flown)
 
     def _faults_in_turn(self) -> Iterator[Specification]:
         whole = [(0, self._space.duration - 1)]
@@ -114,9 +106,9 @@ class Probing:
         for _ in range(_N_TRIES):
             if wish is None:
                 wish = next(probe)
-            elif form(wish) in self._known.flown:
-                wish = probe.send(self._known.flown[form(wish)])
-            if wish and form(wish) not in self._known.flown:
+            elif weakness.form(wish) in self._known.flown:
+                wish = probe.send(self._known.flown[weakness.form(wish)])
+            if wish and weakness.form(wish) not in self._known.flown:
                 self._wishes[column] = wish
                 return wish
         self._wishes[column] = wish or ()

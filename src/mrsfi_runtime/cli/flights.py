@@ -21,15 +21,7 @@ from mrsfi_runtime.cli.options import SIMULATION, FlightFiles, OneOf
 from mrsfi_runtime.cli.terminal import print_json, tell
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.engine_settings import (
-    AUTO,
-    BOTH,
-    CI,
-    INJECTOR,
-    REFERENCE,
-    EngineSettings,
-    Workers,
-)
+from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, SIDES, EngineSettings, Workers
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 if TYPE_CHECKING:
@@ -49,7 +41,7 @@ if TYPE_CHECKING:
 @options.file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @options.recording_options
-@options.engine_options(sides=(BOTH, CI, INJECTOR, SIMULATION))
+@options.engine_options(sides=(*SIDES, SIMULATION))
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def simulate_command(
     mission: str,

@@ -14,15 +14,8 @@ import click
 
 from mrsfi_runtime.cli.terminal import tell
 from mrsfi_runtime.errors import expected
-from mrsfi_runtime.record.engine_settings import (
-    REFERENCE,
-    SIDES,
-    EngineSettings,
-    Workers,
-    flag,
-    option,
-    spelling,
-)
+from mrsfi_runtime.record import engine_settings
+from mrsfi_runtime.record.engine_settings import REFERENCE, SIDES, EngineSettings, Workers, option
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -98,7 +91,7 @@ def options(
     def decorate(command: F) -> F:
         @wraps(command)
         def collected(*arguments: Any, **given: Any) -> Any:
-            values = {each.name: given.pop(spelling(each)) for each in known}
+            values = {each.name: given.pop(engine_settings.spelling(each)) for each in known}
             found = {name: value for name, value in values.items() if value is not None}
             return command(*arguments, **{argument: make(**found)}, **given)
 
@@ -117,7 +110,9 @@ def _option(
     text, choices = each.metadata["text"], choices or each.metadata["choices"]
     is_shown = choices and "[default" not in text
     return click.option(
-        f"{flag(each)}/--no-{spelling(each)}" if each.type is bool else flag(each),
+        f"{engine_settings.flag(each)}/--no-{engine_settings.spelling(each)}"
+        if each.type is bool
+        else engine_settings.flag(each),
         type=OneOf(choices) if choices else KINDS.get(each.type),
         default=None,
         metavar=each.metadata["metavar"] or None,
@@ -136,7 +131,9 @@ def engine_options(*, default: str = REFERENCE, sides: Sequence[str] = SIDES) ->
 worker_options = options("workers", Workers, Workers)
 """Gives a command the options of the workers; it receives them as ``workers``."""
 
-OF_ENGINE = {spelling(each) for kind in (EngineSettings, Workers) for each in fields(kind)}
+OF_ENGINE = {
+    engine_settings.spelling(each) for kind in (EngineSettings, Workers) for each in fields(kind)
+}
 """Parameters of commands that give the engine and its workers."""
 
 
