@@ -35,9 +35,16 @@ _POPULAR = (
 
 def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     """Return the report, which links the figures that ``captions`` names."""
+    step = tables.every(summary.n_evaluations, tables.MOST_LISTED)
+    listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
+    extent = (
+        f"{summary.counted} of {summary.n_distinct} distinct specifications in "
+        f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
+        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}."
+    )
     sections = [
         f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.name)}",
-        _extent(summary),
+        f"{extent}{listed if step > 1 else ''}",
         *([f"**Caution**: {plain(summary.unrepeated)}."] if summary.unrepeated else []),
         *_weaknesses(summary),
         *_section(tables.settings_table(summary.settings)),
@@ -98,17 +105,6 @@ def trend_in_words(trend: Trend) -> str:
         "generation (least squares). This describes one run and tests nothing, because its "
         "generations depend on each other; `mrsfi compare` tests over many seeds. "
         f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
-    )
-
-
-def _extent(summary: Summary) -> str:
-    step = tables.every(summary.n_evaluations, tables.MOST_LISTED)
-    listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
-    return (
-        f"{summary.counted} of {summary.n_distinct} distinct specifications in "
-        f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
-        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}."
-        f"{listed if step > 1 else ''}"
     )
 
 

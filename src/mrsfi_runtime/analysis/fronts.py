@@ -62,7 +62,9 @@ class Columns:
         for faults, texts, *numbers in store.stored(names, n, decoded):
             these = slice(n_read, n_read + len(faults))
             fitness[these], violations[these], costs[these] = numbers
-            keys[these] = np.frombuffer(b"".join(map(_key, texts)), np.uint64)
+            joined = ("]],[".join(sorted(each)).encode() for each in texts)
+            hashes = (blake2b(each, digest_size=8).digest() for each in joined)
+            keys[these] = np.frombuffer(b"".join(hashes), np.uint64)
             known, places = _met(known, keys[these])
             for place in places:
                 is_first[n_read + place] = True
@@ -130,10 +132,6 @@ def _met(
     places = np.searchsorted(known, new)
     is_new = np.append(known, new[-1] + 1)[places] != new
     return np.insert(known, places[is_new], new[is_new]), sorted(first[is_new].tolist())
-
-
-def _key(texts: Sequence[str]) -> bytes:
-    return blake2b("]],[".join(sorted(texts)).encode(), digest_size=8).digest()
 
 
 @dataclass(frozen=True, slots=True)

@@ -240,6 +240,8 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     steps = {name: _step(world[name], belief[name]) for name in _SERIES}
     steps["x"] = steps["y"] = max(steps["x"], steps["y"])
     flights = [(None, flown.recording), *flown.others.items()]
+    ticks = "every tick" if stride == 1 else f"every {stride}th tick and on straight lines between"
+    kept = ", ".join(f"{name} to {step / 2:g}" for name, step in steps.items() if name != "y")
     return {
         "title": flown.title,
         "goal": flown.goal,
@@ -264,7 +266,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "displaced": list(_displaced(mission, flown.recording)),
         "samples": list(_samples(mission, flown.recording, _digits(steps["x"]))),
         "events": sorted(_events(story), key=lambda event: event[0]),
-        "said": _resolution(steps, stride),
+        "said": f"Of {ticks}: {kept.replace('x to', 'positions to')}, in units of the mission.",
     }
 
 
@@ -314,12 +316,6 @@ def _step(*values: npt.NDArray[Any]) -> float:
 def _digits(step: float) -> int:
     """Return how many digits behind the point tell numbers apart that differ by a step."""
     return max(0, -floor(log10(step)))
-
-
-def _resolution(steps: dict[str, float], stride: int) -> str:
-    ticks = "every tick" if stride == 1 else f"every {stride}th tick and on straight lines between"
-    kept = ", ".join(f"{name} to {step / 2:g}" for name, step in steps.items() if name != "y")
-    return f"Of {ticks}: {kept.replace('x to', 'positions to')}, in units of the mission."
 
 
 def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ...]]:

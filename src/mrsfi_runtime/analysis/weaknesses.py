@@ -131,11 +131,10 @@ def verdict(way: Way, units: Units) -> str:
     alone = "alone" if len(way.faults) == 1 else "together"
     how = f"only {_BREAKS[kind]}" if kind == MEASURES[0] else _BREAKS[kind]
     seen = "" if kind == MEASURES[0] else f", {detection(way, units)}"
+    forms, do = counted(shown.n_tried, "forms"), "does" if shown.n_tried == 1 else "do"
     return (
-        f"{' and '.join(way.faults)} {alone}, {how}{seen}; "
-        f"{100 * shown.share:.0f} % of {counted(shown.n_tried, 'forms')} "
-        f"{'does' if shown.n_tried == 1 else 'do'}, "
-        f"this one in {shown.n_held} of {shown.n_seeds} mission seeds"
+        f"{' and '.join(way.faults)} {alone}, {how}{seen}; {100 * shown.share:.0f} % of {forms} "
+        f"{do}, this one in {shown.n_held} of {shown.n_seeds} mission seeds"
     )
 
 
@@ -329,7 +328,10 @@ def _verdict(
 ) -> GoalVerdict:
     unknown = max(known.known.bound(Column(goal.id, measure)) for measure in MEASURES)
     state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
-    if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
+    of = known.yardstick
+    fault_free = dict(zip(of.columns, of.most, strict=True)) if of else {}
+    is_broken = any(fault_free.get(Column(goal.id, kind), 0) > 0 for kind in MEASURES[1:])
+    if state in {State.FALSE_ALARM, State.HOLDS} and is_broken:
         state = State.BROKEN_ANYWAY
     cause = seen = ""
     sure: tuple[str, ...] = ()
@@ -365,14 +367,6 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
     if least < 0.0:
         return f"was violated at tick {tick} of {evaluation} all the same"
     return f"came within {nearness(mission, goal, found.margin)} at tick {tick} of {evaluation}"
-
-
-def _is_broken_anyway(known: Harvest, goal: str) -> bool:
-    yardstick = known.yardstick
-    return yardstick is not None and any(
-        most > 0 and column.goal == goal and column.kind != MEASURES[0]
-        for column, most in zip(yardstick.columns, yardstick.most, strict=True)
-    )
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:

@@ -130,7 +130,10 @@ def chains(record: Record, mission: Mission, specification: Specification) -> tu
 
 def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
     """Return the first differences between a flight and that without one of its faults."""
-    owners = _owners(mission)
+    lists = ("robots", "sensors", "obstacles", "goals")
+    owners = {name: [each.id for each in getattr(mission, name)] for name in lists}
+    owners |= {"commands": owners["robots"], "switches": owners["sensors"]}
+    owners["members"] = [goal.id for goal in mission.goals for _ in goal.terms.robots]
     truths, beliefs = ((flight[side], twin[side]) for side in ("world", "belief"))
     moved, switched = {HEADING: ("heading_x", "heading_y"), "speed": ("speed",)}, ("active",)
     sent = (
@@ -163,15 +166,6 @@ def _first_tick(found: Records, otherwise: Records) -> int | None:
     if not differs.any():
         return None
     return int(differs.reshape(len(differs), -1).any(axis=1).argmax())
-
-
-def _owners(mission: Mission) -> Mapping[str, Sequence[str]]:
-    known = {
-        name: [each.id for each in getattr(mission, name)]
-        for name in ("robots", "sensors", "obstacles", "goals")
-    }
-    members = [goal.id for goal in mission.goals for _ in goal.terms.robots]
-    return known | {"members": members, "commands": known["robots"], "switches": known["sensors"]}
 
 
 def _first(

@@ -148,9 +148,6 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         click.echo(f"next      mrsfi show {folder}")
 
 
-_WORDS = ("goal", "violations")
-
-
 @dataclass(frozen=True, slots=True)
 class Shown:
     """What is said of a specification beside its explanation.
@@ -246,9 +243,10 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
         if any(some) or firm.most
     ]
     counted = ("all faults", "cause set", "simplest", "no fault")
-    columns = (*_WORDS, *counted, "median", "least", "most", "seeds violated")
+    words = ("goal", "violations")
+    columns = (*words, *counted, "median", "least", "most", "seeds violated")
     title = f"Violations; from median on: under the cause set in {N_SEEDS} mission seeds"
-    return Table(title, columns, rows, _WORDS, is_compact=True)
+    return Table(title, columns, rows, words, is_compact=True)
 
 
 def _fault_table(shown: Shown, found: Explanation) -> Table:
@@ -260,7 +258,7 @@ def _fault_table(shown: Shown, found: Explanation) -> Table:
             label = labels[column.goal][place]
             if label != BYSTANDER or (due and float(due.partition(" ")[0])):
                 rows.append((fault.name, *column, label, due, *map(shown.ticks, counts)))
-    columns = ("fault", *_WORDS, "label", "due to it", "alone", "left out")
+    columns = ("fault", "goal", "violations", "label", "due to it", "alone", "left out")
     title = "What each fault is to each goal; violations due to it, alone, left out"
     return Table(title, columns, rows, columns[:4], is_compact=True)
 
