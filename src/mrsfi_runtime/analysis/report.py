@@ -116,12 +116,11 @@ def _first_screen(
     names = {each.goal: each.name for each in summary.verdicts}
     shown = {way.number: way for way in (*summary.ways, *told)}
     guilty = {fault for way in summary.ways for fault in way.faults}
-    n_flights = summary.n_evaluations + known.n_flights
     about = (
         f"Campaign {summary.folder.name} on mission {summary.name}",
         counted(len(mission.robots), "robots"),
         f"{len(guilty)} of {counted(len(pool), 'faults')} break a goal",
-        counted(n_flights, "flights"),
+        counted(summary.n_evaluations + known.n_flights, "flights"),
     )
     return {
         "headline": headline,
@@ -175,11 +174,9 @@ def _matrix(summary: Summary) -> dict[str, Any]:
     owned.sort(key=lambda each: each[0])
     fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # which replace the others
     cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
+    owners = groupby(owned, key=lambda each: each[0])
     return {
-        "owners": [
-            {"name": name, "n": sum(1 for _ in some)}
-            for (_, name), some in groupby(owned, key=lambda each: each[0])
-        ],
+        "owners": [{"name": name, "n": len([*some])} for (_, name), some in owners],
         "faults": [
             {"label": f"{fault.id} {what}", "title": f"{fault.id}: {fault.words}"}
             for _, what, fault in owned

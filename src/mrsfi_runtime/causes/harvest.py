@@ -217,7 +217,6 @@ MOST = 1000
 KEPT = "weaknesses"
 """Key of what a record keeps of weaknesses."""
 
-_SHARE_ALONE = 0.4  # of the flights, at most, for what single faults do
 _N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is known to
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
@@ -442,8 +441,8 @@ def _probing(
             return None
         return store.evaluation(left[column].pop()).specification
 
-    n_alone = max(1, min(N_ALONE, int(_SHARE_ALONE * most / len(space.candidates))))
-    rng = Random(store.settings.seed)
+    share = 0.4 * most / len(space.candidates)  # of the flights, for what single faults do
+    n_alone, rng = max(1, min(N_ALONE, int(share))), Random(store.settings.seed)
     return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 

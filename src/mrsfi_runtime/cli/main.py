@@ -6,10 +6,9 @@ code in one place, ``CommandGroup.invoke``. ``main`` is the entry point.
 
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from threading import current_thread, main_thread
-from types import MappingProxyType
 from typing import Any, cast
 
 import click
@@ -20,31 +19,26 @@ from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 
 _INTERRUPTED = 130
 
-_COMMANDS = MappingProxyType(
-    {
-        "new": ("models", "Make the folder of a new project, with a mission that flies."),
-        "validate": ("models", "Check the models of a mission."),
-        "generate": ("models", "Generate the middleware of a mission from its models."),
-        "simulate": ("flights", "Fly a mission once, with or without faults."),
-        "evolve": ("campaigns", "Search the most critical fault specifications."),
-        "weaknesses": ("campaigns", "Print all the ways in which goals break."),
-        "show": ("campaigns", "Draw how goals break: the least that does, or any weakness."),
-        "explain": ("flights", "Find out which faults of a specification break which goal."),
-        "replay": ("flights", "Fly evaluations of a campaign again and compare."),
-        "report": ("campaigns", "Write figures, tables and summary of a campaign anew."),
-        "keep": ("regressions", "Keep a weakness beside the models of its mission."),
-        "check": ("regressions", "Fly every kept weakness, and fail where one came back."),
-        "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
-        "pack": ("campaigns", "Pack a campaign into one file that repeats itself elsewhere."),
-        "bridge": (
-            "flights",
-            "Run a rosbridge server for simulators and collective intelligences.",
-        ),
-        "import": ("models", "Make a mission folder from a model of the paper's prototype."),
-        "rename": ("models", "Give elements of a mission other IDs, everywhere at once."),
-        "diff": ("models", "Print the difference of two models in the words of the model."),
-    }
-)
+_COMMANDS: Mapping[str, tuple[str, str]] = {
+    "new": ("models", "Make the folder of a new project, with a mission that flies."),
+    "validate": ("models", "Check the models of a mission."),
+    "generate": ("models", "Generate the middleware of a mission from its models."),
+    "simulate": ("flights", "Fly a mission once, with or without faults."),
+    "evolve": ("campaigns", "Search the most critical fault specifications."),
+    "weaknesses": ("campaigns", "Print all the ways in which goals break."),
+    "show": ("campaigns", "Draw how goals break: the least that does, or any weakness."),
+    "explain": ("flights", "Find out which faults of a specification break which goal."),
+    "replay": ("flights", "Fly evaluations of a campaign again and compare."),
+    "report": ("campaigns", "Write figures, tables and summary of a campaign anew."),
+    "keep": ("regressions", "Keep a weakness beside the models of its mission."),
+    "check": ("regressions", "Fly every kept weakness, and fail where one came back."),
+    "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
+    "pack": ("campaigns", "Pack a campaign into one file that repeats itself elsewhere."),
+    "bridge": ("flights", "Run a rosbridge server for simulators and collective intelligences."),
+    "import": ("models", "Make a mission folder from a model of the paper's prototype."),
+    "rename": ("models", "Give elements of a mission other IDs, everywhere at once."),
+    "diff": ("models", "Print the difference of two models in the words of the model."),
+}
 """Subcommands with their module and one-line help: ``mrsfi --help`` need not import them."""
 
 
