@@ -1,28 +1,20 @@
-"""Classes.
+"""Generate the static Python classes of the metamodels, ``generated/metamodel``.
 
-What the templates of the static classes need to know about a metamodel.
+``package_view`` computes what the templates need to know about a package; ``class_files`` renders
+the files, ``write_classes`` writes them, and ``main`` is the command. Read them in this order.
+Loading the metamodels has refused what classes could not express. The tasks are those of
+pyecoregen, but without the faults of its generator:
 
-Everything is read in the order of the ``.ecore`` file. Loading the metamodels has refused what
-classes could not express: an incomplete class would write incomplete models.
-
-Generate the static Python classes of the metamodels, ``generated/metamodel``.
-
-The tasks are those of pyecoregen, with the faults of its generator cured:
-
-- texts do not depend on the order of sets: everything comes in the order of the ``.ecore``;
+- texts do not depend on the order of sets: everything comes in the order of the ``.ecore`` file;
 - modules import each other relatively, so that they load from a folder of any name;
 - enumerations keep their values; lower bounds, IDs, ``unsettable``, defaults and annotations
   are kept; a feature named like a keyword keeps its name in models and gets ``_`` in Python;
 - pyecore is not patched while templates run, so that a failed template leaves it whole;
 - files are ASCII on every machine, replaced as a whole, and only if they change.
 
-Stubs stand beside the modules: editors complete names, and mypy finds misspelt ones.
-
-Generate the static Python classes from the command line.
-
 Examples
 --------
-``python -m m2t.classes generated/metamodel`` writes, ``--check`` only tells what is stale.
+``python -m m2t.classes generated/metamodel`` writes; ``--check`` only lists stale files.
 """
 
 import keyword

@@ -1,4 +1,10 @@
-"""What is wrong with a model: where, which constraint, how bad, and what to do about it."""
+"""What can be wrong with a model: the constraints, a defect of one, and the report of all defects.
+
+A report only collects: whoever checks goes on after a defect, and whoever loads asks at the end
+how many errors there are. Each constraint has a name, which every message ends with; the tables
+``_ERRORS`` and ``_WARNINGS`` list all of them in the order in which they are checked. Begin with
+these tables, then read ``Report.add``.
+"""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,30 +1,20 @@
-"""Emit.
+"""Turn templates into files: text of a model in code, protected regions, and the merge of both.
 
-The Jinja environment and its filters: the only way for a model's text into code.
+Model text enters code only through the filters: ``literal`` makes a Python literal, ``expression``
+a formatted expression of a tree of calls, ``remark`` text that is safe after a ``#``, and
+``docstring`` a docstring.
 
-``literal`` turns a value into a Python literal, ``expression`` a tree of calls into a
-formatted expression, ``remark`` free text into something that is safe after a ``#``,
-``docstring`` free text into a docstring. No other way is open to model text that is not a checked
-identifier.
+A region stands between the lines ``# protected region ID on begin`` and ``# protected region ID
+end``, as Epsilon's EGL writes them, and belongs to the user. All else of a file is its skeleton
+and belongs to the template. Nothing that was written by hand is lost: markers that do not pair up
+are errors, an edited region never disappears, and an edited skeleton is detected. EGL loses such
+code silently.
 
-Protected regions: the parts of a generated file that belong to the user.
+The manifest, ``manifest.json``, stands beside the generated files. It has hashes of what was
+generated from what, so that edits are detected, and the semantics that the code was generated for.
+Hashes in the files themselves would change with every model and clutter every review.
 
-A region is what stands between the lines ``# protected region ID on begin`` and
-``# protected region ID end``, as Epsilon's EGL writes them. Everything else of a file is its
-skeleton and belongs to the template.
-
-Notes
------
-Stricter than EGL, which loses code silently: markers that do not pair up are errors, a
-region that is no longer generated may only go if nobody edited it, and an edited skeleton is
-noticed.
-
-Merge generated files with what stands in their folder: what is to be written, what is to go.
-
-The manifest, ``manifest.json``, stands beside the generated files: hashes of what was generated
-from what, so that edits are noticed. No hash stands in the files themselves, where it would change
-with every model and clutter every review. It also says which semantics the code was generated for,
-and so does every copy of it.
+Read in the order of the file: filters, regions, merging, and ``plan_files``, which uses all three.
 """
 
 import hashlib

@@ -1,18 +1,14 @@
-"""Generate.
+"""Generate the middleware of a mission, and give elements other IDs in models, code and regions.
 
-Generate the middleware of a mission: models in, files out.
+``generate`` is one task for each file: a visitor computes what the template needs, the template
+gives the text its form, and ``emit`` merges the text with hand-written code. Begin with ``plan``.
 
-Every file is a task of its own: a visitor computes what its template needs, the template
-says how it reads, ``emit`` merges the text with hand-written code and writes it.
+``with_new_ids`` does not know what generated code calls an element. It renders the code with the
+old IDs and with the new ones; the names that differ are those to exchange in regions.
 
 References
 ----------
 Source paper, section III-D, the model-to-text transformations.
-
-Give elements other IDs wherever they are named: in models, in specifications, in regions.
-
-What generated code calls an element is not known here. The code is rendered with the old IDs and
-with the new ones, and the names that differ are those to exchange in regions.
 """
 
 import ast

@@ -1,14 +1,12 @@
-"""Metaclasses.
+"""What code knows about metaclasses: those that it reads, their features, names of elements.
 
-What mrsfi reads of the metamodels: classes and features that they have to keep.
+``CONTRACT`` lists the classes and features that mrsfi reads. A team may add classes, subclasses,
+features and literals; what is listed keeps its name, its type, and whether it holds one value or
+many. Fault types are not listed: annotations give their meaning (``m2t.metamodels``).
 
-A team may add classes, subclasses and features of its own, and literals to enumerations. What
-is named here keeps its name, its type, and whether it holds one value or many. Fault types are
-not named: what they mean is said by annotations, which ``m2t.metamodels`` reads.
-
-Names in generated code: every one comes from a model ID, never from a display name.
-
-What code asks of metaclasses and of their elements, features in the order of the metamodel.
+Below the contract stand the names of elements in generated code, which come from IDs and never
+from display names. Then follow questions about metaclasses (``lineage``, ``features``, ``slots``)
+and about elements. All of them list features in the order of the metamodel, inherited ones first.
 """
 
 import keyword

@@ -1,7 +1,8 @@
-"""Read metamodels: check their nodes, let pyecore load what is sound, and check what it says.
+"""Read metamodels: check their nodes, let pyecore load what is sound, and check the objects.
 
 pyecore takes unknown types and bounds for granted, fails with exceptions of all kinds, and finds
-some defects only when the metamodel is used.
+some defects only when the metamodel is used. So it never gets a file with a known defect.
+``MetamodelReader.read`` has the steps in order. The functions below the class check the objects.
 """
 
 import re

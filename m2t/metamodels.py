@@ -1,11 +1,9 @@
-"""Metamodels.
+"""The two metamodels, and what ``faults.ecore`` says about the meaning of fault types.
 
-Read what ``faults.ecore`` says of fault types: mode, properties and parameters.
-
-An annotation of a class says its mode and the property that it touches, one of a number among
-its attributes the range of the parameter. A class that says nothing means what it inherits.
-
-The two metamodels, loaded dynamically from their ``.ecore`` files.
+``read_metamodels`` reads a folder once a process; begin there. An annotation of a class gives its
+mode and the property that it touches. An annotation of a number among its attributes gives the
+range of that parameter. A class without annotation means what it inherits. ``_Reader`` checks all
+annotations and collects all defects: metamodels with any defect are refused as a whole.
 """
 
 import os

@@ -1,28 +1,22 @@
-"""Read.
+"""Read the files of a model as nodes that know their lines, without trusting them.
 
-Read XML into nodes that know their line, without trusting the file.
+There are no document types, hence no entities, no external files and no network. Size, number of
+elements and nesting are limited. Comments and processing instructions are dropped, as Eclipse does.
 
-There are no document types, hence no entities, no external files and no network; size,
-number of elements and nesting are limited. Comments and processing instructions are
-dropped, as Eclipse does.
+A model may stand in several files, as Eclipse splits it: ``<robots href="robots.xmi#r1"/>``
+replaces an element, and ``robots.xmi`` has the robot as its root. Several roots stand side by side
+in an ``<xmi:XMI>`` element. Begin with ``Node``, then ``read_xml`` for one file, ``ModelFiles``
+for all files of a model, and the functions at the end for the addresses of files.
 
 Notes
 -----
 The parser is expat: it stops at a document type before it reads the type's content, and
 its line numbers stay right beyond line 65,535, where those of lxml are off by one.
 
-The files of a model: what each holds, and which file a reference may mean.
-
-A model may stand in several files, as Eclipse splits it: an element in place is replaced by
-``<robots href="robots.xmi#r1"/>``, and ``robots.xmi`` has the robot as its root. Several roots
-stand side by side in an ``<xmi:XMI>`` element, be they parts or a mission and its faults.
-
-Notes
------
-References never leave the project, which is the tree of the folder of the model's first file, or
-that of the nearest folder above it with a ``.project`` file. ``platform:/resource/NAME/rest`` is
-``rest`` in the project NAME: the nearest folder, from the referring file upwards, that has that
-name or whose ``.project`` file gives it.
+References never leave the project: the tree of the folder of the model's first file, or of the
+nearest folder above it with a ``.project`` file. ``platform:/resource/NAME/rest`` is ``rest`` in
+the project NAME: the nearest folder, from the referring file upwards, that has that name or whose
+``.project`` file gives it.
 """
 
 import errno

@@ -1,21 +1,14 @@
-"""The visitors: what each generated file needs to know of the models.
+"""The visitors: what the template of each generated file needs to know of the models.
 
-Visitor of ``mission_loader.py``: the mission as one nested expression.
+A visitor returns plain values and expressions in model order; no metamodel object reaches a
+template. There is one visitor for each of ``mission_loader.py``, ``fault_loader.py``,
+``fault_effects.py``, ``collective_intelligence.py`` and ``topics.py``, in this order. Begin with
+``call``, which turns an element into a call of the runtime's vocabulary.
 
-Visitor of ``fault_loader.py``: the fault pool, or any fault specification.
-
-Visitor of ``fault_effects.py``: a region for each own effect of a type that the pool uses.
-
-What a team has added to the metamodel, as constants of generated code: nothing is dropped.
-
-Whatever code does not read of an element becomes a constant that begins with the ID of the
-element: ``R1_PAYLOAD = 3.0``. The features of a task belong to its goal: ``G7_RADIUS``. Parts
-without a meaning for code are taken apart, many of them into a tuple a feature: ``ZONES_DEPTH =
-(3.0, 5.0)``.
-
-Visitor of ``collective_intelligence.py``: what each goal remembers, checks and does.
-
-Visitor of ``topics.py``: the robots and sensors after which topics are named.
+Code gets all that a team added to the metamodel. What code does not read of an element becomes a
+constant that begins with the element's ID: ``R1_PAYLOAD = 3.0``. The features of a task belong to
+its goal: ``G7_RADIUS``. Parts without a meaning for code are taken apart, many of them into a
+tuple a feature: ``ZONES_DEPTH = (3.0, 5.0)``.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping

@@ -1,17 +1,11 @@
-"""Check.
+"""Check the nodes of a model against the metamodel: values, structure, references.
 
-Check attribute texts as values of their Ecore type, strictly.
+pyecore's reader lets most defects pass and stops at the first of the others. So every node is
+checked here, and all defects are reported, before any object is made. Numbers are accepted as Java
+accepts them, without the spellings that only Python knows: a model that loads here loads in
+Eclipse. A part may stand in a file of its own, as Eclipse splits a model; it is put in its place.
 
-Numbers are accepted as Java accepts them, without the spellings that only Python knows, so that
-a model that loads here loads in Eclipse.
-
-Check the nodes of a file against its metamodel, and report all that it forbids.
-
-pyecore's reader lets most defects pass and stops at the first of the others, so every node
-is checked before pyecore loads the file. Parts of a model may stand in files of their own, as
-Eclipse splits it: ``<robots href="robots.xmi#r1"/>`` stands for a root of ``robots.xmi``.
-
-Resolve the references of a model, inside its file and into the mission's file.
+Begin with ``require_value`` for one attribute, then ``check_structure``, then ``resolve``.
 """
 
 import math

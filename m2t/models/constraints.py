@@ -1,18 +1,13 @@
-"""Constraints.
+"""Constraints that no metamodel can state: on missions, on faults, and on IDs.
 
-Constraints on missions that no metamodel can state.
-
-References
-----------
-Source paper, section III-B a).
-
-Constraints on faults that no metamodel can state.
+Each check gets objects whose structure is sound, so it need not ask whether a required feature is
+there. Each reports all that it finds. The names of the constraints, and the EVL files that state
+the same for Eclipse, are listed in ``m2t.diagnostics``. ``check_mission``, ``check_faults`` and
+``check_identities`` are the entries, in this order.
 
 References
 ----------
-Source paper, section III-B b).
-
-Constraints on IDs: their syntax, and the names that they become in Python.
+Source paper, section III-B a) and b).
 """
 
 import math

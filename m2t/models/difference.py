@@ -1,14 +1,13 @@
-"""Difference.
-
-Outlines of models, to compare: elements with ID, and all else as values of theirs.
-
-The difference of two models in the words of the model, for reviews.
+"""The difference of two models in the words of the model, for reviews.
 
 Models are compared by what their files say, element by element: elements with ID by class and
 ID, wherever they stand; coordinates, message fields and properties as values; the task of a goal
-and the type of a fault feature by feature. What has another ID and otherwise says the same was
-renamed, which changes nothing where it is referred to. Line breaks, comments, order of attributes,
-spelling of numbers, and how a reference names its target are no difference.
+and the type of a fault feature by feature. An element that has another ID and otherwise says the
+same was renamed; references to it do not count as changed. Line breaks, comments, order of
+attributes, spelling of numbers, and how a reference names its target are no difference.
+
+``read_models`` makes an outline of each model: its elements with ID, and all else as values of
+theirs. ``difference`` compares outlines; ``renamed`` finds what has another ID.
 
 Notes
 -----

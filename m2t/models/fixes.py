@@ -1,9 +1,8 @@
-"""Fixes.
+"""Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
 
-Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
-
-A fix looks at the element anew and changes nothing if nothing is wrong, so that a fix may be
-offered to an element too many.
+A fix checks the element anew and changes nothing if nothing is wrong, so that a fix may be
+offered for an element too many. ``mend`` edits loaded models in memory and returns what that
+changes in their files. ``FIXES`` lists the remedies by constraint; begin there.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -1,20 +1,13 @@
-"""Importing.
+"""Import a model that was published for the paper's prototype as a mission folder.
 
-What an import did to a model beyond copying it.
+The file is XMI; its root ``Setup`` holds a mission and fault specifications. Most features have
+the names of ours. The tables have those that differ, and the values for what the old format lacks.
+What is not known is dropped with a note. All else keeps its text and its references, so that
+``m2t.models.check`` refuses what ``mrsfi validate`` refuses, by the same rules.
 
-Give every element of an imported model a readable ID.
-
-Turn the nodes of a published file into nodes of our metamodels, which are checked as any other.
-
-It is an XMI file, whose root ``Setup`` holds a mission and fault specifications. Most features
-have the names of ours; the tables have those that differ, and what to put where the old format
-says nothing. What is not known is dropped with a note. All else keeps its text, so that
-``m2t.check`` refuses what ``mrsfi validate`` refuses, by the same rules. References keep theirs,
-too: a ``PublishedFile`` finds what they mean.
-
-Import a model that was published for the paper's prototype as a mission folder.
-
-The folder gets campaign files to begin with: the paper's two cases.
+``import_published`` has the steps in order; begin there, at the end. ``PublishedReader`` makes
+nodes of our metamodels out of those of the file, and ``give_ids`` names their elements. The folder
+gets campaign files to begin with: the paper's two cases.
 """
 
 import re

@@ -1,19 +1,16 @@
-"""Load.
+"""Load a mission folder, checked to the last attribute, and save what was loaded.
 
-Load a mission folder: its mission and its faults, checked to the last attribute.
+Objects are built straight from checked nodes. pyecore's reader is not used: it lets most defects
+of a file pass and stumbles over others. All defects of all files are collected. Objects are made
+only of a file whose structure is sound, apart from references to what does not exist.
 
-Objects are built straight from the nodes that were checked: pyecore's reader, which lets most
-defects of a file pass and stumbles over others, is not asked.
-
-Save loaded models: every file as Eclipse would, and only what changed.
-
-Write a fault specification that search found as a model that Eclipse opens.
+Begin with ``LoadedModels`` and ``_Loading``. Then come saving (every file as Eclipse would write
+it, and only files that change), writing a fault specification that a search found, and models as
+objects of the static classes, for scripts that edit them.
 
 References
 ----------
 Source paper, section III-A, step 6, and section III-B b).
-
-Loaded models as objects of the static classes, for scripts that edit them.
 """
 
 import gc

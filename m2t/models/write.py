@@ -1,15 +1,12 @@
-"""Write.
-
-Write models as Eclipse EMF writes them, so that a save by script is a save by Eclipse.
+"""Write models as Eclipse EMF writes them, so that a save by script is a save by Eclipse.
 
 pyecore's own serializer is not used: it orders features differently, writes default values
-and truncates the file before it knows that it can write the new content.
+and truncates the file before it knows that it can write the new content. Begin with ``dumps``.
 
-Unified differences of long files in time that grows with their length.
-
-``difflib`` looks at the whole file for every changed line. Here, lines that stand once in both
-files divide them first, as in a patience diff, and what lies between two of them is divided again.
-That gives a right difference for any two files, and that of ``difflib`` for short ones.
+``unified_difference`` compares long files in time that grows with their length; ``difflib`` checks
+the whole file for every changed line. Here, lines that stand once in both files divide them first,
+as in a patience diff, and what lies between two of them is divided again. The difference is right
+for any two files, and equals that of ``difflib`` for short ones.
 """
 
 import re

@@ -1,13 +1,10 @@
-"""A campaign.
+"""What a search found, read from its folder, and campaigns as archives that repeat themselves.
 
-A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it.
-
-An archive has a list of the hashes of the campaign's files, which ``sha256sum -c`` reads, and the
-digest of that list in ``REPRODUCE.md``. To repeat it, mrsfi compares the files with the list. Then
-it makes the campaign once more from its own settings, models and code, and compares the two: so a
-changed result differs, whatever was changed to fit it.
-
-What a search found, read from its folder.
+``Campaign`` is what scripts use. ``pack`` writes an archive: the files of a campaign, a list of
+their hashes, which ``sha256sum -c`` reads, and the digest of that list in ``REPRODUCE.md``.
+``repeat`` compares the files with the list. Then it makes the campaign once more from its own
+settings, models and code, and compares the two records: so a changed result differs, whatever was
+changed to fit it.
 """
 
 import lzma

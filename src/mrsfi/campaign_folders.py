@@ -1,4 +1,9 @@
-"""Campaigns: where they go, what they run on, how they are opened."""
+"""The folders of campaigns: where they go, how they are opened, and whether they fly as recorded.
+
+``open_campaign`` reads a record and the campaign's copy of the models. ``open_to_fly`` also loads
+its copy of the code, and refuses it unless it is as it was when the campaign began. A replay must
+equal the record bit for bit; ``require_same`` names what differs.
+"""
 
 import sys
 from collections.abc import Iterator

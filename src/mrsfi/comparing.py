@@ -1,8 +1,9 @@
-"""Comparing.
+"""Compare variants of a search with each other, and campaigns of before and after a change.
 
-Variants of a search beside each other: the same mission and seeds, as many evaluations.
-
-Two campaigns of one mission, before and after a change: what went, what came, what stayed.
+``compared`` makes a run of each variant with each seed: the same mission, as many evaluations. A
+run is a campaign of its own, so that a finished one is not repeated; it is refused if it was made
+with other models, code or settings than today's. ``changes`` flies the weaknesses of two campaigns
+each in the mission of the other, and reports which went, came and stayed.
 """
 
 import hashlib

@@ -1,8 +1,7 @@
-"""Engines.
+"""The project that the working folder is in, and the engines that options, record and project name.
 
-Where a team's project keeps its models, generated code, campaigns and metamodels.
-
-A file ``mrsfi.toml`` at the root of a project says so; commands find it from any folder inside::
+A file ``mrsfi.toml`` at the root of a project gives its folders; commands find it from any folder
+inside. What it leaves out has these values; without the file the working folder is the root::
 
     [project]
     metamodels = "metamodels"
@@ -11,10 +10,11 @@ A file ``mrsfi.toml`` at the root of a project says so; commands find it from an
     runs = "runs"
     ros = 1
 
-What it leaves out has these values. Without such a file the working folder is the root. A second
-table, ``[node]``, says what a team's own node hears and says (``cosimulation.node.mapping``).
+A second table, ``[node]``, maps the topics of a team's own node (``cosimulation.node_mapping``).
 
-The engine that options, record and project name; evaluators, opened accordingly.
+``chosen`` merges options, record, project and defaults, in this order, into ``EngineSettings``;
+``again`` does so for a campaign that is flown again. ``evaluator`` opens what flies many
+specifications.
 """
 
 import hashlib

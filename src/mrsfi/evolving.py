@@ -1,8 +1,9 @@
-"""Evolving.
+"""Campaigns from the first evaluation to the last.
 
-A team's own node before a campaign: which faults reach it, and whether it repeats itself.
-
-Campaigns from the first evaluation to the last.
+``begun`` makes a new campaign and ``resumed`` opens one of before; ``evolve`` runs either to its
+end: search, one more flight of what was flown first, and the harvest of weaknesses. Whatever
+speaks against a campaign is reported before anything is written. ``within_reach`` and
+``looked_at`` concern a team's own node: which faults reach it, and whether it repeats itself.
 """
 
 import platform

@@ -1,10 +1,9 @@
-"""Explaining.
+"""Explain a campaign: causes of one specification, all weaknesses, and its report.
 
-Why specifications of a campaign, or from a file, break goals, with cause sets as models.
-
-What breaks the goals of a mission at the least, as a campaign has found out, and files of it.
-
-The report of a campaign, and pictures of what it found: tables, figures, models and a page.
+``explained`` flies parts of a specification and finds which faults break which goal; cause sets
+are written as models. ``harvested`` reads what a campaign found to break its goals, ``harvest``
+searches for it, and the ``write_`` functions make files of it. ``report`` and ``show`` write
+tables, figures, models and a page. What a campaign flew is flown on its own copy of the code.
 """
 
 import math

@@ -1,4 +1,8 @@
-"""One flight, tick by tick, as arrays."""
+"""One flight, tick by tick, as arrays.
+
+``fly`` records a flight; ``Flight`` gives the recording as arrays, frames of pandas and pictures.
+All arrays begin with the axis of ticks; robots and goals stand in model order.
+"""
 
 from dataclasses import dataclass
 from importlib import import_module

@@ -1,8 +1,8 @@
-"""Where a mission lies, and its IDs.
+"""The folders of missions (models, generated code, campaign files), and other IDs for elements.
 
-The folders of missions: models, generated code, campaign files.
-
-Other IDs for elements of a mission: in models and code, in campaign files, in what is kept.
+``find_mission`` finds a mission by name or path; begin there. ``renaming`` gives elements other IDs
+in models and code, in campaign files, and in limits that are kept. It computes all new contents
+before anything is written, so that all files change or none.
 """
 
 import ast

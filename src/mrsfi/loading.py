@@ -1,8 +1,8 @@
-"""Models loaded and checked.
+"""Load and check what flies: the code of missions, and fault specifications in files.
 
-What flies: the code of missions, and fault specifications in files.
-
-What is wrong with the models of a mission, and with its code.
+``load_fresh`` loads generated code only if it follows from the models and its regions are sound.
+``read_specification`` reads a file of timed faults. ``validate`` checks all of a mission: models,
+regions, and a flight without faults; its diagnostics have the form that ``m2t`` gives them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,4 +1,9 @@
-"""A mission and all that can be done with it."""
+"""A mission and all that can be done with it: the Python API that scripts begin with.
+
+``load`` returns a ``Mission``. Its methods check their arguments and call the module of each task;
+they import it when they are called, so that ``import mrsfi`` stays quick. What flies is always the
+generated code, which has to be fresh.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext

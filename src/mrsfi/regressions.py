@@ -1,8 +1,8 @@
-"""Weaknesses kept beside the models, flown again, and as cases of pytest.
+"""Weaknesses that are kept beside the models of a mission, and flown against those of today.
 
-Weaknesses that are kept beside the models of a mission, and flown against those of today.
-
-Kept weaknesses as test cases of pytest.
+``keep`` writes a weakness of a campaign as a specification and limits; ``check_all`` flies all that
+is kept, and ``update`` takes over today's counts. A weakness that cannot be flown or judged is an
+error, never a pass. ``regression_test`` makes test cases of pytest.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -1,8 +1,8 @@
-"""A new project.
+"""Make a new project of a team: a folder ready for git, with a mission that flies.
 
-The node of a running system, as far as its topics tell: a table ``[node]`` to begin with.
-
-A new project of a team: a folder ready for git, with a mission that flies.
+``start`` fills the folder from ``template``, whole or not at all; begin there. ``node_table``
+writes a first table ``[node]`` for a running system, from the topics of its rosbridge server: only
+topics whose types robots usually have are mapped, and a person checks the table.
 """
 
 import json
