@@ -42,18 +42,12 @@ _BODY_NAMES = frozenset(
 )
 """What the body of a class or of its stub refers to, and no feature may hide."""
 
-_HELPERS = frozenset(
-    {"Any", "EEnumLiteral", "Element", "Values", "described", "elements"}
-    | {"enumeration", "partial", "setattr"}
+_MODULE_NAMES = _BODY_NAMES.union(
+    ("Any", "EEnumLiteral", "Element", "Values", "described", "elements", "enumeration"),
+    ("partial", "setattr", "eClass", "eClassifiers", "eSubpackages", "eSuperPackage"),
+    ("getEClassifier", "name", "nsPrefix", "nsURI"),
 )
-_PACKAGE_NAMES = frozenset(
-    {"eClass", "eClassifiers", "eSubpackages", "eSuperPackage", "getEClassifier"}
-    | {"name", "nsPrefix", "nsURI"}
-)
-_MODULE_NAMES = _BODY_NAMES | _HELPERS | _PACKAGE_NAMES
 """What a module or its stub uses, and no class may be called."""
-
-_OBJECT_NAMES = frozenset({"dyn_inst", "listeners"})
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
 _PYTHON_TYPES = {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
@@ -143,7 +137,9 @@ def package_view(package: Any) -> PackageView:
     own = list(package.eClassifiers)
     for element in (package, *own):
         _global_name(element)
-    metaclasses = _bases_first(entry for entry in own if isinstance(entry, EClass))
+    classifiers = [entry for entry in own if isinstance(entry, EClass)]
+    ordered = dict.fromkeys(known for entry in classifiers for known in lineage(entry))
+    metaclasses = tuple(entry for entry in ordered if entry in own)  # after their supertypes
     enumerations = tuple(_enumeration(entry) for entry in own if isinstance(entry, EEnum))
     classes = tuple(_class(metaclass) for metaclass in metaclasses)
     others = _other_packages(package, metaclasses)
@@ -177,13 +173,6 @@ def _import_of(**names: bool) -> tuple[str, tuple[str, ...]]:
     return ".elements", tuple(name for name, is_used in names.items() if is_used)
 
 
-def _bases_first(metaclasses: Iterable[Any]) -> tuple[Any, ...]:
-    """Return classes in order of the file, except that a class follows its supertypes."""
-    wanted = list(metaclasses)
-    ordered = dict.fromkeys(known for entry in wanted for known in lineage(entry))
-    return tuple(entry for entry in ordered if entry in wanted)
-
-
 def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
     own = {entry.name for entry in package.eClassifiers}
     types = [slot.type for metaclass in metaclasses for slot in slots(metaclass).values()]
@@ -201,7 +190,13 @@ def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
 def _class(metaclass: Any) -> ClassView:
     parents = tuple(_global_name(lineage(parent)[-1]) for parent in metaclass.eSuperTypes)
     parameters = tuple(map(_feature, slots(metaclass).values()))
-    _require_feature_names(metaclass, [view.name for view in parameters])
+    names = [view.name for view in parameters]
+    taken = {"dyn_inst", "listeners"}.union(
+        _BODY_NAMES, (entry.name for entry in metaclass.ePackage.eClassifiers)
+    )
+    for name in names:  # which may collide with each other or with something else
+        if name in taken or hasattr(EObject, name) or names.count(name) > 1:
+            raise _reserved(f"'{name}', a feature of '{metaclass.name}',")
     return ClassView(
         *_annotated(metaclass),
         is_abstract=bool(metaclass.abstract),
@@ -229,24 +224,18 @@ def _feature(slot: Slot) -> FeatureView:
     name, documentation, annotations = _annotated(slot.feature)
     is_ours = slot.holds_elements or isinstance(slot.type, EEnum)
     python_type = _global_name(slot.type) if is_ours else _PYTHON_TYPES[slot.type.name]
+    has_value = slot.lower_bound > 0 or slot.feature.defaultValueLiteral is not None
+    is_never_none = has_value or python_type in {"int", "float", "bool"}
+    value_type = python_type if is_never_none else f"{python_type} | None"
     return FeatureView(
         _python_name(name),
         documentation,
         annotations,
         kind="EReference" if slot.holds_elements else "EAttribute",
         arguments=tuple(_arguments(slot)),
-        type=_value_type(slot, python_type),
+        type=f"EList[{python_type}]" if slot.many else value_type,  # in a valid model
         parameter=f"Iterable[{python_type}] = ..." if slot.many else f"{python_type} | None = ...",
     )
-
-
-def _value_type(slot: Slot, python_type: str) -> str:
-    """Return the type of a feature in a valid model: only what is optional may be ``None``."""
-    if slot.many:
-        return f"EList[{python_type}]"
-    has_value = slot.lower_bound > 0 or slot.feature.defaultValueLiteral is not None
-    is_never_none = has_value or python_type in {"int", "float", "bool"}
-    return python_type if is_never_none else f"{python_type} | None"
 
 
 def _arguments(slot: Slot) -> Iterator[str]:
@@ -271,18 +260,13 @@ def _arguments(slot: Slot) -> Iterator[str]:
 
 def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
     """Yield the statements that give references their types, and features their names in models."""
-    own = [
-        (slot, f"{metaclass.name}.{_python_name(slot.name)}")
-        for metaclass in metaclasses
-        for slot in _own(metaclass)
-    ]
-    yield from (
-        f"{here}.eType = {slot.type.name}.eClass" for slot, here in own if slot.holds_elements
-    )
-    for slot, here in own:
-        owner, _, name = here.partition(".")
-        if name != slot.name:
-            yield f'setattr({owner}, "{slot.name}", {here})'
+    own = [(metaclass.name, slot) for metaclass in metaclasses for slot in _own(metaclass)]
+    for owner, slot in own:
+        if slot.holds_elements:
+            yield f"{owner}.{_python_name(slot.name)}.eType = {slot.type.name}.eClass"
+    for owner, slot in own:
+        if (name := _python_name(slot.name)) != slot.name:
+            yield f'setattr({owner}, "{slot.name}", {owner}.{name})'
 
 
 def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details], ...]]:
@@ -314,18 +298,7 @@ def _reserved(what: str) -> ModelError:
     return ModelError(f"{what} is a name that Python or another element uses; rename it")
 
 
-def _require_feature_names(metaclass: Any, names: list[str]) -> None:
-    """Refuse features whose names collide, in Python, with each other or with something else."""
-    classifiers = {entry.name for entry in metaclass.ePackage.eClassifiers}
-    for name in names:
-        is_used = name in _BODY_NAMES | _OBJECT_NAMES | classifiers or hasattr(EObject, name)
-        if is_used or names.count(name) > 1:
-            raise _reserved(f"'{name}', a feature of '{metaclass.name}',")
-
-
 HEADER = "# Generated by m2t.classes from the metamodels; edit those instead."
-
-_SHARED = ("__init__.py", "elements.py", "elements.pyi")
 
 
 class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
@@ -357,8 +330,10 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
     """
     environment = template_environment("templates/metamodel")
     tasks = [PackageTask(environment, suffix) for suffix in (".py", ".pyi")]
-    shared = {name: environment.get_template(f"{name}.j2") for name in _SHARED}
-    files = {name: template.render(header=HEADER) for name, template in shared.items()}
+    files = {
+        name: environment.get_template(f"{name}.j2").render(header=HEADER)
+        for name in ("__init__.py", "elements.py", "elements.pyi")
+    }
     with TemporaryDirectory() as folder:
         for package, task in product(packages, tasks):
             task.run(package, folder)

@@ -11,13 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias, get_args
 
 from mrsfi_runtime.errors import ModelError, nearest
 
 Severity: TypeAlias = Literal["error", "warning"]
-
-_SHOWN = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,24 +143,15 @@ WindowInsideMission (faults): a fault starts before the mission ends
 TriggerCanHappen (faults): a trigger waits for the effect of a fault that does not wait for it
 """
 
-_CONSTRAINT = re.compile(r"^(\w+) \((\w+)\): (.*(?:\n    .*)*)", re.MULTILINE)
-
-
-def _constraints(severity: Severity, text: str) -> dict[str, Constraint]:
-    return {
-        name: Constraint(
-            severity,
-            " ".join(meaning.split()),
-            "" if where in _REASONS else f"{where}.evl",
-            _REASONS.get(where, ""),
-        )
-        for name, where, meaning in _CONSTRAINT.findall(text)
-    }
-
-
 CONSTRAINTS: Mapping[str, Constraint] = {
-    **_constraints("error", _ERRORS),
-    **_constraints("warning", _WARNINGS),
+    name: Constraint(
+        severity,
+        " ".join(meaning.split()),
+        "" if where in _REASONS else f"{where}.evl",
+        _REASONS.get(where, ""),
+    )
+    for severity, text in zip(get_args(Severity), (_ERRORS, _WARNINGS), strict=True)
+    for name, where, meaning in re.findall(r"(?m)^(\w+) \((\w+)\): (.*(?:\n    .*)*)", text)
 }
 """All constraints by name, in the order in which they are checked; no other name is reported."""
 
@@ -220,8 +209,7 @@ class Report:
 
     def place(self, element: Any) -> Place:
         """Return where an object stands, or what is a place itself."""
-        place: Place = self.places.get(element, element)
-        return place
+        return self.places.get(element, element)
 
     def add(self, element: Any, constraint: str, finding: str) -> None:
         """Add a defect of an object or a place; ``finding`` goes on where its name ends."""
@@ -252,7 +240,7 @@ class Report:
 
 def shown(text: str) -> str:
     """Return a text of a model for use in a message: quoted, on one line, never long."""
-    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
+    return repr(text if len(text) <= 60 else text[:60] + "...")
 
 
 def listed(names: Sequence[str], found: str = "") -> str:

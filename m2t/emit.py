@@ -36,7 +36,6 @@ from mrsfi_runtime.files import MARKER
 from mrsfi_runtime.model.fault_types import SEMANTICS
 
 LINE_LENGTH = 100
-_REMARK_LENGTH = 40
 _EXCHANGED_QUOTES = str.maketrans("'\"", "\"'")
 """Python prefers single quotes, formatters prefer double ones."""
 
@@ -105,7 +104,7 @@ def remark(text: str) -> str:
     """
     if _PLAIN_REMARK.fullmatch(text):
         return text
-    return ascii(text[:_REMARK_LENGTH])[:_REMARK_LENGTH].replace("#", "?")
+    return ascii(text[:40])[:40].replace("#", "?")
 
 
 def docstring(text: str) -> str:
@@ -257,27 +256,6 @@ def parse(text: str, name: str) -> GeneratedFile:
 
     Unbalanced, nested, doubled or misspelt markers are a ``ProtectedRegionError``.
     """
-    _require_spelling(text, name)
-    markers = [*MARKER.finditer(text)]
-    parts: list[str | Region] = []
-    seen: dict[str, int] = {}
-    at = 0
-    for begin, end in zip_longest(markers[::2], markers[1::2]):
-        line = _line(begin)
-        wrong = _what_is_wrong(begin, end, seen)
-        if wrong is not None:
-            raise ProtectedRegionError(f"{name}:{wrong}")
-        seen[begin["id"]] = line
-        body = text[begin.end() : end.start()]
-        region = Region(begin["id"], begin["state"] == "on", begin[0], body, end[0], line)
-        parts += [text[at : begin.start()], region]
-        at = end.end()
-    parts.append(text[at:])
-    return GeneratedFile(name, tuple(part for part in parts if part))
-
-
-def _require_spelling(text: str, name: str) -> None:
-    """Refuse lines that look like markers and are none."""
     for number, line in enumerate(text_lines(text), start=1):
         content = line.removesuffix("\n")
         if _ALMOST_MARKER.fullmatch(content) and not MARKER.fullmatch(line):
@@ -286,6 +264,21 @@ def _require_spelling(text: str, name: str) -> None:
                 "'# protected region ID on begin' or '# protected region ID end'; "
                 "mend it or word the comment differently"
             )
+    markers = [*MARKER.finditer(text)]
+    parts: list[str | Region] = []
+    seen: dict[str, int] = {}
+    at = 0
+    for begin, end in zip_longest(markers[::2], markers[1::2]):
+        wrong = _what_is_wrong(begin, end, seen)
+        if wrong is not None:
+            raise ProtectedRegionError(f"{name}:{wrong}")
+        at_line = seen[begin["id"]] = _line(begin)
+        body = text[begin.end() : end.start()]
+        region = Region(begin["id"], begin["state"] == "on", begin[0], body, end[0], at_line)
+        parts += [text[at : begin.start()], region]
+        at = end.end()
+    parts.append(text[at:])
+    return GeneratedFile(name, tuple(part for part in parts if part))
 
 
 def _what_is_wrong(
@@ -400,7 +393,8 @@ def _require_generated_skeleton(
     existing: GeneratedFile, record: FileRecord | None, text: str
 ) -> None:
     """Refuse to overwrite a skeleton that was not generated; ``text`` is what would replace it."""
-    place = f"{existing.name}:{_first_difference(existing.text, text)}"
+    pairs = enumerate(zip_longest(text_lines(existing.text), text_lines(text)), start=1)
+    place = f"{existing.name}:{next((number for number, (a, b) in pairs if a != b), 1)}"
     if record is None:
         raise ProtectedRegionError(
             f"{place}: differs here from what would be generated, and no manifest says whether "
@@ -412,11 +406,6 @@ def _require_generated_skeleton(
             "line that generation would change; move the edits into a region, then generate "
             "with --force, which overwrites what stands outside"
         )
-
-
-def _first_difference(old: str, new: str) -> int:
-    pairs = zip_longest(text_lines(old), text_lines(new))
-    return next((number for number, (a, b) in enumerate(pairs, start=1) if a != b), 1)
 
 
 MANIFEST = "manifest.json"
@@ -544,7 +533,10 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
                 f"{name}: has schema {schema}, written by a newer mrsfi; this one knows {SCHEMA}; "
                 "generate with the newer one"
             )
-        return {_file_name(path): _record(entry) for path, entry in document["files"].items()}
+        return {
+            _file_name(path): FileRecord(str(entry["skeleton"]), dict(entry["regions"].items()))
+            for path, entry in document["files"].items()
+        }
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise GenerationError(
             f"{name}: is no manifest ({type(error).__name__}: {error}); restore it from version "
@@ -555,10 +547,6 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
 def _but_sources(text: str) -> dict[str, Any]:
     """Return a manifest without how models were spelt that may mean the same."""
     return {**json.loads(text), "sources": None}
-
-
-def _record(entry: Any) -> FileRecord:
-    return FileRecord(str(entry["skeleton"]), dict(entry["regions"].items()))
 
 
 def _file_name(name: str) -> str:

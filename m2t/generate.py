@@ -83,11 +83,17 @@ def diff(models: Path, target: Path) -> str:
 
     File names are relative to the target folder, old ones below ``a/``, new ones below ``b/``.
     """
-    planned = plan(models, target)
-    return "".join(
-        _difference(name, planned.existing.get(name), planned.contents.get(name))
-        for name in (*planned.written, *planned.removed)
-    )
+    planned, lines = plan(models, target), list[str]()
+    for name in (*planned.written, *planned.removed):
+        old, new = planned.existing.get(name), planned.contents.get(name)
+        lines += unified_difference(
+            text_lines(old or ""),
+            text_lines(new or ""),
+            "/dev/null" if old is None else f"a/{name}",
+            "/dev/null" if new is None else f"b/{name}",
+        )
+    end = "\\ No newline at end of file\n"
+    return "".join(line if line.endswith("\n") else f"{line}\n{end}" for line in lines)
 
 
 def rendered(loaded: LoadedModels) -> dict[str, str]:
@@ -100,20 +106,8 @@ def rendered_file(name: str, loaded: LoadedModels) -> str:
     template = template_environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
     header = f"# Generated from mission {mission} by {template.name}.\n"
-    protected = "# Edit inside protected regions only.\n"
-    return header + protected + template.render(VISITORS[name](loaded))
-
-
-def _difference(name: str, old: str | None, new: str | None) -> str:
-    lines = unified_difference(
-        text_lines(old or ""),
-        text_lines(new or ""),
-        "/dev/null" if old is None else f"a/{name}",
-        "/dev/null" if new is None else f"b/{name}",
-    )
-    return "".join(
-        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
-    )
+    header += "# Edit inside protected regions only.\n"
+    return header + template.render(VISITORS[name](loaded))
 
 
 def sources(
@@ -247,9 +241,15 @@ def _rewritten(
     pairs = zip(_names_in(old), _names_in(new), strict=True)
     names = {earlier: later for earlier, later in pairs if earlier != later}
     ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))
-    _require_free(path, text, names)
-    lines = text_lines(text)
-    for token in reversed([*_tokens(text)]):
+    tokens, lines, regions = [*_tokens(text)], text_lines(text), lines_in_regions(text)
+    for token in tokens:
+        row = token.start[0]
+        if row in regions and token.string in {*names.values()} - {*names}:
+            raise UsageError(
+                f"{path}:{row}: found the name {token.string} in region {regions[row]}, which an "
+                "element would get; expected another ID, or another name there"
+            )
+    for token in reversed(tokens):
         (row, begin), (_, end) = token.start, token.end
         word = names.get(token.string, token.string)
         marker = MARKER.fullmatch(token.string) if token.type == tokenize.COMMENT else None
@@ -260,18 +260,6 @@ def _rewritten(
         line = lines[row - 1]
         lines[row - 1] = line[:begin] + word + line[end:]
     return "".join(lines)
-
-
-def _require_free(path: Path, text: str, names: Mapping[str, str]) -> None:
-    regions = lines_in_regions(text)
-    new = {*names.values()} - {*names}
-    for token in _tokens(text):
-        row = token.start[0]
-        if token.string in new and row in regions:
-            raise UsageError(
-                f"{path}:{row}: found the name {token.string} in region {regions[row]}, which an "
-                "element would get; expected another ID, or another name there"
-            )
 
 
 def _names_in(text: str) -> Iterator[str]:

@@ -153,10 +153,6 @@ SUPERTYPES: Mapping[str, Mapping[str, str]] = {
 RESERVED = frozenset({"checks", "reactions", "topics", "commands", "truth"})
 """Identifiers that generated code uses itself, as tables or as a root of topics."""
 
-_ALLOWED = re.compile(r"[A-Za-z0-9_. -]+", re.ASCII)
-_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
-_WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
-
 
 def identifier(text: str) -> str:
     """Return the identifier that a model ID becomes in Python and in ROS topic names.
@@ -171,11 +167,10 @@ def identifier(text: str) -> str:
     'scout_1'
     """
     name = plain_name(text)
-    if not _ALLOWED.fullmatch(text):
-        wrong = (
-            "cannot be a name in Python; expected ASCII letters, digits, '_', '-', '.' or spaces"
-        )
-    elif not _IDENTIFIER.fullmatch(name):
+    if not re.fullmatch(r"[A-Za-z0-9_. -]+", text):
+        characters = "ASCII letters, digits, '_', '-', '.' or spaces"
+        wrong = f"cannot be a name in Python; expected {characters}"
+    elif not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         wrong = f"becomes '{name[:40]}', which is no name in Python; expected a letter at the start"
     elif keyword.iskeyword(name) or name in RESERVED:
         wrong = f"becomes '{name}', which Python or generated code uses itself"
@@ -198,7 +193,7 @@ def snake_case(class_name: str) -> str:
     >>> snake_case("FixedDistanceBetweenRobots")
     'fixed_distance_between_robots'
     """
-    return _WORD_START.sub("_", class_name).lower()
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", class_name).lower()
 
 
 @cache
@@ -245,7 +240,12 @@ class Slot:
 @cache
 def slots(metaclass: Any) -> Mapping[str, Slot]:
     """Return the slots of all features of a metaclass by name, inherited ones first."""
-    in_ticks = {feature.name for feature in features(metaclass) if _counts_ticks(feature)}
+    in_ticks = {
+        feature.name
+        for feature in features(metaclass)
+        for note in feature.eAnnotations
+        if note.source == MEANING and note.details.get("range") == Range.TICKS.name
+    }
     return {
         str(feature.name): Slot(
             feature,
@@ -260,13 +260,6 @@ def slots(metaclass: Any) -> Mapping[str, Slot]:
         )
         for feature in features(metaclass)
     }
-
-
-def _counts_ticks(feature: Any) -> bool:
-    return any(
-        annotation.source == MEANING and annotation.details.get("range") == Range.TICKS.name
-        for annotation in feature.eAnnotations
-    )
 
 
 @cache

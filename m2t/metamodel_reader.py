@@ -35,7 +35,6 @@ from m2t.read import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
-_STORED = {"volatile": False, "transient": False, "derived": False, "changeable": True}
 
 
 class _Values(NamedTuple):
@@ -62,10 +61,6 @@ _VALUES: Mapping[str, _Values] = {
 }
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
-
-_SHOWN_URI = 200
-_REFERRING = {"eType", "eSuperTypes"}
-_ADDRESS = re.compile("[^ #]+(?=#)")
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
@@ -120,8 +115,9 @@ class MetamodelReader:
             raise self.report.error()
         self._named |= {path.name: path.name, root.attributes.get("nsURI", ""): path.name}
         for node in root.walk():
-            for name in _REFERRING & node.attributes.keys():
-                node.attributes[name] = _ADDRESS.sub(self._address, node.attributes[name])
+            for name in {"eType", "eSuperTypes"} & node.attributes.keys():
+                text = node.attributes[name]
+                node.attributes[name] = re.sub("[^ #]+(?=#)", self._address, text)
         self._check(root, "EPackage")
         if root.attributes.get("name") != root.path.stem:
             finding = f"is the package; expected the name {root.path.stem}; restore it"
@@ -145,8 +141,7 @@ class MetamodelReader:
         try:
             file = _CheckedFile(str(root.path))
             file.root = root
-            resource = self._resources.get_resource(file)
-            package = resource.contents[0]
+            package = self._resources.get_resource(file).contents[0]
         except Exception as error:  # pyecore raises anything
             raise ModelError(
                 f"{root.path}:{root.line}: {root.path.name} cannot be loaded "
@@ -246,7 +241,7 @@ class MetamodelReader:
         finding = f"refers to {shown(target)}, which is no {kind}"
         if address and address not in self._named.values():
             known = ", ".join(self._named)
-            finding += f": found the URI {address[:_SHOWN_URI]!r}; expected one of {known}"
+            finding += f": found the URI {address[:200]!r}; expected one of {known}"
         self.report.add(node, "ResolvedReference", f"{finding}; correct the reference")
 
     def _target(self, node: Node, target: str) -> Node | None:
@@ -334,8 +329,8 @@ def _check_feature(slot: Slot, report: Report) -> None:
     if lower == -1 or upper == 0 or lower > upper > -1:
         finding = f"has bounds {lower} and {upper}; expected a lower one first; correct them"
         report.add(feature, "NumberSyntax", finding)
-    for name, usual in _STORED.items():
-        if getattr(feature, name) is not usual:
+    for name in ("volatile", "transient", "derived", "changeable"):
+        if getattr(feature, name) is not (name == "changeable"):
             finding = f"has {name}, with which files do not keep its values; delete {name}"
             report.add(feature, "KnownFeature", finding)
     if feature.many and not feature.ordered:

@@ -37,8 +37,6 @@ from mrsfi_runtime.model.fault_types import (
 Said: TypeAlias = Mapping[str, Any]
 
 _STRUCK = {f"{struck.value.title()}Fault": struck for struck in Struck}
-_OF_CLASS = ("mode", "property")
-_OF_PARAMETER = ("range", "role", "search")
 _WORDS: Mapping[str, Mapping[str, object]] = {
     "mode": Mode.__members__,
     "property": Field.__members__,
@@ -60,7 +58,11 @@ def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
     ``report`` knows the elements of all packages, of which no other has meanings.
     """
     reader = _Reader(report)
-    kinds = [kind for kind in package.eClassifiers if _is_fault_type(kind)]
+    kinds = [
+        kind  # inherits from the class of fault types, or says that it is one
+        for kind in package.eClassifiers
+        if isinstance(kind, EClass) and (_annotations(kind) or is_kind(kind, "FaultType"))
+    ]
     found = [reader.fault_type(kind) for kind in kinds if not kind.abstract]
     reader.require_containments(package.getEClassifier("Fault"), kinds)
     reader.require_all_read()
@@ -136,11 +138,9 @@ class _Reader:
             for note in _annotations(element):
                 for key, text in note.details.items():
                     if key not in keys or key in said:
-                        listed = ", ".join(keys)
-                        finding = (
-                            f"has the key {shown(key or '')}; expected {listed}, each once; correct"
-                        )
-                        self._add(note, "KnownFeature", f"{finding} it")
+                        expected = f"expected {', '.join(keys)}, each once; correct it"
+                        finding = f"has the key {shown(key or '')}; {expected}"
+                        self._add(note, "KnownFeature", finding)
                     else:
                         said[key] = tuple(self._meant(note, key, text or ""))
             self._read[element] = said
@@ -158,7 +158,7 @@ class _Reader:
 
     def _meaning(self, kind: Any) -> Said:
         """Return what the nearest class of a lineage that says anything says."""
-        said = (self._said(known, _OF_CLASS) for known in reversed(lineage(kind)))
+        said = (self._said(known, ("mode", "property")) for known in reversed(lineage(kind)))
         found = next(filter(None, said), {})
         if "mode" not in found:
             finding = (
@@ -169,16 +169,21 @@ class _Reader:
         return found
 
     def _parameters(self, kind: Any) -> dict[Parameter, Role]:
-        numbers = {feature.name: feature for feature in features(kind) if _is_number(feature)}
+        numbers = {
+            feature.name: feature
+            for feature in features(kind)
+            if not feature.many and feature.eType.name in {"EInt", "EDouble"}
+        }
         found = {}
         for feature in features(kind):
-            bounded = _bounded(feature, numbers)
+            ends = [end for end in BOUNDS if feature.name.endswith(end)]
+            bounded = numbers.get(feature.name.removesuffix(*ends)) if ends else None
             if feature.name not in numbers:
                 if bounded is not None:
                     finding = "bounds a parameter; expected one EInt or EDouble; correct it"
                     self._add(feature, "ReferenceType", finding)
                 continue
-            said = self._said(feature, _OF_PARAMETER)
+            said = self._said(feature, ("range", "role", "search"))
             is_bound = bounded is not None and bounded.eContainer() is feature.eContainer()
             if "range" in said:
                 (of,), (evolves,) = said["range"], said.get("search", (True,))
@@ -223,10 +228,8 @@ class _Reader:
             self._add(node, "KnownFeature", finding)
         for parameter, role in roles.items():
             if role.name in _WORDS["role"]:
-                finding = (
-                    f"has parameter {parameter.name} with a role; mode OWN has none; delete it"
-                )
-                self._add(node, "KnownFeature", finding)
+                finding = f"has parameter {parameter.name} with a role; mode OWN has none"
+                self._add(node, "KnownFeature", f"{finding}; delete it")
 
     def _in_order(
         self, node: Any, kind: FaultType, declared: Mapping[Parameter, Role]
@@ -263,23 +266,8 @@ class _Reader:
         return tuple(by_role[role] for role in order if role in by_role)
 
 
-def _is_fault_type(kind: Any) -> bool:
-    """Return whether a class inherits from that of fault types, or says that it is one."""
-    return isinstance(kind, EClass) and (bool(_annotations(kind)) or is_kind(kind, "FaultType"))
-
-
 def _annotations(element: Any) -> list[Any]:
     return [note for note in element.eAnnotations if note.source == MEANING]
-
-
-def _is_number(feature: Any) -> bool:
-    return not feature.many and feature.eType.name in {"EInt", "EDouble"}
-
-
-def _bounded(feature: Any, numbers: Mapping[str, Any]) -> Any:
-    """Return the number that a feature bounds by its name; ``None`` if it bounds none."""
-    names = (feature.name.removesuffix(end) for end in BOUNDS if feature.name.endswith(end))
-    return next((numbers[name] for name in names if name in numbers), None)
 
 
 def _names(kind: FaultType) -> str:
@@ -327,8 +315,7 @@ def installed_metamodels() -> Path:
 
     If neither place has them, that is a ``ModelError``.
     """
-    here = Path(__file__).resolve().parent
-    candidates = (here / "metamodels", here.parent / "metamodels")
+    candidates = [place / "metamodels" for place in Path(__file__).resolve().parents[:2]]
     for folder in candidates:
         if (folder / MISSION_FILE).is_file() and (folder / FAULTS_FILE).is_file():
             return folder

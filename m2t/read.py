@@ -40,9 +40,6 @@ MAX_BYTES = 64 * 1024 * 1024
 MAX_ELEMENTS = 500_000
 MAX_DEPTH = 100
 
-_INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
-_SHOWN_TAG = 60
-
 
 @dataclass(slots=True, eq=False)
 class Node:
@@ -68,7 +65,7 @@ class Node:
     @property
     def description(self) -> str:
         """Name of the element in messages: ``robots 'r1'`` or ``center of missionArea 'a15'``."""
-        tag = self.tag[:_SHOWN_TAG]
+        tag = self.tag[:60]
         for key in ("ID", "name"):
             if key in self.attributes:
                 return f"{tag} {shown(self.attributes[key])}"
@@ -113,7 +110,7 @@ def follow(
 
 def at(nodes: Sequence[Node], position: str) -> Node | None:
     """Return the node at a position of a path; ``None`` if there is none or it is no number."""
-    is_number = _INDEX.fullmatch(position) is not None
+    is_number = re.fullmatch(r"[0-9]{1,9}", position)
     return nodes[int(position)] if is_number and int(position) < len(nodes) else None
 
 
@@ -172,16 +169,19 @@ class XmlFile:
         self._encoding = (encoding or "").upper()  # as Eclipse writes it back
 
     def _doctype(self, *_: object) -> None:
-        raise Defect(
-            "NoDocumentType",
-            "declares a document type; a model needs none; delete the <!DOCTYPE ...>",
-        )
+        finding = "declares a document type; a model needs none; delete the <!DOCTYPE ...>"
+        raise Defect("NoDocumentType", finding)
 
     def _namespace(self, prefix: str | None, uri: str | None) -> None:
         self._prefixes = {**self._prefixes, (prefix or ""): uri or ""}
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
-        self._require_limits()
+        self.n_elements += 1
+        if self.n_elements > MAX_ELEMENTS:
+            raise Defect("FileSize", f"has more than {MAX_ELEMENTS:,} elements; split the model")
+        if len(self._open) >= MAX_DEPTH:
+            finding = f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
+            raise Defect("FileSize", finding)
         namespace, _, tag = name.rpartition(" ")
         parent = self._open[-1] if self._open else None
         node = Node(self._path, self.line, namespace, tag, parent, self._prefixes)
@@ -204,15 +204,6 @@ class XmlFile:
 
     def _characters(self, text: str) -> None:
         self._open[-1].text += text
-
-    def _require_limits(self) -> None:
-        self.n_elements += 1
-        if self.n_elements > MAX_ELEMENTS:
-            raise Defect("FileSize", f"has more than {MAX_ELEMENTS:,} elements; split the model")
-        if len(self._open) >= MAX_DEPTH:
-            raise Defect(
-                "FileSize", f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
-            )
 
 
 def read_xml(path: Path, report: Report) -> XmlFile | None:
@@ -256,13 +247,11 @@ def _content(path: Path) -> bytes:
         content = path.read_bytes() if n_bytes <= MAX_BYTES else b""
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", str(error)) or type(error).__name__
-        raise Defect(
-            "ReadableFile", f"cannot be read: {reason}; expected a model file at this path"
-        ) from error
+        finding = f"cannot be read: {reason}; expected a model file at this path"
+        raise Defect("ReadableFile", finding) from error
     if n_bytes > MAX_BYTES:
-        raise Defect(
-            "FileSize", f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
-        )
+        finding = f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
+        raise Defect("FileSize", finding)
     return content
 
 
@@ -303,10 +292,8 @@ class ModelFile:
         """Return the root that a fragment means: by xmi:id, by ID, or ``/``, ``/0``, ``/1``."""
         if fragment.startswith("/"):
             return at(self.roots, fragment[1:] or "0")
-        named = (
-            root for root in self.roots if fragment in (root.xmi_id, root.attributes.get("ID"))
-        )
-        return next(named, None)
+        ids = ((root, (root.xmi_id, root.attributes.get("ID"))) for root in self.roots)
+        return next((root for root, known in ids if fragment in known), None)
 
     def find(self, fragment: str) -> Node | None:
         """Return the checked node that a fragment means: by xmi:id, by ID, or by path.
@@ -324,9 +311,7 @@ class ModelFile:
         """Return the elements that a checked element contains as one feature; kept for reuse."""
         key = (node, name)
         if key not in self._children:
-            self._children[key] = [
-                child for child in node.tagged(name) if child.metaclass is not None
-            ]
+            self._children[key] = [each for each in node.tagged(name) if each.metaclass is not None]
         return self._children[key]
 
 
@@ -384,14 +369,10 @@ class ModelFiles:
         """Return the root elements, and report what the element around several of them holds."""
         if (root.namespace, root.tag) != (XMI, "XMI"):
             return (root,)
-        unknown = [shown(name) for name in root.attributes]
-        unknown += [
-            shown(f"{{{namespace}}}{name}")
-            for namespace, name in root.qualified
-            if (namespace, name) not in ROOT_ATTRIBUTES
-        ]
+        others = [key for key in root.qualified if key not in ROOT_ATTRIBUTES]
+        unknown = [*root.attributes, *(f"{{{namespace}}}{name}" for namespace, name in others)]
         if unknown:
-            finding = f"has attribute {unknown[0]}; expected xmi:version only; delete it"
+            finding = f"has attribute {shown(unknown[0])}; expected xmi:version only; delete it"
             self._report.add(root, "KnownFeature", finding)
         if text := root.text.strip():
             finding = f"holds the text {shown(text)}; expected elements; delete it"
@@ -417,11 +398,13 @@ def local_path(folder: Path, address: str) -> Path | None:
     path = unquote(parts.path)
     if parts.netloc or parts.query or "\x00" in path:
         return None
-    if parts.scheme == "platform":
-        return _platform_path(folder, path)
-    if parts.scheme or path.startswith("/"):
-        return None
-    return folder / path
+    if parts.scheme == "platform":  # /resource/NAME/rest
+        kind, _, rest = path.removeprefix("/").partition("/")
+        inside = rest.partition("/")[2].lstrip("/")
+        project = _project(folder, path)
+        is_known = kind == "resource" and inside and ".." not in inside.split("/")
+        return project / inside if project is not None and is_known else None
+    return None if parts.scheme or path.startswith("/") else folder / path
 
 
 def contained_path(folder: Path, first: Path, address: str) -> Path | None:
@@ -440,16 +423,6 @@ def contained_path(folder: Path, first: Path, address: str) -> Path | None:
     return path if is_inside else None
 
 
-def _platform_path(folder: Path, path: str) -> Path | None:
-    """Return the path that ``/resource/NAME/rest`` means."""
-    kind, _, rest = path.removeprefix("/").partition("/")
-    inside = rest.partition("/")[2].lstrip("/")
-    project = _project(folder, path)
-    if kind != "resource" or project is None or not inside or ".." in inside.split("/"):
-        return None
-    return project / inside
-
-
 def _project(folder: Path, path: str) -> Path | None:
     """Return the folder of the project that ``/resource/NAME/rest`` names."""
     name = path.removeprefix("/").partition("/")[2].partition("/")[0]
@@ -466,9 +439,7 @@ def _nearest(folder: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
 def _declared_name(folder: Path) -> str | None:
     """Return the name that the ``.project`` file of a folder gives, if there is one."""
     path = folder / _PROJECT
-    if not path.is_file():
-        return None
-    xml = read_xml(path, Report())
+    xml = read_xml(path, Report()) if path.is_file() else None
     names = [] if xml is None else xml.root.tagged("name")
     return names[0].text.strip() if names else None
 

@@ -40,7 +40,6 @@ from m2t.read import Node
 from mrsfi_runtime.errors import GenerationError, ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, OF_SENSOR, FaultType, Mode, Parameter
 
-_NAMES: Mapping[str, str] = {"missionArea": "area"}
 _ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
 
 
@@ -62,7 +61,7 @@ def call(element: Any) -> Call:
         return Call(OWN_TASK, (("class_name", str(metaclass.name)),), is_flat=True)
     known = [slot for slot in slots(metaclass).values() if is_read(metaclass, slot.name)]
     given = (
-        (_NAMES.get(slot.name, snake_case(slot.name)), _value(element, slot))
+        ("area" if slot.name == "missionArea" else snake_case(slot.name), _value(element, slot))
         for slot in known
         if not slot.feature.unsettable or element.eIsSet(slot.feature)
     )
@@ -114,8 +113,6 @@ def functions(expression: Expression) -> tuple[str, ...]:
 
 Entry: TypeAlias = tuple[str, Expression]
 
-_OPTIONAL = ("start", "finish", "likelihood")
-
 
 def visit_fault_loader(models: LoadedModels) -> Mapping[str, Any]:
     """Turn the fault specification into calls of the runtime's vocabulary.
@@ -123,17 +120,15 @@ def visit_fault_loader(models: LoadedModels) -> Mapping[str, Any]:
     What its fault types mean stands in a table of its own, as the metamodel says it. A mission
     without a fault model has an empty pool.
     """
-    own: tuple[Entry, ...] = ()
-    triggers = () if models.faults is None else models.faults.triggers
-    if models.faults is not None:
-        own = _features(models.faults, CONTRACT["faults"]["FaultSpecification"])
+    faults = models.faults
+    own = () if faults is None else _features(faults, CONTRACT["faults"]["FaultSpecification"])
     pool = Call(
         "FaultPool",
         (
-            ("id", "" if models.faults is None else models.faults.ID),
+            ("id", "" if faults is None else faults.ID),
             ("faults", tuple(_fault(fault) for fault in models.pool)),
             *_given("own", Table(own)),
-            *_given("triggers", tuple(map(_trigger, triggers))),
+            *_given("triggers", () if faults is None else tuple(map(_trigger, faults.triggers))),
         ),
     )
     types = tuple(_type(kind) for kind in types_in_use(models))
@@ -152,6 +147,9 @@ def _fault(fault: Any) -> Call:
     kind = meaning(fault_type)
     values = tuple(float(getattr(fault_type, known.name)) for known in kind.parameters)
     reference = f"affected{kind.struck.value.title()}"
+    parameters = {f"{known.name}{end}" for known in kind.parameters for end in ("", *BOUNDS)}
+    holding = {fault_type.eContainmentFeature().name, *CONTRACT["faults"]["Fault"]}
+    own = (*_features(fault, holding), *_features(fault_type, {*parameters, reference}))
     return Call(
         "Fault",
         (
@@ -161,8 +159,8 @@ def _fault(fault: Any) -> Call:
             ("target", str(getattr(fault_type, reference).ID)),
             *_given("values", values),
             *_given("bounds", _bounds(fault_type, kind)),
-            *((name, getattr(fault, name)) for name in _OPTIONAL if is_set(fault, name)),
-            *_given("own", _own(fault, fault_type, kind, reference)),
+            *_set(fault, "start", "finish", "likelihood"),
+            *_given("own", Table(own)),
             *_given("trigger", "" if fault.trigger is None else str(fault.trigger.ID)),
         ),
     )
@@ -178,13 +176,13 @@ def _trigger(trigger: Any) -> Call:
             ("event", Name(f"Event.{trigger.event.name}")),
             ("of", tuple(str(each.ID) for each in of if each is not None)),
             *(() if area is None else (("area", call(area)),)),
-            *(
-                (name, getattr(trigger, name))
-                for name in ("delay", "duration")
-                if is_set(trigger, name)
-            ),
+            *_set(trigger, "delay", "duration"),
         ),
     )
+
+
+def _set(element: Any, *names: str) -> Iterator[Entry]:
+    return ((name, getattr(element, name)) for name in names if is_set(element, name))
 
 
 def _given(name: str, value: str | tuple[Expression, ...] | Table) -> tuple[Entry, ...]:
@@ -199,7 +197,7 @@ def _type(kind: FaultType) -> Call:
             ("", Name(f"Mode.{kind.mode.name}")),
             ("", Name(f"Struck.{kind.struck.name}")),
             *_given("", tuple(Name(f"Field.{known.name}") for known in kind.properties)),
-            *_given("parameters", tuple(_parameter(known) for known in kind.parameters)),
+            *_given("parameters", tuple(map(_parameter, kind.parameters))),
             *((("effect", kind.effect),) if kind.effect >= 0 else ()),
         ),
         is_flat=True,
@@ -221,21 +219,13 @@ def _parameter(parameter: Parameter) -> Call:
 
 def _bounds(fault_type: Any, kind: FaultType) -> Table:
     """Return the bounds that the model sets: parameter to (lowest, highest)."""
-    pairs = {
-        parameter.name: tuple(_bound(fault_type, f"{parameter.name}{end}") for end in BOUNDS)
-        for parameter in kind.parameters
-    }
+    pairs: dict[str, tuple[float | None, ...]] = {}
+    for parameter in kind.parameters:
+        names = [f"{parameter.name}{end}" for end in BOUNDS]
+        pairs[parameter.name] = tuple(
+            float(getattr(fault_type, name)) if is_set(fault_type, name) else None for name in names
+        )
     return Table(tuple((name, pair) for name, pair in pairs.items() if pair != (None, None)))
-
-
-def _bound(fault_type: Any, name: str) -> float | None:
-    return float(getattr(fault_type, name)) if is_set(fault_type, name) else None
-
-
-def _own(fault: Any, fault_type: Any, kind: FaultType, reference: str) -> Table:
-    parameters = {f"{known.name}{end}" for known in kind.parameters for end in ("", *BOUNDS)}
-    holding = {fault_type.eContainmentFeature().name, *CONTRACT["faults"]["Fault"]}
-    return Table((*_features(fault, holding), *_features(fault_type, {*parameters, reference})))
 
 
 def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
@@ -447,9 +437,6 @@ def _flat(held: Held) -> Iterator[Any]:
         yield held
 
 
-_MAX_MEMBERS = 8
-
-
 @dataclass(frozen=True, slots=True)
 class GoalView:
     """A goal: its identifier and constant, class and module of its task, and its members.
@@ -472,8 +459,17 @@ def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
     What a team added and cannot be a constant raises a ``ModelError``.
     """
     mission = models.mission
-    indices = _indices(mission)
-    constants = {known.name: known for known in _named(mission, indices)}
+    sensors = [sensor for robot in mission.robots for sensor in robot.sensors]
+    indices = {sensor: index for index, sensor in enumerate(sensors)}  # over all robots
+    for slot in slots(mission.eClass).values():
+        if slot.is_contained and slot.many:
+            indices |= {part: index for index, part in enumerate(values(mission, slot))}
+    remarks = {robot: robot.name for robot in mission.robots}
+    constants = {
+        name: Constant(name, indices[element], remarks.get(element, ""))
+        for element in (*mission.goals, *mission.robots, *sensors, *mission.obstacles)
+        for name in (constant(element.ID),)
+    }
     own = OwnFeatures(indices, models.nodes)
     for element, found in own.of(mission, "MISSION"):
         if found.name in constants:
@@ -492,39 +488,16 @@ def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
 def _goal(goal: Any) -> GoalView:
     known = base_class(goal.task.eClass)
     is_own = not is_read(known)
+    names = [identifier(member.ID) for member in goal.members]
+    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
     return GoalView(
         name=identifier(goal.ID),
         constant=constant(goal.ID),
         task=known.name,
         module=None if is_own else snake_case(known.name),
         has_progress=is_own or known.name in PROGRESSING,
-        members=_listed([identifier(member.ID) for member in goal.members]),
+        members=", ".join(names[:8]) + more,
     )
-
-
-def _named(mission: Any, indices: Mapping[Any, int]) -> Iterator[Constant]:
-    remarks = {robot: robot.name for robot in mission.robots}
-    for element in (*mission.goals, *mission.robots, *_sensors(mission), *mission.obstacles):
-        yield Constant(constant(element.ID), indices[element], remarks.get(element, ""))
-
-
-def _sensors(mission: Any) -> Iterator[Any]:
-    return (sensor for robot in mission.robots for sensor in robot.sensors)
-
-
-def _indices(mission: Any) -> dict[Any, int]:
-    """Return all that has an index: sensors over all robots, and what the mission lists."""
-    indices = {sensor: index for index, sensor in enumerate(_sensors(mission))}
-    for slot in slots(mission.eClass).values():
-        if slot.is_contained and slot.many:
-            indices |= {part: index for index, part in enumerate(values(mission, slot))}
-    return indices
-
-
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(names[:_MAX_MEMBERS])
-    more = len(names) - _MAX_MEMBERS
-    return f"{shown} and {more} more" if more > 0 else shown
 
 
 def visit_topics(models: LoadedModels) -> Mapping[str, Any]:

@@ -38,8 +38,6 @@ from mrsfi_runtime.model.faults import LAST, MOST
 MAX_NAME_LENGTH = 200
 MAX_TEXT_LENGTH = 2_000
 
-_INT_RANGE = range(-(2**31), 2**31)
-_INTEGER = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
 DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
@@ -64,7 +62,6 @@ class Range:
         return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
 
 
-_ENERGY = Range("EnergyNotNegative", 0)
 _TICKS = Range("DelayNotNegative", 0, LAST)
 
 RANGES: Mapping[str, Range] = {
@@ -73,7 +70,9 @@ RANGES: Mapping[str, Range] = {
     **dict.fromkeys(("speed", "maxSpeed"), Range("SpeedNotNegative", 0)),
     "turnRate": Range("TurnRateInRange", 0, 180, is_open=True),
     "positionNoise": Range("NoiseNotNegative", 0),
-    **dict.fromkeys(("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), _ENERGY),
+    **dict.fromkeys(
+        ("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), Range("EnergyNotNegative", 0)
+    ),
     "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
     "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
     "period": Range("PeriodPositive", 1),
@@ -90,21 +89,14 @@ RANGES: Mapping[str, Range] = {
 def require_value(slot: Slot, text: str) -> None:
     """Refuse, by a ``Defect``, a text that is no value of an attribute or outside its range."""
     if slot.type.name == "EString":
-        _require_length(slot, text)
+        limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
+        if len(text) > limit:
+            found = f"has a {slot.name} of {len(text):,} characters"
+            raise Defect("StringLength", f"{found}; expected at most {limit:,}; shorten it")
         return
     for constraint, is_kept, expected in _rules(slot, text):
         if not is_kept:
             raise Defect(constraint, f"has {slot.name} {shown(text)}; expected {expected}")
-
-
-def _require_length(slot: Slot, text: str) -> None:
-    limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
-    if len(text) > limit:
-        raise Defect(
-            "StringLength",
-            f"has a {slot.name} of {len(text):,} characters; expected at most {limit:,}; "
-            "shorten it",
-        )
 
 
 def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
@@ -117,7 +109,8 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
         is_literal = text in ("true", "false")
         yield "EnumLiteral", is_literal, "true or false; correct the spelling"
     elif kind == "EInt":
-        is_whole = bool(_INTEGER.fullmatch(text)) and int(text) in _INT_RANGE
+        is_number = re.fullmatch(r"[+-]?[0-9]{1,20}", text) is not None
+        is_whole = is_number and int(text) in range(-(2**31), 2**31)
         yield "NumberSyntax", is_whole, "a whole number of 32 bits, such as 20; correct it"
     else:
         yield "FiniteNumber", not _NOT_FINITE.fullmatch(text), "a finite number; correct it"
@@ -183,13 +176,18 @@ def check_structure(
     """
     roots = file.roots_of(metaclass)
     if not roots:
-        _report_wrong_root(file, metaclass, report)
+        file.claimed.update(file.roots)
+        for root in file.roots[:1]:
+            found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
+            finding = (
+                f"is the root ({shown(found)}); expected {metaclass.name} of namespace "
+                f"{metaclass.ePackage.nsURI}; correct the root or give the right file"
+            )
+            report.add(root, "RootElement", finding)
         return None
     for other in roots[1:]:
-        finding = (
-            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others"
-        )
-        report.add(other, "RootElement", finding)
+        found = f"is a second {metaclass.name} of {file.path.name}"
+        report.add(other, "RootElement", f"{found}; expected one; delete the others")
     file.claimed.update(roots)
     checker = _Checker(ModelTree(roots[0], files), metaclass.ePackage, report)
     checker.element(roots[0], metaclass)
@@ -217,18 +215,6 @@ def report_count(element: Any, slot: Slot, count: int, report: Report) -> None:
         report.add(element, "RequiredFeature", finding)
     else:
         report.add(element, "SingleValue", f"has {count} {name}; expected one; delete the others")
-
-
-def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:
-    file.claimed.update(file.roots)
-    for root in file.roots[:1]:
-        found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
-        finding = (
-            f"is the root ({shown(found)}); expected {metaclass.name} of namespace "
-            f"{metaclass.ePackage.nsURI}; "
-            "correct the root or give the right file"
-        )
-        report.add(root, "RootElement", finding)
 
 
 class _Checker:
@@ -267,10 +253,8 @@ class _Checker:
             self.tree.references.append(Reference(node, slot, node, targets))
             return len(targets)
         elif slot.is_contained:
-            finding = (
-                f"has {name} as an attribute; expected an element <{name}> in place; move it there"
-            )
-            self._report.add(node, "ContainedElement", finding)
+            finding = f"has {name} as an attribute; expected an element <{name}> in place"
+            self._report.add(node, "ContainedElement", f"{finding}; move it there")
         else:
             self._value(node, slot, text)
         return 1
@@ -304,22 +288,19 @@ class _Checker:
         expected = ROOT_ATTRIBUTES if node in file.claimed else {(XSI, "type"), (XMI, "type")}
         for (namespace, name), text in node.qualified.items():
             if (namespace, name) == (XMI, "id"):
-                self._remember_xmi_id(node, text)
+                first = file.by_xmi_id.setdefault(text, node)
+                if first is not node:
+                    finding = (
+                        f"has xmi:id {shown(text)}, as has an element in line {first.line}; "
+                        "expected different ones; change one"
+                    )
+                    self._report.add(node, "UniqueId", finding)
             elif (namespace, name) not in expected:
                 finding = (
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
                     "expected attributes of the metamodel; delete it"
                 )
                 self._report.add(node, "KnownFeature", finding)
-
-    def _remember_xmi_id(self, node: Node, identity: str) -> None:
-        first = self.tree.files.containing(node).by_xmi_id.setdefault(identity, node)
-        if first is not node:
-            finding = (
-                f"has xmi:id {shown(identity)}, as has an element in line {first.line}; expected "
-                "different ones; change one"
-            )
-            self._report.add(node, "UniqueId", finding)
 
     def _child(self, node: Node, child: Node) -> Node:
         """Check a child; return the node that stands for it, from another file if it says so."""
@@ -369,16 +350,24 @@ class _Checker:
         file = self._file(child, address)
         root = file.root(unquote(fragment))
         if root is None or root in file.claimed:
-            found = "is no root of that file" if root is None else "is contained already"
+            what = "is no root of that file" if root is None else "is contained already"
             raise Defect(
                 "ContainedElement",
-                f"stands for {shown(target)}, which {found}; expected a root of "
+                f"stands for {shown(target)}, which {what}; expected a root of "
                 f"{file.path.name} that stands nowhere else; correct the href",
             )
         file.claimed.add(root)
-        metaclass = self._class_of_part(child, root, declared)
+        kinds = concrete_classes(self._package, declared)
+        found = kinds.get(root.tag) if root.namespace == self._package.nsURI else None
+        named = found if child.xsi_type is None else self._named_class(kinds, child)
+        if found is None or named is not found:
+            raise Defect(
+                "ConcreteType",
+                f"stands for {shown(target)}, which is a {root.tag[:60]}; expected one of "
+                f"{', '.join(kinds)}, the same as xsi:type if that is given; correct the href",
+            )
         root.tag, root.namespace, root.parent = child.tag, "", child.parent
-        return root, metaclass
+        return root, found
 
     def _file(self, child: Node, address: str) -> ModelFile:
         """Return the file of a part; refuse one outside the project, and circles of files."""
@@ -407,20 +396,6 @@ class _Checker:
         if file is None:  # what is wrong with it is reported there
             raise Defect("ContainedElement", f"{what}, a file that cannot be used; correct it")
         return file
-
-    def _class_of_part(self, child: Node, root: Node, declared: Any) -> Any:
-        kinds = concrete_classes(self._package, declared)
-        found = kinds.get(root.tag) if root.namespace == self._package.nsURI else None
-        if found is not None and (
-            child.xsi_type is None or self._named_class(kinds, child) is found
-        ):
-            return found
-        expected = ", ".join(kinds)
-        raise Defect(
-            "ConcreteType",
-            f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
-            f"one of {expected}, the same as xsi:type if that is given; correct the href",
-        )
 
     def _named_class(self, kinds: Mapping[str, Any], node: Node) -> Any:
         prefix, _, name = (node.xsi_type or "").rpartition(":")
@@ -462,8 +437,7 @@ def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
     """Return the file part of every reference that leads out of its own file."""
     for reference in tree.references:
         for target in reference.targets:
-            address = _address(target)
-            if address:
+            if address := _address(target):
                 yield reference, address
 
 
@@ -521,9 +495,8 @@ class _Resolver:
         expected = f"a {wanted.name}{self._known(tree, wanted, target)}; correct the reference"
         what = f"refers to {shown(target)} as {reference.slot.name}, which"
         if element is None:
-            raise Defect(
-                "ResolvedReference", f"{what} does not exist; expected the ID of {expected}"
-            )
+            finding = f"{what} does not exist; expected the ID of {expected}"
+            raise Defect("ResolvedReference", finding)
         raise Defect("ReferenceType", f"{what} is a {element.metaclass.name}; expected {expected}")
 
     def _place(self, reference: Reference, target: str) -> tuple[ModelFile, ModelTree] | None:

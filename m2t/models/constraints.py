@@ -13,7 +13,7 @@ Source paper, section III-B a) and b).
 import math
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import chain, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
-_ASSUMED = {"turnRate": 180.0, "positionNoise": 0.0}
 _LENGTHS = {
     "Robot": ("speed", "maxSpeed", "positionNoise"),
     "Visit": ("tolerance",),
@@ -50,9 +49,21 @@ def check_mission(mission: Any, report: Report) -> None:
     for robot in mission.robots:
         _check_robot(mission, robot, report)
     for station in (*mission.robots, *mission.servers):
-        _check_property_names(station, report)
+        properties = (station.intProperties, station.stringProperties, station.doubleProperties)
+        for entry in repeated(chain(*properties)):
+            finding = (
+                f"is a property of {report.place(station).description} for the second time; "
+                "expected different names; rename one"
+            )
+            report.add(entry, "UniquePropertyName", finding)
+    outer = mission.missionArea
     for area in areas(mission):
-        _check_area(mission, area, report)
+        if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
+            finding = (
+                f"reaches beyond the mission area (radius {number(outer.radius)}); expected an "
+                "area inside it; correct one of them"
+            )
+            report.add(area, "AreaInsideMission", finding)
     _check_starts(mission, report)
     for goal in mission.goals:
         _check_goal(mission, goal, report)
@@ -112,7 +123,7 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
         )
         report.add(robot, "SpeedWithinMaximum", finding)
     _check_figures(mission, robot, report)
-    for name, assumed in _ASSUMED.items():
+    for name, assumed in (("turnRate", 180.0), ("positionNoise", 0.0)):
         if is_set(robot, name) and getattr(robot, name) != assumed:
             finding = (
                 f"has {name} {number(getattr(robot, name))}, which the built-in reactions ignore, "
@@ -132,26 +143,6 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
         report.add(robot, "RobotHasBattery", finding)
 
 
-def _check_property_names(station: Any, report: Report) -> None:
-    properties = (station.intProperties, station.stringProperties, station.doubleProperties)
-    for entry in repeated(chain(*properties)):
-        finding = (
-            f"is a property of {report.place(station).description} for the second time; "
-            "expected different names; rename one"
-        )
-        report.add(entry, "UniquePropertyName", finding)
-
-
-def _check_area(mission: Any, area: Any, report: Report) -> None:
-    outer = mission.missionArea
-    if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
-        finding = (
-            f"reaches beyond the mission area (radius {number(outer.radius)}); expected an area "
-            "inside it; correct one of them"
-        )
-        report.add(area, "AreaInsideMission", finding)
-
-
 def _check_starts(mission: Any, report: Report) -> None:
     others = Discs()
     for obstacle in mission.obstacles:
@@ -161,11 +152,9 @@ def _check_starts(mission: Any, report: Report) -> None:
         place = point(robot.position)
         touched = others.first_around(place)
         if touched is not None:
-            other = report.place(touched).description
-            finding = (
-                f"starts in contact with {other}; expected some distance; correct its position"
-            )
-            report.add(robot, "RobotStartsClear", finding)
+            finding = f"starts in contact with {report.place(touched).description}"
+            advice = "expected some distance; correct its position"
+            report.add(robot, "RobotStartsClear", f"{finding}; {advice}")
         others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
 
 
@@ -176,7 +165,7 @@ def _check_goal(mission: Any, goal: Any, report: Report) -> None:
     _check_figures(mission, goal.task, report)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
-        check(mission, goal, report)
+        check(mission.duration, goal, report)
     for message in goal.messages:
         _check_message(goal, message, report)
 
@@ -196,7 +185,7 @@ def _check_figures(mission: Any, element: Any, report: Report) -> None:
             report.add(element, "FigureInsideMission", finding)
 
 
-def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
+def _check_gather_samples(_: int, goal: Any, report: Report) -> None:
     if goal.area is None:
         finding = "has no area to gather samples in; expected one; add <area ID=... radius=...>"
         report.add(goal, "GatherSamplesArea", finding)
@@ -209,9 +198,8 @@ def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
         report.add(goal.task, "SensorOfMember", finding)
 
 
-def _check_avoid_collision(_: Any, goal: Any, report: Report) -> None:
-    found = strangers(goal)
-    if found:
+def _check_avoid_collision(_: int, goal: Any, report: Report) -> None:
+    if found := strangers(goal):
         finding = (
             f"names {_ids(found)}; expected members of the goal "
             f"({_ids(goal.members)}); correct the robots or the members"
@@ -219,24 +207,22 @@ def _check_avoid_collision(_: Any, goal: Any, report: Report) -> None:
         report.add(goal.task, "AvoidCollisionMembers", finding)
 
 
-def _check_visit(mission: Any, goal: Any, report: Report) -> None:
-    if goal.task.deadline >= mission.duration:
+def _check_visit(duration: int, goal: Any, report: Report) -> None:
+    if goal.task.deadline >= duration:
         finding = (
-            f"has deadline {goal.task.deadline} in a mission of {mission.duration} ticks, so that "
+            f"has deadline {goal.task.deadline} in a mission of {duration} ticks, so that "
             "it can never be violated; expected an earlier one; correct one of them"
         )
         report.add(goal.task, "DeadlineInsideMission", finding)
 
 
-def _check_fixed_distance(_: Any, goal: Any, report: Report) -> None:
+def _check_fixed_distance(_: int, goal: Any, report: Report) -> None:
     if len(goal.members) < 2:
-        finding = (
-            "keeps a distance between robots but has one member; expected two or more; add one"
-        )
-        report.add(goal, "PairOfMembers", finding)
+        finding = "keeps a distance between robots but has one member; expected two or more"
+        report.add(goal, "PairOfMembers", f"{finding}; add one")
 
 
-_TASK_CHECKS: dict[str, Callable[[Any, Any, Report], None]] = {
+_TASK_CHECKS: dict[str, Callable[[int, Any, Report], None]] = {
     "GatherSamples": _check_gather_samples,
     "AvoidCollision": _check_avoid_collision,
     "Visit": _check_visit,
@@ -247,10 +233,8 @@ _TASK_CHECKS: dict[str, Callable[[Any, Any, Report], None]] = {
 def _check_message(goal: Any, message: Any, report: Report) -> None:
     sender = message.sender
     if sender is message.receiver:
-        finding = (
-            f"is sent by '{sender.ID}' to itself; expected somebody else; correct the receiver"
-        )
-        report.add(message, "SenderIsNotReceiver", finding)
+        finding = f"is sent by '{sender.ID}' to itself; expected somebody else"
+        report.add(message, "SenderIsNotReceiver", f"{finding}; correct the receiver")
     if sender not in goal.members:
         finding = (
             f"is sent by '{sender.ID}'; expected a member of the goal "
@@ -312,13 +296,12 @@ class Discs:
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
             for dx, dy in product((-1, 0, 1), repeat=2):
-                near = cells.get((x + dx, y + dy), ())
-                found += next(([number] for number in near if self._holds(number, point)), [])
+                for number in cells.get((x + dx, y + dy), ()):
+                    _, center, radius = self._discs[number]
+                    if distance(point, center) < radius:
+                        found.append(number)
+                        break
         return self._discs[min(found)][0] if found else None
-
-    def _holds(self, number: int, point: Point) -> bool:
-        _, center, radius = self._discs[number]
-        return distance(point, center) < radius
 
 
 def _cell(point: Point, width: float) -> tuple[int, int]:
@@ -399,10 +382,8 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
     has_start, has_finish = is_set(fault, "start"), is_set(fault, "finish")
     if has_start != has_finish:
         given, missing = ("start", "finish") if has_start else ("finish", "start")
-        finding = (
-            f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}"
-        )
-        report.add(fault, "WindowComplete", finding)
+        finding = f"has {given} but no {missing}; expected both, or neither in a pool"
+        report.add(fault, "WindowComplete", f"{finding}; add {missing}")
     if fault.trigger is not None and not has_start:
         finding = (
             f"waits for trigger '{fault.trigger.ID}' and has no window in which to act; expected "
@@ -479,16 +460,11 @@ def _check_parameters(kind: Any, report: Report) -> None:
     searched = [("SearchBoundsOrdered", *pair) for pair in exchanged_bounds(kind)]
     for constraint, low, high in drawn + searched:
         lowest, highest = number(getattr(kind, low)), number(getattr(kind, high))
-        finding = (
-            f"has {low} {lowest} above {high} {highest}; expected the lower one first; "
-            "exchange them"
-        )
-        report.add(kind, constraint, finding)
+        finding = f"has {low} {lowest} above {high} {highest}; expected the lower one first"
+        report.add(kind, constraint, f"{finding}; exchange them")
     for name in broken_ticks(kind):
-        finding = (
-            f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks; round it"
-        )
-        report.add(kind, "WholeTicks", finding)
+        finding = f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks"
+        report.add(kind, "WholeTicks", f"{finding}; round it")
 
 
 def _check_fault_field(kind: Any, report: Report) -> None:
@@ -497,27 +473,17 @@ def _check_fault_field(kind: Any, report: Report) -> None:
         return
     carried = [entry.name for entry in message.body]
     for affected in meaning(kind).properties:
-        if not _carries(carried, affected):
+        is_other = any(name not in {known.name for known in OF_ROBOT} for name in carried)
+        carries = affected is not Field.COUNT or is_other  # rates and costs need no message
+        if affected in OF_ROBOT:
+            carries = affected.name in carried
+        if not carries:
             wanted = affected.name
             finding = (
                 f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "
                 f"that the fault has no effect; expected a message with {wanted}; choose another"
             )
             report.add(kind, "FaultFieldCarried", finding)
-
-
-def _carries(body: Sequence[str], affected: Field) -> bool:
-    """Return whether a body carries a property; rates and costs need no message to do so."""
-    if affected in OF_ROBOT:
-        return affected.name in body
-    reported = {known.name for known in OF_ROBOT}
-    return affected is not Field.COUNT or any(name not in reported for name in body)
-
-
-_NAMELESS = ("IdSyntax", "ReservedId")
-"""Constraints on IDs that become no name in Python where they are broken."""
-
-_SYNTAX = re.compile(r"[A-Za-z][A-Za-z0-9_. -]*", re.ASCII)
 
 
 def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> None:
@@ -531,21 +497,19 @@ def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> 
         defects = [*defects_of_id(text, becomes_name=become_names)]
         for defect in defects:
             report.add(node, defect.constraint, defect.finding)
-        if not become_names or any(defect.constraint in _NAMELESS for defect in defects):
+        is_nameless = any(defect.constraint in ("IdSyntax", "ReservedId") for defect in defects)
+        if is_nameless or not become_names:
             continue
         name = identifier(text)
         first = named.setdefault(name, node)
         if first is not node:
-            finding = (
-                f"and {first.description} (line {first.line}) both become '{name}' in Python; "
-                "rename one"
-            )
-            report.add(node, "IdClash", finding)
+            finding = f"and {first.description} (line {first.line}) both become '{name}' in Python"
+            report.add(node, "IdClash", f"{finding}; rename one")
 
 
 def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:
     """Yield what is wrong with an ID, whatever other IDs there are."""
-    if not _SYNTAX.fullmatch(text):
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_. -]*", text):
         yield Defect(
             "IdSyntax",
             f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.' or "

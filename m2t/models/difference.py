@@ -137,10 +137,10 @@ class _Outliner:
             outline.values["ID"] = outline.identity or None
         elif kind not in {"", metaclass.name}:
             outline.values["class"] = _plain(kind)
-        self._fill(outline, node, metaclass, "")
+        self._fill(outline, node, metaclass)
         return outline
 
-    def _fill(self, outline: Outline, node: Node, metaclass: Any, prefix: str) -> None:
+    def _fill(self, outline: Outline, node: Node, metaclass: Any, prefix: str = "") -> None:
         """Add the features of a node; those that are not known are added as they stand."""
         known = slots(metaclass)
         for name, slot in known.items():
@@ -165,7 +165,7 @@ class _Outliner:
         elif is_kind(declared, "FaultType"):
             for child in children:
                 _append(outline, "type", declared.name)
-                self._fill(outline, child, declared, "")
+                self._fill(outline, child, declared)
         elif any(known.is_id for known in slots(declared).values()):
             outline.children[prefix + slot.name] = [
                 self.outline(child, declared, outline) for child in children
@@ -253,10 +253,6 @@ def _raw(node: Node) -> str:
 
 What: TypeAlias = Literal["changed", "added", "removed", "moved", "renamed", "reordered"]
 
-_SHOWN_IDS = 12
-
-_SOME_ID = "•"
-
 
 @dataclass(frozen=True, slots=True)
 class Change:
@@ -289,10 +285,13 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
     shared = olds.keys() & news.keys()
     kinds = {*olds, *news} if old.is_dir() and new.is_dir() else shared
     if not kinds:
-        found = f"{_listed(olds)} in {old} and {_listed(news)} in {new}"
-        raise ModelError(
-            f"found {found}; expected two models of the same kind; give the right files"
+        said = (
+            f"{' and '.join(f'a {kind}' for kind in outlines) or 'no model'} in {path}"
+            for outlines, path in ((olds, old), (news, new))
         )
+        found = " and ".join(said)
+        advice = "expected two models of the same kind; give the right files"
+        raise ModelError(f"found {found}; {advice}")
     ordered = sorted(kinds, key=lambda name: name != "Mission")
     both = [(olds[kind], news[kind]) for kind in ordered if kind in shared]
     pairs = renamed(both)
@@ -304,19 +303,11 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
             comparison = _Comparison(olds[kind], news[kind], before)
             changes.extend(comparison.compare(olds[kind], news[kind]))
         else:
-            is_new = kind in news
-            changes.append(_whole("added", news[kind]) if is_new else _whole("removed", olds[kind]))
+            what: What = "added" if kind in news else "removed"
+            root = news.get(kind) or olds[kind]
+            text = f"{root.label} {what} ({sum(1 for _ in root.walk()) - 1} elements)"
+            changes.append(Change(what, root.label, "", "", "", text))
     return tuple(changes)
-
-
-def _listed(kinds: Iterable[str]) -> str:
-    return " and ".join(f"a {kind}" for kind in kinds) or "no model"
-
-
-def _whole(what: What, outline: Outline) -> Change:
-    inside = sum(1 for _ in outline.walk()) - 1
-    text = f"{outline.label} {what} ({inside} elements)"
-    return Change(what, outline.label, "", "", "", text)
 
 
 class _Comparison:
@@ -334,7 +325,9 @@ class _Comparison:
         for name in dict.fromkeys((*new.values, *old.values)):
             before, after = old.values.get(name), new.values.get(name)
             if before != after:
-                yield _changed(new, name, before, after)
+                was, now = ("none" if value is None else value for value in (before, after))
+                text = f"{new.label}: {name} {was} → {now}"
+                yield Change("changed", new.label, name, was, now, text)
         for name in dict.fromkeys((*new.children, *old.children)):
             yield from self._compare_children(name, old, new)
 
@@ -363,7 +356,8 @@ class _Comparison:
             text = f"{word(outline.kind)} {known} renamed {outline.identity}"
             yield Change("renamed", outline.label, "ID", known, outline.identity, text)
         source = earlier.container
-        if source is not None and not _is_alike(source, container):
+        are_roots = source is not None and source.container is container.container is None
+        if source is not None and source.key != container.key and not are_roots:
             text = f"{outline.label} moved from {source.label} to {container.label}"
             yield Change("moved", outline.label, "", source.label, container.label, text)
         yield from self.compare(earlier, outline)
@@ -375,17 +369,6 @@ class _Comparison:
                 yield from self._compare_element(outline, added)
             else:
                 yield from self._moved_into(outline)
-
-
-def _is_alike(one: Outline, other: Outline) -> bool:
-    """Return whether two outlines are of the same element, or both of a root."""
-    return one.key == other.key or one.container is other.container is None
-
-
-def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change:
-    old, new = ("none" if value is None else value for value in (before, after))
-    text = f"{outline.label}: {name} {old} → {new}"
-    return Change("changed", outline.label, name, old, new, text)
 
 
 def _placed(what: What, outline: Outline, preposition: str) -> Change:
@@ -400,7 +383,7 @@ def _placed(what: What, outline: Outline, preposition: str) -> Change:
 
 def _ids(outlines: Sequence[Outline]) -> str:
     ids = [outline.identity for outline in outlines]
-    return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")
+    return " ".join(ids[:12]) + (" ..." if len(ids) > 12 else "")
 
 
 def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:
@@ -424,11 +407,10 @@ def rename(roots: Iterable[Outline], found: Mapping[Outline, Outline]) -> None:
         old.identity, old.key = new.identity, new.key
     for root in roots:
         for outline in root.walk():
-            outline.values = {name: _with(value, names) for name, value in outline.values.items()}
-
-
-def _with(value: Value, names: Mapping[str, str]) -> Value:
-    return value if value is None else " ".join(names.get(word, word) for word in value.split(" "))
+            outline.values = {
+                name: value and " ".join(names.get(word, word) for word in value.split(" "))
+                for name, value in outline.values.items()
+            }
 
 
 def _without(roots: Sequence[Outline], others: Sequence[Outline]) -> dict[str, Outline]:
@@ -477,4 +459,4 @@ def _signature(outline: Outline, own: Mapping[str, Outline]) -> tuple[object, ..
 
 def _hidden(text: str, own: Mapping[str, Outline]) -> str:
     """Return a text without the IDs that only one model has, be they references or a name."""
-    return " ".join(_SOME_ID if word.strip("'") in own else word for word in text.split(" "))
+    return " ".join("•" if word.strip("'") in own else word for word in text.split(" "))

@@ -93,7 +93,6 @@ def _round_ticks(kind: Any) -> None:
 
 
 def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
-
     def exchange(element: Any) -> None:
         for one, other in pairs(element):
             first, second = getattr(element, one), getattr(element, other)
@@ -103,12 +102,8 @@ def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
     return exchange
 
 
-def _nothing(_: Any) -> None:
-    """Leave the element as it is: the list of objects holds every element once already."""
-
-
 FIXES: Mapping[str, Fix] = {
-    "UniqueReference": Fix("Delete the repeated references", _nothing),
+    "UniqueReference": Fix("Delete the repeated references", lambda _: None),  # loading has done so
     "GoalDependsOnOthers": Fix(
         "Delete the goal from its own dependentGoals", _delete_self_dependence
     ),

@@ -13,6 +13,7 @@ gets campaign files to begin with: the paper's two cases.
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -62,11 +63,6 @@ class Notes(list[Note]):
         self.append(Note(kind, place.line, place.description, feature, message))
 
 
-_USABLE = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}", re.ASCII)
-_UNUSABLE = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
-_LONGEST_BASE = 80
-
-
 def give_ids(root: Node, notes: Notes) -> None:
     """Set the ID of every element below the root of a model whose nodes know their classes.
 
@@ -94,7 +90,8 @@ class _Namer:
 
     def keeps_own(self, node: Node) -> bool:
         own = _own(node)
-        if own is None or not _USABLE.fullmatch(own) or not self._take(own):
+        is_usable = own is not None and re.fullmatch(r"[A-Za-z][A-Za-z0-9_.-]{0,99}", own)
+        if own is None or not is_usable or not self._take(own):
             return False
         self._kept.add(own)
         if "ID" not in node.attributes:
@@ -104,7 +101,7 @@ class _Namer:
 
     def derive(self, node: Node) -> None:
         own = _own(node)
-        legal = _UNUSABLE.sub("_", own or "").strip("_.-")[:_LONGEST_BASE]
+        legal = re.sub(r"[^A-Za-z0-9_.-]+", "_", own or "").strip("_.-")[:80]
         if legal and not legal[0].isalpha():
             legal = f"{snake_case(node.metaclass.name)}_{legal}"
         base = new = legal or _place(node)
@@ -120,14 +117,10 @@ class _Namer:
             self._notes.add("inconsistent", node, "ID", message)
 
     def _take(self, identity: str) -> bool:
-        try:
-            name = identifier(identity)
-        except ModelError:
-            return False
-        if name in self._taken:
-            return False
-        self._taken.add(name)
-        return True
+        n_taken = len(self._taken)
+        with suppress(ModelError):
+            self._taken.add(identifier(identity))
+        return len(self._taken) > n_taken
 
 
 def _own(node: Node) -> str | None:
@@ -138,13 +131,12 @@ def _own(node: Node) -> str | None:
 
 def _place(node: Node) -> str:
     """Return what an element is called by its place, such as ``g1_area`` or ``robot_1``."""
-    container = node.parent
+    container, kind = node.parent, snake_case(node.metaclass.name)
     if container is None:
-        return snake_case(node.metaclass.name)
-    word = snake_case(node.tag)
-    if slots(container.metaclass)[node.tag].many:
-        position = container.tagged(node.tag).index(node) + 1
-        word = f"{snake_case(node.metaclass.name)}_{position}"
+        return kind
+    is_many = slots(container.metaclass)[node.tag].many
+    position = container.tagged(node.tag).index(node) + 1
+    word = f"{kind}_{position}" if is_many else snake_case(node.tag)
     if container.parent is None:
         return word
     return f"{container.attributes['ID'] if _has(container, 'ID') else _place(container)}_{word}"
@@ -200,12 +192,8 @@ first literal, as in Eclipse. Any other absent number is 0, as in Eclipse.
 """
 
 
-_ZERO = re.compile(r"[+-]?(0*\.?0*)", re.ASCII)
 _COPIED = ("Area", "Coordinates")
 """Classes whose elements are copied where the old format refers to one."""
-
-_AFFECTED = "affected"
-_EXACT = 2.0**53
 
 
 class _Given:
@@ -414,8 +402,13 @@ class PublishedReader:
             for target in (child.text.split() or [""]) if href is None else [href]:
                 self._add(made, child, slot.name).attributes["href"] = target
             self._drop(rest, "")
-        if slot.name not in made.attributes and not made.tagged(slot.name):
-            self._report_older(made, slot.name, given)
+        if slot.name in made.attributes or made.tagged(slot.name):
+            return
+        for other in (*given.attributes, *given.children):  # of a fault that strikes otherwise
+            if slot.name.startswith("affected") and other.startswith("affected"):
+                finding = f"has {other}, so that the file is of an older metamodel"
+                advice = f"expected {slot.name}; correct it"
+                self._report.add(made, "KnownFeature", f"{finding}; {advice}")
 
     def _values(self, made: Node, slot: Slot, given: _Given) -> None:
         """Take the values of an attribute, of which those that are elements may become one."""
@@ -433,20 +426,15 @@ class PublishedReader:
             self._add(made, child, slot.name, child.text.strip())
             self._drop(_Given(child), "")
 
-    def _report_older(self, made: Node, name: str, given: _Given) -> None:
-        """Report a fault that strikes something else than its type does here, if this is one."""
-        for other in (*given.attributes, *given.children):
-            if name.startswith(_AFFECTED) and other.startswith(_AFFECTED):
-                finding = f"has {other}, so that the file is of an older metamodel; expected {name}"
-                self._report.add(made, "KnownFeature", f"{finding}; correct it")
-
     def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
         """Return and note what an absent attribute means; ``None`` if it stays unset."""
         if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
         special = DEFAULTS.get((made.metaclass.name, slot.name))
-        if special is not None:
-            text, meaning = special(self._duration()), "; set to {}"
+        if special is not None:  # the mission is read before all else; 0 if its duration is wrong
+            duration = next(iter(self._origins)).attributes.get("duration", "")
+            text = special(int(duration) if duration.isdecimal() else 0)
+            meaning = "; set to {}"
         elif slot.type.name in USUAL and made.metaclass.name != "MessageData":
             text = USUAL[slot.type.name]
             meaning = ", which means {} in Eclipse" if text else ", which means empty"
@@ -454,11 +442,6 @@ class PublishedReader:
             return None
         self._notes.add("default", node, slot.name, f"is absent{meaning.format(text)}")
         return text
-
-    def _duration(self) -> int:
-        """Return what the mission lasts, which is read before all else; 0 if that is wrong."""
-        text = next(iter(self._origins)).attributes.get("duration", "")
-        return int(text) if text.isdecimal() else 0
 
     def _find(self, fragment: str) -> Node | None:
         """Return what became of a node: by xmi:id, path, or an ID that only one element has."""
@@ -491,7 +474,7 @@ class PublishedReader:
             reason, contradiction = "repeats the container's ID", _misplaced(node, text)
         elif name in ZERO_VALUES and class_name.startswith("Zero"):
             reason = "is zero by the type of the fault"
-            if not _ZERO.fullmatch(text.strip()):
+            if not re.fullmatch(r"[+-]?(0*\.?0*)", text.strip()):
                 contradiction = f"is {shown(text)} in a fault of type {class_name}; read as zero"
         elif name == "ID":
             reason = "nothing refers to the element by ID"
@@ -515,10 +498,8 @@ def _made(node: Node, tag: str, parent: Node | None, text: str = "") -> Node:
 def _whole(text: str) -> str:
     """Return a whole number as integers are written: Java writes a double of 1000 as 1000.0."""
     number = float(text) if DOUBLE.fullmatch(text) else 0.5
-    return str(int(number)) if number.is_integer() and abs(number) < _EXACT else text
+    return str(int(number)) if number.is_integer() and abs(number) < 2.0**53 else text
 
-
-_COUNTED = ("robots", "servers", "obstacles", "goals")
 
 _CASE = """\
 # Written by `mrsfi import`. {about}
@@ -535,9 +516,11 @@ selection = "roulette"
 seed = 1
 mission_seed = 1
 """
-_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
-_FITNESS_A = """\
-fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
+_CASE_A = {
+    "about": "Case study A of the paper (section V-B 1): fitness function (1).",
+    "fitness": 'fitness = "weighted"     # equation (1): '
+    "0.3 x all violations + 0.7 x distinct violated goals",
+}
 _ABOUT_B = """\
 Case study B of the paper (section V-B 1): fitness function (2)
 # on one collision-focused and one energy-focused goal."""
@@ -570,7 +553,13 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     with all errors, one a line, and nothing is written; a folder that must not be replaced or
     cannot be written is a ``UsageError``.
     """
-    _require_free(folder, is_forced=is_forced)
+    is_there = folder.exists() or folder.is_symlink()
+    if is_there and not is_forced:
+        what = f"{folder}: exists already; name another folder with --out, or replace its models"
+        raise UsageError(f"{what} with --force")
+    if is_there and not (folder / MISSION_XMI).is_file():
+        what = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder"
+        raise UsageError(f"{what}; name another with --out")
     origins: dict[Any, Node] = {}
     report = Report(origins)
     notes = Notes(report)
@@ -609,25 +598,18 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         Note("inconsistent", found.line, found.element, found.constraint, found.message)
         for found in report
     ]
-    files = _write(_models(mission, specifications), folder)
+    counts = {
+        kind: len(getattr(mission, kind)) for kind in ("robots", "servers", "obstacles", "goals")
+    }
+    counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
+    counts["faults"] = sum(len(root.faults) for root in specifications)
     return Imported(
         folder=folder,
-        files=files,
+        files=_write(mission, specifications, folder),
         n_xmi_ids=len(reader.by_xmi_id),
-        counts=_counts(mission, specifications),
+        counts=counts,
         notes=tuple(sorted(notes, key=lambda note: (KINDS.index(note.kind), note.line))),
     )
-
-
-def _require_free(folder: Path, *, is_forced: bool) -> None:
-    if not folder.exists() and not folder.is_symlink():
-        return
-    if not is_forced:
-        message = f"{folder}: exists already; name another folder with --out, or replace its "
-        raise UsageError(f"{message}models with --force")
-    if not (folder / MISSION_XMI).is_file():
-        message = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder; "
-        raise UsageError(f"{message}name another with --out")
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
@@ -646,23 +628,14 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
     return roots
 
 
-def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
-    models = {MISSION_XMI: mission}
+def _write(mission: Any, specifications: list[Any], folder: Path) -> tuple[str, ...]:
+    """Write all files or none; campaign files only where there are none."""
+    contents = {MISSION_XMI: dumps(mission)}
     for number, root in enumerate(specifications, 1):
         name = FAULTS_XMI if number == 1 else f"faults_{root.ID}.xmi"
-        if name in models:
+        if name in contents:
             name = f"faults_{number}_{root.ID}.xmi"
-        models[name] = root
-    return models
-
-
-def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
-    """Write all files or none; campaign files only where there are none."""
-    mission = models[MISSION_XMI]
-    contents = {
-        name: dumps(root, hrefs={} if root is mission else {mission: MISSION_XMI})
-        for name, root in models.items()
-    }
+        contents[name] = dumps(root, hrefs={mission: MISSION_XMI})
     cases = _campaign_files(mission)
     contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
     if folder.exists():
@@ -675,19 +648,12 @@ def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
     return tuple(contents)
 
 
-def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
-    counts = {kind: len(getattr(mission, kind)) for kind in _COUNTED}
-    counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
-    counts["faults"] = sum(len(root.faults) for root in specifications)
-    return counts
-
-
 def _campaign_files(mission: Any) -> dict[str, bytes]:
     """Return the campaign files of a mission by name: ``case_a.toml``, and maybe ``case_b.toml``.
 
     Case b takes both a goal that avoids collisions and one about energy; it names the first each.
     """
-    files = {"case_a.toml": _CASE.format(about=_ABOUT_A, fitness=_FITNESS_A)}
+    files = {"case_a.toml": _CASE.format_map(_CASE_A)}
     firsts = {goal.task.eClass.name: goal.ID for goal in reversed(mission.goals)}
     energy, collisions = map(firsts.get, ("SufficientEnergy", "AvoidCollision"))
     if collisions and energy:

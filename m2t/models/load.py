@@ -281,10 +281,10 @@ class _Loading:
         model = ReadModel(path)
         file = self._files.read(path)
         if file is not None:
-            model.tree = check_structure(file, metaclass, self._files, self._report)
+            model.tree = check_structure(file, metaclass, self._files, report)
         if model.tree is not None:
-            check_identities(model.tree, self._report, become_names=mission is None)
-            resolve(model.tree, mission, self._report)
+            check_identities(model.tree, report, become_names=mission is None)
+            resolve(model.tree, mission, report)
             model.is_whole = report.n_dangling == n_dangling
             is_sound = report.n_unsound - n_unsound == report.n_dangling - n_dangling
             if is_sound and (mission is None or mission.root is not None):
@@ -295,6 +295,7 @@ class _Loading:
         """Return the models, flawless or not; ``None`` if objects of a file are missing."""
         if mission.root is None or (faults is not None and faults.root is None):
             return None
+        by_node = self._objects.by_node
         return LoadedModels(
             mission=mission.root,
             faults=None if faults is None else faults.root,
@@ -302,10 +303,8 @@ class _Loading:
             faults_path=None if faults is None else faults.path,
             nodes=self._objects.nodes,
             files=tuple(
-                LoadedFile(
-                    file.path, file.spelling, tuple(map(self._objects.by_node.get, file.roots))
-                )
-                for file in self._files
+                LoadedFile(each.path, each.spelling, tuple(map(by_node.get, each.roots)))
+                for each in self._files
             ),
         )
 

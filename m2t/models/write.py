@@ -58,13 +58,9 @@ def dumps_file(
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
     lines = _Writer(roots, hrefs, xmi_ids, spelling.schema_location).lines()
     whole = (f'<?xml version="1.0" encoding="{spelling.encoding}"?>', *lines, "")
-    return _encoded(spelling.line_end.join(whole), spelling.encoding)
-
-
-def _encoded(text: str, encoding: str) -> bytes:
-    """Return text in an encoding, with hexadecimal references for what it lacks, as EMF does."""
+    text, encoding = spelling.line_end.join(whole), spelling.encoding
     lacking = (each for each in set(text) if not each.encode(encoding, "ignore"))
-    text = text.translate({ord(each): f"&#x{ord(each):x};" for each in lacking})
+    text = text.translate({ord(each): f"&#x{ord(each):x};" for each in lacking})  # as EMF does
     if encoding.upper() == "UTF-16":  # as in Java: big-endian after a byte order mark
         return b"\xfe\xff" + text.encode("UTF-16-BE")
     return text.encode(encoding)
@@ -106,7 +102,9 @@ class _Writer:
         }
         self._tops: dict[Any, Any] = {root: root for root in self._addresses}
         self._starts = dict(_starts(roots, hrefs))
-        self._positions = cache(_positions)
+        self._positions = cache(
+            lambda holder, name: {e: n for n, e in enumerate(holder.eGet(name))}
+        )
 
     def lines(self) -> Iterator[str]:
         indent = "  " if len(self._roots) > 1 else ""
@@ -140,9 +138,11 @@ class _Writer:
                 lines.extend(self._contained(slot, held, indent))
             elif slot.is_reference:
                 self._require_addresses(element, slot, held)
-                own, inner = self._references(slot, held, indent)
-                attributes += own
-                lines += inner
+                if any(self._address(value) for value in held):  # one is outside the file
+                    lines += [self._reference(slot, each, indent) for each in held]
+                    continue
+                fragments = " ".join(map(self._fragment, held))
+                attributes += [_attribute(slot.name, fragments)] if held else []
             elif slot.many:
                 texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
@@ -162,13 +162,6 @@ class _Writer:
     def _reference(self, slot: Slot, value: Any, indent: str) -> str:
         href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
         return f"{indent}<{slot.name}{self._type(slot, value)}{href}/>"
-
-    def _references(self, slot: Slot, held: list[Any], indent: str) -> tuple[list[str], list[str]]:
-        """Return an attribute within the file, elements as soon as one value is outside."""
-        if any(self._address(value) for value in held):
-            return [], [self._reference(slot, each, indent) for each in held]
-        fragments = " ".join(self._fragment(value) for value in held)
-        return [_attribute(slot.name, fragments)] if held else [], []
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -216,10 +209,6 @@ class _Writer:
         index = f".{self._positions(container, feature)[element]}" if feature.many else ""
         parent = self._path(container)
         return f"{'/' if parent == '/' else parent}/@{feature.name}{index}"
-
-
-def _positions(container: Any, feature: Any) -> dict[Any, int]:
-    return {element: index for index, element in enumerate(container.eGet(feature))}
 
 
 def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[Any, str]]:
@@ -277,10 +266,6 @@ def _escaped(text: str, escapes: Mapping[int, str]) -> str:
 SHORT = 400
 """Lines that are compared undivided; more only where nothing divides them."""
 
-_CONTEXT = 3
-
-Opcode = tuple[str, int, int, int, int]
-
 
 def unified_difference(
     old: Sequence[str], new: Sequence[str], old_name: str, new_name: str, line_end: str = "\n"
@@ -289,23 +274,18 @@ def unified_difference(
 
     ``line_end`` ends the lines of header and hunks; it is empty where the compared lines have none.
     """
-    for number, group in enumerate(_Aligned(old, new).get_grouped_opcodes(_CONTEXT)):
+    for number, group in enumerate(_Aligned(old, new).get_grouped_opcodes()):
         if number == 0:
             yield f"--- {old_name}{line_end}"
             yield f"+++ {new_name}{line_end}"
         (_, old_first, _, new_first, _), (_, _, old_last, _, new_last) = group[0], group[-1]
         ranges = f"-{_range(old_first, old_last)} +{_range(new_first, new_last)}"
         yield f"@@ {ranges} @@{line_end}"
-        for opcode in group:
-            yield from _changed(opcode, old, new)
-
-
-def _changed(opcode: Opcode, old: Sequence[str], new: Sequence[str]) -> Iterator[str]:
-    what, old_first, old_last, new_first, new_last = opcode
-    mark = " " if what == "equal" else "-"
-    yield from (f"{mark}{line}" for line in old[old_first:old_last])
-    if what != "equal":
-        yield from (f"+{line}" for line in new[new_first:new_last])
+        for what, old_first, old_last, new_first, new_last in group:
+            mark = " " if what == "equal" else "-"
+            yield from (f"{mark}{line}" for line in old[old_first:old_last])
+            if what != "equal":
+                yield from (f"+{line}" for line in new[new_first:new_last])
 
 
 def _range(first: int, last: int) -> str:
