@@ -60,7 +60,6 @@ if TYPE_CHECKING:
 _LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
 _BEFORE, _SHOWN = 30, 150  # characters that one shows before and after a first difference
 _FAILED = "Traceback (most recent call last)"
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
 _MOST_BYTES = 4 * 1024**3
 _NO_ZIP = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError)
 _UNREADABLE = (*_NO_ZIP, RuntimeError, ValueError, KeyError)
@@ -79,7 +78,8 @@ def pack(run: Path, out: Path, tell: Tell = silent) -> str:
     ):
 
         def add(name: str, content: bytes) -> None:
-            archive.writestr(zipfile.ZipInfo(name, _EPOCH), content, zipfile.ZIP_DEFLATED)
+            place = zipfile.ZipInfo(name)  # its date is that of the year 1980, always the same
+            archive.writestr(place, content, zipfile.ZIP_DEFLATED)
             hashes[name] = sha256(content).hexdigest()
 
         for path in folder.files():

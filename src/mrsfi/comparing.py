@@ -45,13 +45,8 @@ from mrsfi_runtime.study.comparison import (
 )
 from mrsfi_runtime.study.folder import ComparisonFolder
 
-_DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
-"""Rooms of mrsfi whose source decides what a search finds."""
-
 _SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
 """What the record of a run keeps beside that of any campaign."""
-
-_NOTED = 1.0  # seconds after which a run notes how long it has taken
 
 
 def default_folder(mission: str, case: str, kind: str = "compare") -> Path:
@@ -129,10 +124,13 @@ def _require_same(
         today = _subject(settings, files, source) | {"side": side}
         other = sorted(key for key in {*recorded, *today} if recorded.get(key) != today.get(key))
         if other:
+            found, wanted = (
+                ", ".join(f"{key} {str(subject.get(key))[:20]}" for key in other[:5])
+                for subject in (recorded, today)
+            )
             raise RecordError(
-                f"{place.path}: found a run with other {', '.join(other)}: "
-                f"{_excerpt(recorded, other)}; expected {_excerpt(today, other)}; compare in "
-                "another folder with --out, or remove this one"
+                f"{place.path}: found a run with other {', '.join(other)}: {found}; expected "
+                f"{wanted}; compare in another folder with --out, or remove this one"
             )
 
 
@@ -144,14 +142,11 @@ def _subject(
     return {**settings.as_json(), **decisive, _SOURCE: source}
 
 
-def _excerpt(subject: Mapping[str, Any], keys: Sequence[str]) -> str:
-    return ", ".join(f"{key} {str(subject.get(key))[:20]}" for key in keys[:5])
-
-
 def _hash_of_ours() -> str:
+    """Return the hash of the rooms of mrsfi whose source decides what a search finds."""
     digest = hashlib.sha256()
     package = Path(mrsfi_runtime.__file__).parent
-    for room in _DECISIVE:
+    for room in ("model", "kernel", "cosimulation", "record", "search", "causes"):
         for file in sorted((package / room).rglob("*.py")):
             content = file.read_bytes()
             digest.update(f"{file.name} {len(content)}\n".encode() + content)
@@ -168,7 +163,7 @@ def _flown(place: CampaignFolder, name: str, evaluator: Evaluator, source: str) 
 
         def note(_: object) -> None:
             nonlocal noted
-            if monotonic() - noted > _NOTED:
+            if monotonic() - noted > 1.0:
                 noted = monotonic()
                 store.keep(_SECONDS, repr(spent + noted - began))
 
@@ -254,34 +249,28 @@ def changes(
     found, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
-            found.append({_key(way): way for way in harvested(campaign).ways})
+            found.append({(way.goal, way.faults): way for way in harvested(campaign).ways})
             models.append((campaign.mission, campaign.pool))
             names.append(campaign.store.manifest.mission or campaign.mission.name)
     if names[0] != names[1]:
-        raise UsageError(
-            f"{after}: found a campaign of mission '{names[1]}'; expected one of '{names[0]}', as "
-            f"{before} is"
-        )
-    old, new = found
+        what = f"{after}: found a campaign of mission '{names[1]}'"
+        raise UsageError(f"{what}; expected one of '{names[0]}', as {before} is")
     told: list[Change] = []
     for path, flown, others, (mission, pool), is_before in (
-        (after, old, new, models[0], True),
-        (before, new, old, models[1], False),
+        (after, found[0], found[1], models[0], True),
+        (before, found[1], found[0], models[1], False),
     ):
         ways = [way for key, way in flown.items() if is_before or key not in others]
         with flying_again(path, engine, workers, tell) as (campaign, evaluator, _):
             there = _broken(campaign, evaluator, ways)
         for way in ways:
-            old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
+            other = others.get((way.goal, way.faults))
+            old_one, new_one = (way, other) if is_before else (None, way)
             cause = cause_in_words(mission, pool, way)
             name = mission.label_of(mission.goals[mission.goal_ids.index(way.goal)])
             told.append(Change(name, cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))
-
-
-def _key(way: Way) -> tuple[str, tuple[str, ...]]:
-    return way.goal, way.faults
 
 
 def _broken(

@@ -101,7 +101,6 @@ AS_RECORDED: Given = MappingProxyType({})
 """No options: the engine is that of the record."""
 
 _N_PROCESSORS = os.cpu_count() or 1
-_LEFT_OUT = frozenset({"__pycache__", "node_modules"})
 
 
 def silent(_: str) -> None:
@@ -139,7 +138,14 @@ def chosen(
             f"{options if recorded.is_foreign else 'no --side'}"
         )
     if side == INJECTOR:
-        values = _with_node(values, url)
+        command, table = values.get("node"), project().node
+        values = {
+            "node_pace": BARRIER if url is None else ANSWER,
+            "node_reset": SERVICE if command is None else RESTART,
+            **values,  # of the node, its files and table of today
+            "node_mapping": "" if table is None else json.dumps(table, sort_keys=True),
+            "node_sha256": "" if command is None else _folder_sha256(command),
+        }
     settings = EngineSettings(**values)
     settings.require_sense()
     if side != INJECTOR:
@@ -172,18 +178,6 @@ def _require_none(given: Given, group: str, needs: str) -> None:
             raise UsageError(f"{flag(each)} {needs}")
 
 
-def _with_node(values: dict[str, Any], url: str | None) -> dict[str, Any]:
-    """Return fields with defaults of a node, and with its files and table of today."""
-    command, table = values.get("node"), project().node
-    return {
-        "node_pace": BARRIER if url is None else ANSWER,
-        "node_reset": SERVICE if command is None else RESTART,
-        **values,
-        "node_mapping": "" if table is None else json.dumps(table, sort_keys=True),
-        "node_sha256": "" if command is None else _folder_sha256(command),
-    }
-
-
 def _folder_sha256(command: str) -> str:
     """Return the hash of all files beside those that a command names, and in folders below.
 
@@ -193,16 +187,15 @@ def _folder_sha256(command: str) -> str:
     with suppress(ValueError):  # of a command that is none
         for path in map(Path, shlex.split(command)):
             if path.is_file() and not path.is_absolute():
-                is_alone = path.parent == Path()
-                found |= {path} if is_alone else {*filter(_is_part, path.parent.rglob("*"))}
+                beside = [path] if path.parent == Path() else path.parent.rglob("[!.]*")
+                left_out = {"__pycache__", "node_modules"}
+                found |= {
+                    each for each in beside if each.is_file() and not left_out & {*each.parts}
+                }
     for path in sorted(found):
         sha.update(f"{path.as_posix()}\0".encode())
         sha.update(path.read_bytes())
     return sha.hexdigest()
-
-
-def _is_part(path: Path) -> bool:
-    return path.is_file() and not _LEFT_OUT & set(path.parts) and path.name[0] != "."
 
 
 @contextmanager

@@ -120,7 +120,6 @@ Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Is told how far a search is, after each generation."""
 
 _UNEXPLAINED = "unexplained"  # key of what a record keeps where weaknesses were left out
-_VERSIONED = ("python", "mrsfi", "deap", "numpy", "pyecore")
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
@@ -176,7 +175,10 @@ def made(
             place=folders.place,
             case=case,
             engine=engine,
-            versions={name: installed_version(name) for name in _VERSIONED},
+            versions={
+                name: installed_version(name)
+                for name in ("python", "mrsfi", "deap", "numpy", "pyecore")
+            },
             machine=platform.machine(),
             sha256=folder.hashes(),
         )
@@ -245,9 +247,8 @@ def evolve(
     ``watched`` yields what is told after each generation. ``explains`` is as before if left out.
     An external simulation is only searched on.
     """
-    path, store = campaign.folder.path, campaign.store
+    path, store, settings = campaign.folder.path, campaign.store, campaign.store.settings
     explains = _explains(store, explains)
-    settings = store.settings
     seed, before = settings.mission_seed, (store.n_generations, len(store.flights()))
 
     def tell_who(who: str) -> None:
@@ -258,7 +259,11 @@ def evolve(
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
             search(campaign, many, progress, tell)
-        _tell_unused(store, tell)
+        if settings.is_short(store.n_evaluations + store.n_failures):
+            tell(
+                f"the search ended after {store.n_evaluations} of {settings.evaluations} "
+                "evaluations: it made no new specification any more"
+            )
         if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
@@ -269,14 +274,6 @@ def evolve(
                 tell(f"what breaks which goal is not looked for: {error}")
     if (store.n_generations, len(store.flights())) == before:
         tell("was finished already; its report is written anew")
-
-
-def _tell_unused(store: CampaignStore, tell: Tell) -> None:
-    if store.settings.is_short(store.n_evaluations + store.n_failures):
-        tell(
-            f"the search ended after {store.n_evaluations} of {store.settings.evaluations} "
-            "evaluations: it made no new specification any more"
-        )
 
 
 def _explains(store: CampaignStore, asked: bool | None) -> bool:

@@ -157,18 +157,16 @@ def explainer_of_file(
         )
     code = load_fresh(folders)
     written = read_specification(path, code, tell)
-    pool = written.pool
+    named = named_faults(code.mission, written.pool, written.specification)
     explainer = Explainer(
-        code=replace(code, pool=pool),
+        code=replace(code, pool=written.pool),
         measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
         mission_seeds=(1 if seed is None else seed,),
         write=specification_writer(written.models),
         folder=path.parent if out is None else out,
         source=path,
     )
-    return explainer, NamedSpecification(
-        path.stem, str(path), named_faults(code.mission, pool, written.specification)
-    )
+    return explainer, NamedSpecification(path.stem, str(path), named)
 
 
 def explainer_of_campaign(
@@ -248,9 +246,6 @@ FAULT_TREES = MappingProxyType(
 MAPS = (".csv", ".png", ".svg")
 """What the name of a map may end in."""
 
-_EVERY = 2.0
-"""Seconds between two lines about a harvest."""
-
 
 def require_format(path: Path, known: Collection[str]) -> None:
     """Refuse a file whose name does not end in one of what is known."""
@@ -282,9 +277,7 @@ def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
 
 def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
     """Return the faults that no specification had, and the pairs that none had together."""
-    flown: set[frozenset[str]] = {
-        faults_of(each.specification) for each in campaign.store.flights()
-    }
+    flown = {faults_of(each.specification) for each in campaign.store.flights()}
     flown.update(campaign.store.fault_sets())
     known = {some for each in flown for n in (1, 2) for some in combinations(sorted(each), n)}
     faults = [fault.id for fault in campaign.pool]
@@ -313,7 +306,7 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
 
     def tell_of(known: Known, n_flown: int, n_most: int | None) -> None:
         nonlocal told
-        if n_flown > n_before and monotonic() - told > _EVERY:
+        if n_flown > n_before and monotonic() - told > 2.0:
             told = monotonic()
             most = "flights, mildest forms" if n_most is None else f"of at most {n_most} flights"
             tell(f"harvest  {n_flown} {most}  {_found(known.weaknesses())}")

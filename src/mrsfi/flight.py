@@ -64,9 +64,8 @@ class Flight:
         return f"<Flight of {self.mission.name}, seed {self.seed}, truly violated: {counts}>"
 
     def _repr_html_(self) -> str:
-        title = (
-            f"{self.mission.name}, mission seed {self.seed}, under {len(self.specification)} faults"
-        )
+        title = f"{self.mission.name}, mission seed {self.seed}"
+        title += f", under {len(self.specification)} faults"
         return to_html(goal_table(title, self.mission, self.outcome))
 
     def to_frame(self) -> "DataFrame":

@@ -28,9 +28,6 @@ from mrsfi_runtime.generated_code import require_semantics
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.settings import folder_of
 
-_MODELS, _GENERATED = "models", "generated"
-_MISSION_CODE = "mission_loader.py"
-
 
 @dataclass(frozen=True, slots=True)
 class MissionFolders:
@@ -55,7 +52,7 @@ class MissionFolders:
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
         """Refuse generated code that does not follow from the models, and name the stale files."""
         names = stale(loaded or self.models, self.generated)
-        if names and not (self.generated / _MISSION_CODE).is_file():
+        if names and not (self.generated / "mission_loader.py").is_file():
             raise GenerationError(
                 f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
             )
@@ -79,10 +76,14 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
 
 def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
     """Return the folders of the mission whose models are, or were, in a folder, settled first."""
-    folder = models.resolve()
-    folders = MissionFolders(folder.name, models, generated or _generated(folder))
-    settle(models, folders.generated)
-    return folders
+    folder, ours = models.resolve(), project()
+    if generated is None and folder.parent == ours.models.resolve():
+        generated = ours.generated / folder.name
+    elif generated is None:  # beside the folder ``models`` that the mission is in
+        root = folder.parent.parent if folder.parent.name == "models" else folder.parent
+        generated = from_here(root / "generated" / folder.name)
+    settle(models, generated)
+    return MissionFolders(folder.name, models, generated)
 
 
 def is_mission(mission: str) -> bool:
@@ -107,18 +108,6 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
     names = [path.stem.removeprefix("case_") for path in files]
     what = f"the path of a TOML file, or one of {folders.models}/case_*.toml:"
     raise UsageError(f"--case: found no campaign file '{case}'; {expected(case, names, what)}")
-
-
-def _generated(folder: Path) -> Path:
-    """Return where the code of a mission goes: beside the folder ``models`` that it is in."""
-    ours = project()
-    if folder.parent == ours.models.resolve():
-        return ours.generated / folder.name
-    root = folder.parent.parent if folder.parent.name == _MODELS else folder.parent
-    return from_here(root / _GENERATED / folder.name)
-
-
-_BARE = re.compile(r"[A-Za-z0-9_-]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,14 +168,13 @@ def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
     found = with_new_ids(folders.models, folders.generated, names)
     contents = dict(found.contents)
     lines = [*found.difference]
-    places = [(path, _GOALS) for path in sorted(folders.models.glob("*.toml"))]
-    places += [(path, _LIMITS) for path in sorted(folder_of(folders.models).glob("*.toml"))]
-    for path, place in places:
-        old, new = _edited(path, place, names)
-        if new != old:
-            contents[path] = new.encode()
-            named = str(path)
-            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    for folder, place in ((folders.models, _GOALS), (folder_of(folders.models), _LIMITS)):
+        for path in sorted(folder.glob("*.toml")):
+            old, new = _edited(path, place, names)
+            if new != old:
+                contents[path] = new.encode()
+                named = str(path)
+                lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
     scripts = tuple(_named(folders.models, names))
     return Renaming(contents, found.respelt, found.code, tuple(lines), scripts)
 
@@ -196,7 +184,7 @@ def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, s
 
     def exchanged(found: re.Match[str]) -> str:
         new = names.get(found["id"], found["id"])
-        quote = found["quote"] or ("" if _BARE.fullmatch(new) else '"')
+        quote = found["quote"] or ("" if re.fullmatch(r"[A-Za-z0-9_-]*", new) else '"')
         return f"{quote}{new}{quote}"
 
     try:

@@ -186,10 +186,11 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
     """Return what is found in models, and what would mend all that has one sensible remedy."""
-    if mission.endswith(".xmi"):
-        inspection = inspect_specification(Path(mission))
-    else:
-        inspection = inspect_folder(find_mission(mission, generated).models)
+    inspection = (
+        inspect_specification(Path(mission))
+        if mission.endswith(".xmi")
+        else inspect_folder(find_mission(mission, generated).models)
+    )
     return inspection, mend(inspection)
 
 

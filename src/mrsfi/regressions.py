@@ -24,7 +24,7 @@ from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import Specification, numbered
+from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
@@ -127,9 +127,14 @@ def keep(
     goals = campaign.mission.goal_ids
     counts = regression.counts(goals, known.outcomes[specification], "--max")  # refuses other goals
     _require_new(regression, folders)
-    if limits is None:
-        others = _flown(path, regression, specification, engine)
-        regression = replace(regression, limits=_most([counts, *others]))
+    others = regression.mission_seeds[1:]
+    if limits is None and others:
+        with flying_again(path, engine, Workers(1), silent) as (_, __, own):
+            flown = [own.evaluate(specification, seed) for seed in others]
+        counted = [counts, *(regression.counts(goals, each) for each in flown)]
+        regression = replace(regression, limits=_most(counted))
+    elif limits is None:
+        regression = replace(regression, limits=_most([counts]))
     contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
     specification_writer(folders.models, contents.__setitem__)(
         specification_rows(campaign.pool, specification),
@@ -150,18 +155,6 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
                 f"{regression.path}: is kept already; choose another name with --name, or take new "
                 f"limits over with: mrsfi keep {folders.named} --update"
             )
-
-
-def _flown(
-    path: Path, regression: Regression, specification: Specification, engine: Given
-) -> Iterator[dict[str, int]]:
-    """Yield what a witness has in all mission seeds but that of its campaign."""
-    _, *others = regression.mission_seeds
-    if others:
-        with flying_again(path, engine, Workers(1), silent) as (campaign, _, own):
-            for seed in others:
-                outcome = own.evaluate(specification, seed)
-                yield regression.counts(campaign.mission.goal_ids, outcome)
 
 
 def update(
@@ -228,10 +221,14 @@ def check_all(
     chosen = [each for each in regressions if name in {None, each.name}]
     if not chosen:
         names = ", ".join(each.name for each in regressions)
-        raise UsageError(
-            f"{folders.models}: found --name {name}; expected one that is kept: {names}"
-        )
-    fresh = [Checked(each, _seeds(each, n_seeds), error=each.defect) for each in chosen]
+        what = f"{folders.models}: found --name {name}"
+        raise UsageError(f"{what}; expected one that is kept: {names}")
+    fresh = []
+    for each in chosen:
+        seeds = own = each.mission_seeds
+        if n_seeds is not None and own:
+            seeds = tuple(dict.fromkeys((*own, *following(own[0], n_seeds))))[:n_seeds]
+        fresh.append(Checked(each, seeds, error=each.defect))
     try:
         code = load_fresh(folders)
         seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
@@ -239,15 +236,7 @@ def check_all(
     except MrsfiError as error:
         yield from (replace(each, error=each.error or error) for each in fresh)
         return
-    for each in fresh:
-        yield each if each.error else _checked(each, code, engine, tell)
-
-
-def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
-    own = regression.mission_seeds
-    if n_seeds is None or not own:
-        return own
-    return tuple(dict.fromkeys((*own, *following(own[0], n_seeds))))[:n_seeds]
+    yield from (each if each.error else _checked(each, code, engine, tell) for each in fresh)
 
 
 def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:

@@ -9,7 +9,7 @@ import json
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 from hashlib import sha256
 from importlib.metadata import distributions
@@ -53,8 +53,6 @@ _OBEYS = {
 }
 """What messages hold that a robot as a rule tells or obeys, by their types."""
 
-_KNOWN = {"tells": _TELLS, "obeys": _OBEYS}
-
 
 def topics_of(url: str) -> dict[str, str]:
     """Return the topics of a rosbridge server and their types, spelled as it does."""
@@ -73,7 +71,8 @@ def node_table(topics: Mapping[str, str], mission: Mission) -> str:
     Robots are matched in the order of the model and of their names. Topics of types that are no
     robot's as a rule stand below, as comments. Without any other it is a ``UsageError``.
     """
-    of_robots = {name: kind for name, kind in topics.items() if _role(kind) is not None}
+    known_types = {*_TELLS, *_OBEYS}
+    of_robots = {name: kind for name, kind in topics.items() if full_name(kind) in known_types}
     if not of_robots:
         raise UsageError(
             f"--node: found {', '.join(sorted(topics)) or 'no topic'}; expected a topic of one of "
@@ -86,7 +85,7 @@ def node_table(topics: Mapping[str, str], mission: Mission) -> str:
     if names and names != {each: each for each in names}:
         lines.append(f"names = {_inline(names)}")
     energy = sum(battery.total_energy for battery in mission.robots[0].batteries)
-    for role, known in _KNOWN.items():
+    for role, known in (("tells", _TELLS), ("obeys", _OBEYS)):
         rules = {
             _rule(name, kind, ids[0], energy)
             for name, kind in of_robots.items()
@@ -96,10 +95,6 @@ def node_table(topics: Mapping[str, str], mission: Mission) -> str:
             lines += ["", f"[[node.{role}]]", f'topic = "{topic}"', f'type = "{kind}"', fields]
     others = sorted(f"# {name} {kind}" for name, kind in topics.items() if name not in of_robots)
     return "\n".join([*lines, "", "# Topics that are not mapped:", *others, ""])
-
-
-def _role(kind: str) -> str | None:
-    return next((role for role, known in _KNOWN.items() if full_name(kind) in known), None)
 
 
 def _parted(topic: str) -> tuple[str, str]:
@@ -122,13 +117,11 @@ def _rule(topic: str, kind: str, first: str, energy: float) -> tuple[str, str, s
 
 def _inline(values: Mapping[str, Any]) -> str:
     """Return an inline table of TOML."""
-    return f"{{ {', '.join(_entries(values))} }}"
-
-
-def _entries(values: Mapping[str, Any]) -> Iterator[str]:
+    entries = []
     for name, value in values.items():
         text = _inline(value) if isinstance(value, Mapping) else repr(value).replace("'", '"')
-        yield f'"{name}" = {text}' if "." in name else f"{name} = {text}"
+        entries.append(f'"{name}" = {text}' if "." in name else f"{name} = {text}")
+    return f"{{ {', '.join(entries)} }}"
 
 
 _TEMPLATE = Path(__file__).parent / "template"
@@ -140,10 +133,7 @@ _PLACES = {
     "gitlab.yml": ".gitlab-ci.yml",
     "mrsfi.toml": "mrsfi.toml",
 }
-_MISSION = ("build.py", "case_a.toml", "faults.xmi", "mission.xmi")
-_MODELS = ("*.xmi", "*.toml")
 _SHARED_URL = re.compile(r"https?://[\w.:/~+-]+|(ssh|file)://[\w.@:/~+-]+", re.ASCII)
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def start(
@@ -160,7 +150,7 @@ def start(
     says what a node there hears and says, as far as its topics tell. Its build servers install
     mrsfi from ``wheel_of`` the project, the package ``index`` or ``git``.
     """
-    if not _NAME.fullmatch(name):
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise UsageError(
             f"found the name '{name}'; expected letters, digits and _, a letter first, because it "
             "becomes part of Python's names"
@@ -172,8 +162,13 @@ def start(
         if folder.exists():
             raise UsageError(f"{folder}: exists; expected a name that is free here")
         _fill(new, name, requirement, begun_from, published)
-        if install == "wheel":
-            _bring(wheel_of(new))
+        if install == "wheel":  # that from which this mrsfi was installed, if it is still the same
+            origin, wheel = _origin(), wheel_of(new)
+            digest = origin.get("archive_info", {}).get("hashes", {}).get("sha256")
+            path = Path(unquote(urlsplit(origin.get("url", "")).path))
+            wheel.parent.mkdir()
+            if digest and path.is_file() and sha256(path.read_bytes()).hexdigest() == digest:
+                shutil.copy(path, wheel)
         if node is not None:
             mission = load_code(new / "generated" / name).mission
             with (new / SETTINGS).open("a", encoding="utf-8", newline="\n") as settings:
@@ -184,16 +179,6 @@ def start(
 def wheel_of(folder: Path) -> Path:
     """Return where a project has the wheel of mrsfi that its build servers install."""
     return folder / "vendor" / f"mrsfi-{installed_version('mrsfi')}-py3-none-any.whl"
-
-
-def _bring(wheel: Path) -> None:
-    """Copy the wheel from which this mrsfi was installed, if it is still there and the same."""
-    origin = _origin()
-    digest = origin.get("archive_info", {}).get("hashes", {}).get("sha256")
-    path = Path(unquote(urlsplit(origin.get("url", "")).path))
-    wheel.parent.mkdir()
-    if digest and path.is_file() and sha256(path.read_bytes()).hexdigest() == digest:
-        shutil.copy(path, wheel)
 
 
 def _requirement(install: str) -> str:
@@ -235,9 +220,9 @@ def _fill(
     if published is not None:
         import_published(published, models)
     elif source is not None:
-        _copy(source, models, *_MODELS)
+        _copy(source, models, "*.xmi", "*.toml")
     else:
-        for name in _MISSION:
+        for name in ("build.py", "case_a.toml", "faults.xmi", "mission.xmi"):
             _write(_TEMPLATE / "mission" / name, models / name, mission)
     generate(models, folder / "generated" / mission)
     write_classes(folder / "generated" / "metamodel", class_files(load_metamodels().packages))
