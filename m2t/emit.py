@@ -487,10 +487,8 @@ def plan_files(
     removed = tuple(name for name in known if name in standing and name not in rendered)
     for name in removed:
         if is_hand_written(standing[name], known[name]):
-            raise ProtectedRegionError(
-                f"{target / name}: is no longer generated but holds hand-written code; "
-                "move the code elsewhere and delete the file"
-            )
+            what = f"{target / name}: is no longer generated but holds hand-written code"
+            raise ProtectedRegionError(f"{what}; move the code elsewhere and delete the file")
     existing |= {} if recorded is None else {MANIFEST: recorded}
     return GenerationPlan(target, existing, contents, removed, dumps(sources, coming))
 
@@ -502,9 +500,8 @@ def _read(path: Path) -> str | None:
     except FileNotFoundError:
         return None
     except (OSError, UnicodeDecodeError) as error:
-        raise GenerationError(
-            f"{path}: cannot be read as text in UTF-8 ({error}); mend or remove it"
-        ) from error
+        what = f"{path}: cannot be read as text in UTF-8 ({error})"
+        raise GenerationError(f"{what}; mend or remove it") from error
     return text.replace("\r\n", "\n")
 
 
@@ -529,10 +526,8 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
         document = json.loads(text)
         schema = int(document["schema"])
         if schema > SCHEMA:
-            raise GenerationError(
-                f"{name}: has schema {schema}, written by a newer mrsfi; this one knows {SCHEMA}; "
-                "generate with the newer one"
-            )
+            found = f"{name}: has schema {schema}, written by a newer mrsfi"
+            raise GenerationError(f"{found}; this one knows {SCHEMA}; generate with the newer one")
         return {
             _file_name(path): FileRecord(str(entry["skeleton"]), dict(entry["regions"].items()))
             for path, entry in document["files"].items()

@@ -235,9 +235,8 @@ def _rewritten(
     try:
         ast.parse(text, str(path))
     except SyntaxError as error:
-        raise ProtectedRegionError(
-            f"{path}:{error.lineno}: is not Python: {error.msg}; mend the region first"
-        ) from error
+        what = f"{path}:{error.lineno}: is not Python: {error.msg}"
+        raise ProtectedRegionError(f"{what}; mend the region first") from error
     pairs = zip(_names_in(old), _names_in(new), strict=True)
     names = {earlier: later for earlier, later in pairs if earlier != later}
     ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))

@@ -398,8 +398,5 @@ def _check_meaning(kind: Any, report: Report) -> None:
         if not any(conforms(other, known) for other in read if other is not known)
     ]
     if len(names) > 1:
-        finding = (
-            f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them only; "
-            "keep one"
-        )
-        report.add(kind, "ConcreteType", finding)
+        finding = f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them only"
+        report.add(kind, "ConcreteType", f"{finding}; keep one")

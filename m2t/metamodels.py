@@ -218,11 +218,8 @@ class _Reader:
         is_one_kind = any(touched <= {*known} for known in ELEMENTS)
         if not touched or not is_one_kind or len(touched) < len(kind.properties):
             choices = "; or ".join(", ".join(field.name for field in known) for known in ELEMENTS)
-            finding = (
-                f"of mode OWN touches {_names(kind)}; "
-                f"expected some of: {choices}; correct property, or make a type for each"
-            )
-            self._add(node, "EnumLiteral", finding)
+            finding = f"of mode OWN touches {_names(kind)}; expected some of: {choices}"
+            self._add(node, "EnumLiteral", f"{finding}; correct property, or make a type for each")
         if len(roles) > N_VALUES:
             finding = f"has {len(roles)} parameters; mode OWN takes at most {N_VALUES}; join some"
             self._add(node, "KnownFeature", finding)
@@ -320,9 +317,8 @@ def installed_metamodels() -> Path:
         if (folder / MISSION_FILE).is_file() and (folder / FAULTS_FILE).is_file():
             return folder
     places = " and ".join(str(folder) for folder in candidates)
-    raise ModelError(
-        f"{MISSION_FILE} and {FAULTS_FILE} are missing in {places}; install mrsfi again"
-    )
+    what = f"{MISSION_FILE} and {FAULTS_FILE} are missing in {places}"
+    raise ModelError(f"{what}; install mrsfi again")
 
 
 def load_metamodels() -> Metamodels:

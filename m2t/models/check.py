@@ -341,10 +341,8 @@ class _Checker:
         or for one that something else contains, raises a ``Defect``.
         """
         if set(child.attributes) != {"href"} or child.children or child.text.strip():
-            raise Defect(
-                "ContainedElement",
-                f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it",
-            )
+            finding = f"has an href and more; expected <{child.tag[:60]} href=...> alone"
+            raise Defect("ContainedElement", f"{finding}; correct it")
         target = child.attributes["href"]
         address, _, fragment = target.rpartition("#")
         file = self._file(child, address)

@@ -236,11 +236,8 @@ def _check_message(goal: Any, message: Any, report: Report) -> None:
         finding = f"is sent by '{sender.ID}' to itself; expected somebody else"
         report.add(message, "SenderIsNotReceiver", f"{finding}; correct the receiver")
     if sender not in goal.members:
-        finding = (
-            f"is sent by '{sender.ID}'; expected a member of the goal "
-            f"({_ids(goal.members)}); correct the sender or the members"
-        )
-        report.add(message, "SenderIsMember", finding)
+        finding = f"is sent by '{sender.ID}'; expected a member of the goal ({_ids(goal.members)})"
+        report.add(message, "SenderIsMember", f"{finding}; correct the sender or the members")
     again = set(repeated(message.body))
     for entry in message.body:
         _check_field(sender, entry, report)
@@ -264,11 +261,8 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
         )
         report.add(entry, "FieldOfSender", finding)
     if entry.type not in FIELD_TYPES:
-        finding = (
-            f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "
-            "correct the type"
-        )
-        report.add(entry, "MessageFieldType", finding)
+        finding = f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}"
+        report.add(entry, "MessageFieldType", f"{finding}; correct the type")
 
 
 class Discs:
@@ -393,11 +387,8 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
     if not (has_start and has_finish):
         return
     if exchanged_window(fault):
-        finding = (
-            f"starts at {fault.start} and finishes at {fault.finish}; expected start <= finish; "
-            "exchange them"
-        )
-        report.add(fault, "WindowOrdered", finding)
+        finding = f"starts at {fault.start} and finishes at {fault.finish}"
+        report.add(fault, "WindowOrdered", f"{finding}; expected start <= finish; exchange them")
     elif fault.start >= duration:
         finding = (
             f"starts at {fault.start} in a mission of {duration} ticks and never acts; expected "
@@ -448,11 +439,8 @@ def _check_trigger(trigger: Any, report: Report) -> None:
             )
             report.add(trigger, "ReachableGoal", finding)
     elif event == "EFFECT" and all(fault.trigger is trigger for fault in trigger.faults):
-        finding = (
-            "waits for no fault but those that wait for it, and never happens; expected another "
-            "fault; add one"
-        )
-        report.add(trigger, "TriggerCanHappen", finding)
+        finding = "waits for no fault but those that wait for it, and never happens"
+        report.add(trigger, "TriggerCanHappen", f"{finding}; expected another fault; add one")
 
 
 def _check_parameters(kind: Any, report: Report) -> None:

@@ -256,10 +256,8 @@ def _text(slot: Slot, value: Any) -> str:
 def _escaped(text: str, escapes: Mapping[int, str]) -> str:
     """Return a text with what XML reserves escaped; refuse what XML cannot hold."""
     if _NO_XML.search(text):
-        raise ModelError(
-            f"text {text[:60]!a} holds a character that XML cannot; expected printable text; "
-            "delete the character"
-        )
+        found = f"text {text[:60]!a} holds a character that XML cannot; expected printable text"
+        raise ModelError(f"{found}; delete the character")
     return text.translate(escapes)
 
 

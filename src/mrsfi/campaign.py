@@ -233,9 +233,8 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
             lines = (line.split("  ", 1) for line in listed.decode().splitlines())
             expected = {name: hashed for hashed, name in lines}
     except _UNREADABLE as error:
-        raise RecordError(
-            f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
-        ) from error
+        what = f"{archive}: is no archive of a campaign ({error})"
+        raise RecordError(f"{what}; expected one of `mrsfi pack`") from error
     expected |= {name: found[name] for name in (_LISTED, _TOLD)}
     names = {name for name, _ in found.items() ^ expected.items()}
     changes = [

@@ -56,9 +56,8 @@ def free_folder(mission: str, case: str) -> Path:
         except FileExistsError:
             number += 1
         except OSError as error:
-            raise RecordError(
-                f"{path}: cannot be made: {error.strerror}; choose a place with --out"
-            ) from error
+            what = f"{path}: cannot be made: {error.strerror}"
+            raise RecordError(f"{what}; choose a place with --out") from error
         else:
             return path
 
@@ -69,9 +68,8 @@ def latest_folder() -> Path:
     databases = [CampaignFolder(folder).database for folder in runs.glob("*")]
     written = {path.parent: path.stat().st_mtime_ns for path in databases if path.is_file()}
     if not written:
-        raise UsageError(
-            f"found no campaign in {runs}/; name its folder, or run `mrsfi evolve` first"
-        )
+        what = f"found no campaign in {runs}/"
+        raise UsageError(f"{what}; name its folder, or run `mrsfi evolve` first")
     return max(written, key=written.__getitem__)
 
 
@@ -106,10 +104,8 @@ def load_own(folder: CampaignFolder, store: CampaignStore) -> MissionCode:
     try:
         code = load_code(folder.generated)
     except GenerationError as error:
-        raise RecordError(
-            f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}; "
-            "expected the folder as `mrsfi evolve` left it"
-        ) from error
+        what = f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}"
+        raise RecordError(f"{what}; expected the folder as `mrsfi evolve` left it") from error
     return replace(code, pool=code.pool.without(store.manifest.engine.node_left_out))
 
 

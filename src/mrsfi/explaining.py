@@ -151,10 +151,8 @@ def explainer_of_file(
     sets go beside the file if no folder is named, but never among kept weaknesses.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
-        raise UsageError(
-            f"{path}: is a kept weakness, and its cause sets would stand among what is kept; "
-            "expected another folder: name it with --out"
-        )
+        found = f"{path}: is a kept weakness, and its cause sets would stand among what is kept"
+        raise UsageError(f"{found}; expected another folder: name it with --out")
     code = load_fresh(folders)
     written = read_specification(path, code, tell)
     named = named_faults(code.mission, written.pool, written.specification)

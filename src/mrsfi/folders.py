@@ -53,9 +53,8 @@ class MissionFolders:
         """Refuse generated code that does not follow from the models, and name the stale files."""
         names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / "mission_loader.py").is_file():
-            raise GenerationError(
-                f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
-            )
+            what = f"{self.generated}: not generated yet"
+            raise GenerationError(f"{what}; run `mrsfi generate {self.models}`")
         if names:
             require_semantics(self.generated)  # says more than that the manifest is stale
             raise GenerationError(

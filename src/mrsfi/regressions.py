@@ -189,10 +189,8 @@ def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
     """Return what is kept of a mission; none at all is no pass, but refused."""
     regressions = kept(folders.models)
     if not regressions:
-        raise UsageError(
-            f"{folders.models}: nothing is kept; expected at least one weakness in regressions/; "
-            "keep one with: mrsfi keep CAMPAIGN --weakness 1"
-        )
+        found = f"{folders.models}: nothing is kept; expected at least one weakness in regressions/"
+        raise UsageError(f"{found}; keep one with: mrsfi keep CAMPAIGN --weakness 1")
     return regressions
 
 
@@ -244,10 +242,8 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
     try:
         if regression.side not in {BOTH, settings.side}:
             flown_with = parts_of(regression.side)
-            raise UsageError(
-                f"{regression.path}: its limits are counts of {flown_with}; expected that again, "
-                f"with --side {regression.side}"
-            )
+            what = f"{regression.path}: its limits are counts of {flown_with}"
+            raise UsageError(f"{what}; expected that again, with --side {regression.side}")
         written = read_specification(regression.specification, code)
         if written.late:
             late = "; ".join(written.late)
