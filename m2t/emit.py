@@ -39,8 +39,6 @@ LINE_LENGTH = 100
 _EXCHANGED_QUOTES = str.maketrans("'\"", "\"'")
 """Python prefers single quotes, formatters prefer double ones."""
 
-_PLAIN_REMARK = re.compile(r"(?!noqa|nosec)[A-Za-z0-9_.-]{1,40}", re.ASCII | re.IGNORECASE)
-
 Scalar: TypeAlias = str | int | float | bool | None
 
 
@@ -102,7 +100,7 @@ def remark(text: str) -> str:
 
     A plain word stays as it is; everything else is quoted, escaped and cut.
     """
-    if _PLAIN_REMARK.fullmatch(text):
+    if re.fullmatch(r"(?ai)(?!noqa|nosec)[A-Za-z0-9_.-]{1,40}", text):
         return text
     return ascii(text[:40])[:40].replace("#", "?")
 

@@ -155,7 +155,8 @@ def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNe
     edits = [edited(loaded, partial(_rename, names))]
     own = frozenset(file.path.resolve() for file in loaded.files)
     for path in sorted(models.rglob("*.xmi")):
-        if path.resolve() not in own and _is_specification(path):
+        file = None if path.resolve() in own else ModelFiles(Report()).read(path)
+        if file is not None and file.roots_of(load_metamodels().faults_class):
             specification = load_specification(path)
             if specification.mission_path.resolve() in own:
                 rename = partial(_rename, _numbered(specification, names))
@@ -183,12 +184,6 @@ def _identified(root: Any) -> Iterator[Any]:
     for element in () if root is None else contained(root):
         if "ID" in slots(element.eClass) and element.ID:
             yield element
-
-
-def _is_specification(path: Path) -> bool:
-    """Return whether a file holds faults; what it holds otherwise is no concern here."""
-    file = ModelFiles(Report()).read(path)
-    return file is not None and bool(file.roots_of(load_metamodels().faults_class))
 
 
 def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[str, str]:

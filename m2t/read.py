@@ -240,7 +240,6 @@ def _require_file(path: Path) -> None:
 
 
 def _content(path: Path) -> bytes:
-    """Return the content of a file unless it is missing or too large."""
     try:
         _require_file(path)
         n_bytes = path.stat().st_size
@@ -437,7 +436,6 @@ def _nearest(folder: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
 
 
 def _declared_name(folder: Path) -> str | None:
-    """Return the name that the ``.project`` file of a folder gives, if there is one."""
     path = folder / _PROJECT
     xml = read_xml(path, Report()) if path.is_file() else None
     names = [] if xml is None else xml.root.tagged("name")

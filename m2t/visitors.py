@@ -218,7 +218,6 @@ def _parameter(parameter: Parameter) -> Call:
 
 
 def _bounds(fault_type: Any, kind: FaultType) -> Table:
-    """Return the bounds that the model sets: parameter to (lowest, highest)."""
     pairs: dict[str, tuple[float | None, ...]] = {}
     for parameter in kind.parameters:
         names = [f"{parameter.name}{end}" for end in BOUNDS]

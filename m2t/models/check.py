@@ -465,7 +465,14 @@ class _Resolver:
         if not slot.many and len(reference.targets) > 1:
             report_count(reference.node, slot, len(reference.targets), self._report)
             return
-        found = tuple(self._elements(reference))
+        found: list[Node] = []
+        for target in reference.targets:
+            try:
+                place = self._place(reference, target)
+                if place is not None:
+                    found.append(self._element(reference, target, *place))
+            except Defect as defect:
+                self._report.add(reference.node, defect.constraint, defect.finding)
         known = self._named.setdefault((reference.source, slot.name), set())
         for element in found:
             if element in known and slot.many:
@@ -473,17 +480,7 @@ class _Resolver:
                 finding = f"names '{name}' twice in {slot.name}; expected each once; delete one"
                 self._report.add(reference.node, "UniqueReference", finding)
             known.add(element)
-        self._tree.resolved.append((reference, found))
-
-    def _elements(self, reference: Reference) -> Iterator[Node]:
-        """Yield the elements that the targets mean, if they exist and are of the right class."""
-        for target in reference.targets:
-            try:
-                place = self._place(reference, target)
-                if place is not None:
-                    yield self._element(reference, target, *place)
-            except Defect as defect:
-                self._report.add(reference.node, defect.constraint, defect.finding)
+        self._tree.resolved.append((reference, tuple(found)))
 
     def _element(self, reference: Reference, target: str, file: ModelFile, tree: ModelTree) -> Node:
         element = file.find(unquote(target.rpartition("#")[2]))

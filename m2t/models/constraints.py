@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from m2t.read import Node
 
 
-ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 _LENGTHS = {
     "Robot": ("speed", "maxSpeed", "positionNoise"),
@@ -250,7 +249,7 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
     enumeration = sender.eClass.ePackage.getEClassifier("SensorType")
     sensor_types = [literal.name for literal in enumeration.eLiterals]
-    known = (*ROBOT_FIELDS, *sensor_types)
+    known = ("POSITION", "SPEED", "ENERGY", *sensor_types)
     if entry.name not in known:
         finding = f"is no field of a message; expected one of {', '.join(known)}; correct the name"
         report.add(entry, "MessageFieldName", finding)

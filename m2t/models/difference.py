@@ -104,7 +104,6 @@ def read_models(path: Path) -> dict[str, Outline]:
 
 
 def _roots(file: ModelFile, files: ModelFiles) -> list[Node]:
-    """Return the mission and the fault specification of a file, with all their parts in place."""
     known = load_metamodels()
     kinds = [kind for kind in (known.mission_class, known.faults_class) if file.roots_of(kind)]
     if not kinds:
@@ -341,7 +340,10 @@ class _Comparison:
         stayed = {outline.key for outline in before} & {outline.key for outline in after}
         orders = [[each for each in outlines if each.key in stayed] for outlines in (before, after)]
         if [each.key for each in orders[0]] != [each.key for each in orders[1]]:
-            before_ids, after_ids = map(_ids, orders)
+            before_ids, after_ids = (
+                " ".join([each.identity for each in order][:12]) + " ..." * (len(order) > 12)
+                for order in orders
+            )
             where = f"{new.label}: " if new.container is not None else ""
             text = f"{where}{name} reordered: {before_ids} → {after_ids}"
             yield Change("reordered", new.label, name, before_ids, after_ids, text)
@@ -379,11 +381,6 @@ def _placed(what: What, outline: Outline, preposition: str) -> Change:
     about = f" ({outline.about})" if outline.about and what == "added" else ""
     old, new = (place, "") if what == "removed" else ("", place)
     return Change(what, outline.label, "", old, new, f"{outline.label} {what}{where}{about}")
-
-
-def _ids(outlines: Sequence[Outline]) -> str:
-    ids = [outline.identity for outline in outlines]
-    return " ".join(ids[:12]) + (" ..." if len(ids) > 12 else "")
 
 
 def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:

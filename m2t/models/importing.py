@@ -161,12 +161,6 @@ WRAPPED: Mapping[str, Mapping[str, str]] = {
 }
 """Features that the old format holds one level deeper, by class, with their name there."""
 
-BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
-"""Attributes that repeat the ID of the container."""
-
-ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
-"""Attributes of the old Zero types, whose value can only be zero."""
-
 OPTIONAL = frozenset(
     {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
     | {"distanceUnit", "timeUnit", "energyUnit"}
@@ -325,7 +319,6 @@ class PublishedReader:
         return made
 
     def _element(self, made: Node, node: Node, metaclass: Any) -> Node:
-        """Give a node what the file says of an element, and all that it contains."""
         made.metaclass = metaclass
         made.prefixes = {"": metaclass.ePackage.nsURI}
         if node.xmi_id is not None:
@@ -470,9 +463,13 @@ class PublishedReader:
 
     def _drop_attribute(self, node: Node, name: str, text: str, class_name: str) -> None:
         reason, contradiction = f"is not known here ({shown(text)})", ""
-        if name in BACK_REFERENCES:
-            reason, contradiction = "repeats the container's ID", _misplaced(node, text)
-        elif name in ZERO_VALUES and class_name.startswith("Zero"):
+        if name in ("parentID", "goal_ID"):
+            reason, holder = "repeats the container's ID", node.parent
+            known = () if holder is None else (holder.attributes.get("ID"), holder.xmi_id)
+            if holder is not None and any(known) and text not in known:
+                contradiction = f"is {shown(text)}, but {holder.description} contains it"
+                contradiction += "; kept it there"
+        elif name in ("VAL", "CAPACITY") and class_name.startswith("Zero"):
             reason = "is zero by the type of the fault"
             if not re.fullmatch(r"[+-]?(0*\.?0*)", text.strip()):
                 contradiction = f"is {shown(text)} in a fault of type {class_name}; read as zero"
@@ -481,14 +478,6 @@ class PublishedReader:
         self._notes.add("dropped", node, name, reason)
         if contradiction:
             self._notes.add("inconsistent", node, name, contradiction)
-
-
-def _misplaced(node: Node, container_id: str) -> str:
-    """Return how an element's container contradicts what it says of it; empty if it does not."""
-    known = () if node.parent is None else (node.parent.attributes.get("ID"), node.parent.xmi_id)
-    if node.parent is None or not any(known) or container_id in known:
-        return ""
-    return f"is {shown(container_id)}, but {node.parent.description} contains it; kept it there"
 
 
 def _made(node: Node, tag: str, parent: Node | None, text: str = "") -> Node:
@@ -613,7 +602,6 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
-    """Return the mission and the specifications of a file, as nodes of our metamodels."""
     missions = setup.tagged("mission")
     if len(missions) != 1:
         finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"

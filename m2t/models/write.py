@@ -287,7 +287,6 @@ def unified_difference(
 
 
 def _range(first: int, last: int) -> str:
-    """Return the lines of a hunk as patches write them."""
     length = last - first
     begin = first + 1 if length else first
     return f"{begin}" if length == 1 else f"{begin},{length}"

@@ -87,26 +87,24 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
 
 @contextmanager
 def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
-    """Open a campaign for flying it again or on; tell of files that are others today."""
+    """Open a campaign for flying it again or on; its code has to be as it was begun on.
+
+    ``tell`` is told which files that the code imports are others today.
+    """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
-        code = load_own(folder, store)
+        store.require_flyable()
+        folder.require_hashes(store.manifest.sha256)
+        try:
+            code = load_code(folder.generated)
+        except GenerationError as error:
+            what = f"{path}: the campaign's own copy of the generated code is not whole: {error}"
+            raise RecordError(f"{what}; expected the folder as `mrsfi evolve` left it") from error
+        code = replace(code, pool=code.pool.without(store.manifest.engine.node_left_out))
         others = ", ".join(_edited(folder))
         if others:
             tell(f"{path} flies its own copies; the project has others today of: {others}")
         yield FlyableCampaign(folder, store, code.mission, code.pool, code)
-
-
-def load_own(folder: CampaignFolder, store: CampaignStore) -> MissionCode:
-    """Return a campaign's own copy of the code, which has to be as it was begun on."""
-    store.require_flyable()
-    folder.require_hashes(store.manifest.sha256)
-    try:
-        code = load_code(folder.generated)
-    except GenerationError as error:
-        what = f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}"
-        raise RecordError(f"{what}; expected the folder as `mrsfi evolve` left it") from error
-    return replace(code, pool=code.pool.without(store.manifest.engine.node_left_out))
 
 
 def _edited(folder: CampaignFolder) -> Iterator[str]:

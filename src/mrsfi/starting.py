@@ -104,7 +104,6 @@ def _parted(topic: str) -> tuple[str, str]:
 
 
 def _rule(topic: str, kind: str, first: str, energy: float) -> tuple[str, str, str]:
-    """Return topic, type and fields of a rule, as text."""
     robot, rest = _parted(topic)
     kind = full_name(kind)
     fields: dict[str, Any] = {**_TELLS.get(kind, {}), **_OBEYS.get(kind, {})}
@@ -116,7 +115,6 @@ def _rule(topic: str, kind: str, first: str, energy: float) -> tuple[str, str, s
 
 
 def _inline(values: Mapping[str, Any]) -> str:
-    """Return an inline table of TOML."""
     entries = []
     for name, value in values.items():
         text = _inline(value) if isinstance(value, Mapping) else repr(value).replace("'", '"')
