@@ -315,12 +315,9 @@ def check_faults(specification: Any, duration: int, report: Report) -> None:
             _check_fault_field(kinds[0], report)
             continue
         found = ", ".join(kind.eClass.name for kind in kinds) or "none"
-        report.add(
-            fault,
-            "ExactlyOneFaultType",
-            f"contains {len(kinds)} fault types ({found}); expected exactly one; "
-            + ("delete the others" if kinds else "add one"),
-        )
+        finding = f"contains {len(kinds)} fault types ({found}); expected exactly one"
+        advice = "delete the others" if kinds else "add one"
+        report.add(fault, "ExactlyOneFaultType", f"{finding}; {advice}")
     for trigger in specification.triggers:
         _check_trigger(trigger, report)
 
@@ -497,24 +494,17 @@ def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> 
 def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:
     """Yield what is wrong with an ID, whatever other IDs there are."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_. -]*", text):
-        yield Defect(
-            "IdSyntax",
-            f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.' or "
-            "spaces; rename it",
-        )
+        finding = f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.'"
+        yield Defect("IdSyntax", f"{finding} or spaces; rename it")
         return
     if " " in text:
-        yield Defect(
-            "IdWithoutSpaces",
-            f"has the ID {shown(text)} with spaces, which separate IDs in a list of "
-            "references; expected none; use '_' or '-'",
+        finding = (
+            f"has the ID {shown(text)} with spaces, which separate IDs in a list of references"
         )
+        yield Defect("IdWithoutSpaces", f"{finding}; expected none; use '_' or '-'")
     try:
         if becomes_name:
             identifier(text)
     except ModelError:
-        yield Defect(
-            "ReservedId",
-            f"has ID {shown(text)}, a name that Python or generated code uses itself; "
-            "expected another; rename it",
-        )
+        finding = f"has ID {shown(text)}, a name that Python or generated code uses itself"
+        yield Defect("ReservedId", f"{finding}; expected another; rename it")

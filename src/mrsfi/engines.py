@@ -132,11 +132,9 @@ def chosen(
     side, url = values.get("side", BOTH), values.get("url")
     if recorded is not None and parts_of(side, url) != recorded.parts:
         options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
-        raise UsageError(
-            f"this campaign was flown with {recorded.parts}; found {parts_of(side, url)}, whose "
-            "counts do not belong to it; expected "
-            f"{options if recorded.is_foreign else 'no --side'}"
-        )
+        options = options if recorded.is_foreign else "no --side"
+        found = f"this campaign was flown with {recorded.parts}; found {parts_of(side, url)}"
+        raise UsageError(f"{found}, whose counts do not belong to it; expected {options}")
     if side == INJECTOR:
         command, table = values.get("node"), project().node
         values = {

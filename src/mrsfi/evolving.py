@@ -108,10 +108,8 @@ def looked_at(
         tell(f"your node repeats itself: {seen}")
         return engine, ""
     how = "runs by its own clock" if engine.is_free else "does not repeat itself"
-    doubt = (
-        f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
-        "median, and causes are not looked for: they may be chance"
-    )
+    doubt = f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
+    doubt += "median, and causes are not looked for: they may be chance"
     tell(f"warning: {doubt}")
     return replace(engine, node_repeats=N_LOOKS), doubt
 
@@ -194,10 +192,8 @@ def resumed(
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
         tell_of_versions(store.manifest, tell)
-        tell(
-            f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
-            f"evaluations and {store.n_failures} failures are recorded"
-        )
+        counts = f"{store.n_generations} generations, {store.n_evaluations} evaluations"
+        tell(f"resuming {path}: {counts} and {store.n_failures} failures are recorded")
         _require_ratio(store.settings, campaign.mission, ratio)
         yield campaign, tried_again(campaign, engine, tell)
 
@@ -207,10 +203,8 @@ def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
     for name, version in manifest.versions.items():
         now = installed_version(name)
         if now != version:
-            tell(
-                f"warning: begun with {name} {version}, going on with {now}: "
-                "the result may differ from that of one run"
-            )
+            what = f"begun with {name} {version}, going on with {now}"
+            tell(f"warning: {what}: the result may differ from that of one run")
 
 
 def _beyond(campaign: FlyableCampaign) -> str:
@@ -260,10 +254,8 @@ def evolve(
         with watched as progress:
             search(campaign, many, progress, tell)
         if settings.is_short(store.n_evaluations + store.n_failures):
-            tell(
-                f"the search ended after {store.n_evaluations} of {settings.evaluations} "
-                "evaluations: it made no new specification any more"
-            )
+            what = f"{store.n_evaluations} of {settings.evaluations} evaluations"
+            tell(f"the search ended after {what}: it made no new specification any more")
         if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:

@@ -257,10 +257,9 @@ def harvested(campaign: OpenCampaign) -> Harvest:
     found = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
     if found is None:
         path = campaign.folder.path
-        raise RecordError(
-            f"{path}: found evaluations, and not yet what breaks which goal at the least; "
-            f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
-        )
+        what = f"{path}: found evaluations, and not yet what breaks which goal at the least"
+        advice = f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
+        raise RecordError(f"{what}; {advice}")
     return found
 
 
@@ -355,11 +354,7 @@ def refined(
 
 
 def write_map(
-    campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    record: Record,
-    way: Way,
-    path: Path,
+    campaign: FlyableCampaign, evaluator: Evaluator, record: Record, way: Way, path: Path
 ) -> None:
     """Fly milder forms of a way to break a goal, and write which do, as one of ``MAPS``.
 
