@@ -498,10 +498,8 @@ def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:
         yield Defect("IdSyntax", f"{finding} or spaces; rename it")
         return
     if " " in text:
-        finding = (
-            f"has the ID {shown(text)} with spaces, which separate IDs in a list of references"
-        )
-        yield Defect("IdWithoutSpaces", f"{finding}; expected none; use '_' or '-'")
+        finding = f"has the ID {shown(text)} with spaces, which separate IDs in a list"
+        yield Defect("IdWithoutSpaces", f"{finding} of references; expected none; use '_' or '-'")
     try:
         if becomes_name:
             identifier(text)
