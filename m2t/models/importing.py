@@ -587,9 +587,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         Note("inconsistent", found.line, found.element, found.constraint, found.message)
         for found in report
     ]
-    counts = {
-        kind: len(getattr(mission, kind)) for kind in ("robots", "servers", "obstacles", "goals")
-    }
+    kinds = ("robots", "servers", "obstacles", "goals")
+    counts = {kind: len(getattr(mission, kind)) for kind in kinds}
     counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
     counts["faults"] = sum(len(root.faults) for root in specifications)
     return Imported(

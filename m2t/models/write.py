@@ -102,9 +102,7 @@ class _Writer:
         }
         self._tops: dict[Any, Any] = {root: root for root in self._addresses}
         self._starts = dict(_starts(roots, hrefs))
-        self._positions = cache(
-            lambda holder, name: {e: n for n, e in enumerate(holder.eGet(name))}
-        )
+        self._positions = cache(lambda of, name: {each: n for n, each in enumerate(of.eGet(name))})
 
     def lines(self) -> Iterator[str]:
         indent = "  " if len(self._roots) > 1 else ""
