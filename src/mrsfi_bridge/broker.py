@@ -188,12 +188,8 @@ class Broker:
             del self.topics[topic.name]
 
 
-DEPTH = 10
-"""Messages of a topic that are under way at most; of more, the oldest are lost."""
-
-LIFESPAN_S = 1.0
-"""How long what was said on a topic is kept for those who subscribe later."""
-
+DEPTH = 10  # messages of a topic that are under way at most; of more, the oldest are lost
+LIFESPAN_S = 1.0  # how long what was said on a topic is kept for those who subscribe later
 _LOGGER = logging.getLogger("mrsfi.bridge")
 
 
@@ -305,8 +301,7 @@ Reply: TypeAlias = Callable[[bool, Any], None]
 
 _LONGEST_S = 3600.0
 
-OWN: Hashable = "the server itself"
-"""Provider of the services that nobody else may provide."""
+OWN: Hashable = "the server itself"  # provider of the services that nobody else may provide
 
 
 class Service(NamedTuple):

@@ -112,11 +112,8 @@ def _finite(value: Any) -> Any:
 
 
 _MAX_FRAGMENTS = 4096
-_MAX_KEPT = 8
-"""Encodings of one message that are kept."""
-
-_CDR = b"\0\1\0\0"
-"""Says that little-endian CDR follows."""
+_MAX_KEPT = 8  # encodings of one message that are kept
+_CDR = b"\0\1\0\0"  # says that little-endian CDR follows
 
 _TAGS = {
     "uint16": 69,

@@ -31,9 +31,7 @@ Operation: TypeAlias = dict[str, Any]
 _MAX_SHOWN = 100
 _LONGEST_ID = 256
 _LONGEST_NAME = 256  # of a topic, a service or a parameter
-_FRAGMENT_BYTES = 64
-"""What a fragment takes beside its letters."""
-
+_FRAGMENT_BYTES = 64  # what a fragment takes beside its letters
 _MAX_UNFINISHED = 16
 
 _DECODER = json.JSONDecoder()
@@ -75,11 +73,7 @@ _FIELDS = MappingProxyType(
             "compression": _TEXT,
             "id": _ID,
         },
-        "service_response": {
-            "service": _NAME,
-            "id": _CALL,
-            "result": _Field((bool, type(None))),
-        },
+        "service_response": {"service": _NAME, "id": _CALL, "result": _Field((bool, type(None)))},
         "advertise_service": {"service": _NAME, "type": _NAME, "id": _ID},
         "unadvertise_service": {"service": _NAME, "id": _ID},
         "advertise_action": {"action": _NAME, "type": _NAME, "id": _ID},
@@ -233,9 +227,7 @@ class Fragments:
 
 V = TypeVar("V")
 
-UseId: TypeAlias = str | int | None
-"""What tells the uses of one topic by one client apart."""
-
+UseId: TypeAlias = str | int | None  # what tells the uses of one topic by one client apart
 _LONGEST_QUEUE = 10_000
 _LONGEST_THROTTLE_MS = 1e9
 

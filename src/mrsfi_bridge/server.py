@@ -42,8 +42,7 @@ from mrsfi_bridge.session import LOGGER, Hub, Session, provide_rosapi, tell_clie
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.structures import now
 
-ROUNDS = 2
-"""Pings that go to each client, the second when the first is answered."""
+ROUNDS = 2  # pings that go to each client, the second when the first is answered
 
 
 class Pinged(Protocol):
@@ -109,16 +108,14 @@ class Barriers:
 _BACKLOG = 512
 _READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
-_SHAKING = 256
-"""Sockets beside those of clients: shaking hands, refused, or closing."""
+_SHAKING = 256  # sockets beside those of clients: shaking hands, refused, or closing
 
 
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 _WIRE = LOGGER.getChild("websocket")
 _WIRE.setLevel(logging.WARNING)
 _THIS_MACHINE = re.compile(r"https?://(?:localhost|127\.0\.0\.1|\[::1\])(?::\d+)?")
-_FEW_BYTES = 1 << 16
-"""What may wait for or from a client before it is counted."""
+_FEW_BYTES = 1 << 16  # what may wait for or from a client before it is counted
 
 
 class Connection(asyncio.BufferedProtocol):

@@ -33,11 +33,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError, SettingsError
 
-SCALAR = -1
-"""Array length of a field that is no array."""
-
-VARIABLE = 0
-"""Array length of an array of any length."""
+SCALAR = -1  # array length of a field that is no array
+VARIABLE = 0  # array length of an array of any length
 
 FORMATS = {
     "bool": "?",
@@ -195,17 +192,13 @@ def _full(type_name: str, package: str) -> str:
 Convert: TypeAlias = Callable[[Any], Any]
 """Returns the normal form of a value, or raises ``FieldError``."""
 
-Default: TypeAlias = Callable[[], Any]
-"""Returns the value of a field that is missing."""
-
+Default: TypeAlias = Callable[[], Any]  # returns the value of a field that is missing
 HEADER = "std_msgs/Header"
 _MOMENTS = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
 _PARTS = {"secs": "sec", "nsecs": "nanosec"}
 """How ROS 2 names what ROS 1 named otherwise; it takes either."""
 
-BYTE_ARRAYS = ("uint8", "char")
-"""Element types of the arrays that JSON carries as base64 text."""
-
+BYTE_ARRAYS = ("uint8", "char")  # element types of the arrays that JSON carries as base64 text
 _LARGEST = int(sys.float_info.max)
 _MAX_SHOWN = 60
 

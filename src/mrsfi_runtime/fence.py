@@ -1,16 +1,15 @@
-"""Users' code: imported from its copies, and fenced.
+"""The fence around what a team wrote: regions, what they import, and functions of a search.
 
-Copies of what a team's code imports, which that code finds in the place of the originals.
+Whatever such code raises becomes an error of mrsfi, also what usually ends a process. What the code
+prints goes to standard error. The working folder is put back after it. Code that gets no further
+for long is stopped. Time decides no result: what is stopped is recorded nowhere.
 
-Modules keep their names. Import statements in code beside such copies, those too that run in the
-middle of a flight, see modules of these names from the copies alone; the rest of the process keeps
-its own, so that campaigns with other modules of the same name may fly beside each other.
+A campaign has copies of what the team's code imports. Modules keep their names. Import statements
+in code beside such copies, also those that run in the middle of a flight, find modules of these
+names among the copies only. The rest of the process keeps its own, so that campaigns with other
+modules of the same name may fly beside each other.
 
-The fence around what a team wrote: regions, what they import, and functions of a search.
-
-Whatever such code raises becomes an error of its own, also what ends a process as a rule; what it
-prints goes to standard error; the working folder is put back after it; and when it gets no further
-for long, it is stopped. Time decides no result: what is stopped is recorded nowhere.
+Begin with ``fenced`` for errors and time, with ``importing`` for the copies.
 """
 
 import builtins
@@ -32,9 +31,7 @@ from typing import Any
 
 from mrsfi_runtime.errors import LIMITED, EvaluationError, MrsfiError, UsageError
 
-IMPORTED = "imported"
-"""Subfolder of generated code that holds the copies."""
-
+IMPORTED = "imported"  # subfolder of generated code that holds the copies
 _OURS = ("mrsfi", "mrsfi_runtime", "mrsfi_bridge", "m2t")
 _MODULES = (".py", ".so")
 _IMPORT = builtins.__import__

@@ -1,13 +1,13 @@
-"""Files.
+"""Files that mrsfi writes: one as a whole, or several as one change.
 
-Files that are written: one as a whole, or several as one change.
+A change survives a kill at any moment. ``.mrsfi-change`` in its folder is lock and journal in one.
+It exists only while a command changes something, or after one was killed. It has a line with the
+process, one with what is to replace what, and, once all that is new is on the disk beside what it
+replaces, the line ``"whole"``. The next command that holds the lock then completes the change; if
+that line is missing, it removes what is new.
 
-A change survives a kill at any moment. ``.mrsfi-change`` in its folder is lock and journal in one,
-and there only while a command changes something, or after one was killed. It has a line with the
-process, one with what is to replace what, and, once all that is new is on the disk, beside what it
-replaces, the line ``"whole"``. Who holds the lock next replaces then, or removes what is new.
-
-The lines between which a protected region stands in a generated file.
+Begin with ``whole_file`` and ``changing``. ``MARKER`` matches the lines between which a protected
+region stands in a generated file.
 """
 
 import errno
@@ -27,13 +27,10 @@ from typing import IO, Any, TextIO
 
 from mrsfi_runtime.errors import UsageError
 
-OURS = ".mrsfi-"
-"""Part of the names of all files that are there only while something changes."""
-
+OURS = ".mrsfi-"  # part of the names of all files that are there only while something changes
 JOURNAL = f"{OURS}change"
 _WHOLE = "whole"
-_PATIENCE = 30.0
-"""Seconds that a command waits for another one."""
+_PATIENCE = 30.0  # seconds that a command waits for another one
 
 
 @contextmanager

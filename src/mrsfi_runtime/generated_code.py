@@ -1,11 +1,14 @@
-"""The one door to generated code.
+"""The one door to generated code: what has to hold before it flies, and how it is loaded.
 
-What has to hold of generated code before it flies, told without loading it.
+Code flies if it was generated for this world's rules, and if no region is empty that only the team
+can fill: a check without a body would never find a violation. Both are checked without loading it
+(``require_semantics``, ``require_filled``).
 
-It is made for this world's rules, and no region is empty where only the team knows what belongs
-there: a check without a body would never find a violation.
+Generated code runs only within the fence of ``fence.py``. What fails in it becomes an
+``EvaluationError`` that names file and line (``failed``). Each folder's modules are imported under
+names of their own, so that missions do not disturb each other.
 
-The one door to generated code.
+Begin with ``load_code``.
 """
 
 import ast

@@ -1,9 +1,4 @@
-"""The project file, and which versions are installed.
-
-The settings file of a team's project, and the metamodels that the project chooses.
-
-Versions of what is installed.
-"""
+"""The project file, the metamodels that a project chooses, and which versions are installed."""
 
 import os
 import tomllib

@@ -1,11 +1,14 @@
-"""Lock-step of two processes over a bus.
+"""The lock-step of two processes over a bus: the side of the CI, and that of the simulation.
 
-The collective intelligence's side of a lock-step over a bus, and the judge beside it.
+A ``BusLockstep`` flies runs for the collective intelligence (CI) and judges them, wherever the
+simulation is behind the topics. A ``SimulationHost`` serves a generated simulation, run after run.
+Each side takes its step when the last message of the other's has come, in the thread of the
+transport's callbacks. The main thread watches the time (``Completion``).
 
-The simulation is somewhere behind the topics. The CI takes its step when the last message
-of a tick has come, in the thread of the transport's callbacks, and the main thread watches.
+What holds throughout: each run has a number, and messages of another run are ignored. A side that
+cannot go on tells the other side why.
 
-The simulation's side of a mission over a bus: flies a tick whenever it is told to.
+Begin with ``BusLockstep.fly`` and ``_proceed``, then ``SimulationHost._fly``.
 
 References
 ----------
@@ -43,12 +46,7 @@ from mrsfi_runtime.cosimulation.lockstep import (
     Simulation,
     take_true_values,
 )
-from mrsfi_runtime.errors import (
-    MrsfiError,
-    ProtocolError,
-    TransportError,
-    TransportTimeout,
-)
+from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.fault_types import SEMANTICS

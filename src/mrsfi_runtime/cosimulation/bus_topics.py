@@ -1,22 +1,18 @@
-"""Topics by which two processes keep in step.
-
-The topics and services of the lock-step itself; they are the same in every mission.
+"""The topics of a lock-step over a bus, and what watches over them.
 
 The collective intelligence (CI) sends ``SETUP`` before it resets the simulation, and ``GO``
 after the commands that precede a tick's motion: all of them before tick 0, later those that
-changed. The simulation answers with the messages of the tick, and ``TICK`` last. Both say how
-many messages went before, and ``TICK`` also how many commands the simulation obeyed: a server
-that keeps order within a topic only may deliver ``GO`` before the commands that it follows.
+changed. The simulation answers with the messages of the tick, and ``TICK`` last.
 
-Counts the messages of every tick, so that none is lost, doubled or out of order unseen.
+What holds throughout: no message is lost, doubled or out of order undetected. ``GO`` and
+``TICK`` say how many messages went before, and ``TICK`` also how many commands the simulation
+obeyed, since a server that keeps order within a topic only may deliver ``GO`` before the commands
+that it follows. ``CountedTopics`` compares these numbers with what came.
 
-All messages of a tick as one: for speed, where both sides know of it.
-
-What is published, what is counted and who hears what stays as without it; only the journey
-is shared. A bundle is a JSON list of ``[topic, message]`` pairs in the order in which they were
-published, the one that closes the tick last.
-
-How far a run has come: told by the thread of the callbacks, awaited by the main thread.
+Begin with ``CountedTopics``. ``BundlingTransport`` sends the messages of a tick as one, for speed,
+where both sides know of it: a JSON list of ``[topic, message]`` pairs in the order in which they
+were published. ``Completion`` passes how far a run has come, or why it failed, from the thread
+of the callbacks to the main thread; a ``Pace`` says when a team's node has answered a tick.
 """
 
 import json

@@ -1,36 +1,20 @@
-"""The two sides of a mission in one process, and their lock-step.
+"""The two sides of a mission on plain objects, and their lock-step.
 
-What a topic says in a tick: nothing of an earlier one can stand for what is missing.
+The simulation moves the true state and publishes it. The collective intelligence (CI) turns the
+messages into belief and answers with commands. Generated code puts both sides together from the
+parts here, one for each robot and sensor. Their topics have the same names in all missions.
 
-The topics of a team, named after its robots and sensors in the same way in all missions.
+What holds throughout: a message counts only in the tick in which it came, so that nothing of an
+earlier tick stands for one that is missing. The CI never hears the true state, which travels on
+topics of its own for the judge. An effect of a team's own changes what its fault type names, and
+anything else is an error (``guarded``).
 
-docs/bus.md says what they carry.
-
-What a generated simulation interface is made of: one part per robot and per sensor.
-
-References
-----------
-Source paper, section III-F.
-
-What the hosts expect of generated code: a simulation and an interface.
-
-Flights on plain objects: the kernel's tick, between an interface and a true state.
+Begin with ``Flight.step``. Before it stand the topics and the CI's side, after it what answers
+(``Mind``) and the simulation's side. docs/bus.md says what the topics carry.
 
 References
 ----------
-Source paper, section III-G and Figure 4.
-
-The true state of a robot as one message: for the judge of true verdicts, never for the CI.
-
-What a generated simulation is made of: one part per robot and per sensor.
-
-References
-----------
-Source paper, section III-F.
-
-The true state that a generated simulation moves, and the valid samples of each tick.
-
-Holds effects of a team's own to what their fault types name; anything else is an error.
+Source paper, sections III-F and III-G, and Figure 4.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -50,9 +34,7 @@ from mrsfi_runtime.kernel.flight import (
     reply,
     valid_samples,
 )
-from mrsfi_runtime.kernel.flight import (
-    initial_state as first_state,
-)
+from mrsfi_runtime.kernel.flight import initial_state as first_state
 from mrsfi_runtime.kernel.injections import OwnEffect, OwnFault, Plan
 from mrsfi_runtime.kernel.state import (
     COLUMNS,
@@ -300,15 +282,7 @@ class Flight:
     def hear(self, tick: int) -> None:
         """Judge a tick that the simulation has flown, and turn its messages into belief."""
         self._interface.read(self._inbox)
-        hear(
-            self._functions,
-            self.world,
-            self.belief,
-            self._inbox,
-            self.plan,
-            self.verdicts,
-            tick,
-        )
+        hear(self._functions, self.world, self.belief, self._inbox, self.plan, self.verdicts, tick)
 
     def react(self) -> None:
         """Let the generated goals command their members."""
@@ -483,14 +457,14 @@ class World(State):
 
 
 def initial_state(mission: Mission, seed: int) -> World:
-    """Return what is true before the first tick; as ``kernel.initial.initial_state``."""
+    """Return what is true before the first tick; as ``kernel.flight.initial_state``."""
     state = flight.initial_state(mission, seed)
     known = {name: getattr(state, name) for name in State.__slots__}
     return World(**known, samples=valid_samples(state))
 
 
 def move(world: World, tick: int) -> None:
-    """Fly a tick, as ``kernel.motion.move``."""
+    """Fly a tick, as ``kernel.commands.move``."""
     commands.move(world, world.samples[tick], tick)
 
 

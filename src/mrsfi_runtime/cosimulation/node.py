@@ -1,10 +1,16 @@
-"""A team's own node in place of the collective intelligence.
+"""A team's own node in place of the generated reactions.
 
-A team's node in place of the generated reactions: told what is believed, heard for its commands.
+The node stands between the two halves of the kernel's answer (``kernel.flight.hear`` and
+``reply``). It is told what a collective intelligence would hear: where a fault withholds a message
+there is silence, and where a fault falsifies one, the node is told the false value. It answers
+with commands.
 
-It stands between the two halves of the kernel's answer (``kernel.flight.hear`` and ``reply``), and
-is told what a collective intelligence would hear: where a fault withholds a message there is
-silence, and where it falsifies one, the node is told the false value.
+What holds throughout: callbacks run in the thread of the transport's, ``begin`` and ``end`` in
+another. No call waits longer than the patience allows. What the node does wrong once it is ready
+sets ``is_to_blame``.
+
+Begin with ``Node.begin``, ``answer`` and ``_hear``. ``node_mapping`` says how the node names
+things, ``node_speech`` what its messages carry.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,13 +51,9 @@ from mrsfi_runtime.transport.topics import (
 )
 
 _LOOK = 0.1
-_STEADY = 0.3
-"""Seconds after which a node that subscribed to no more is taken to be ready."""
-
+_STEADY = 0.3  # seconds after which a node that subscribed to no more is taken to be ready
 _ATTEMPT = 2.0
-_FLOOD: Final = 1000
-"""Commands of a tick, for each topic, from which on a node floods."""
-
+_FLOOD: Final = 1000  # commands of a tick, for each topic, from which on a node floods
 _SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
 _TOPICS = Service("/rosapi/topics", "rosapi/Topics")
 

@@ -1,14 +1,15 @@
-"""How a team's own node names things.
-
-What a node can be told of a belief, and what it can command, by the names of a mapping.
-
-How a team's node names things: topics, their types, the fields of what it hears and says.
+"""How a team's own node names things: topics, types of messages, and their fields.
 
 A mapping is a table, ``[node]`` of ``mrsfi.toml``; docs/node.md says what it may hold. A topic with
 ``{robot}``, ``{sensor}`` or ``{obstacle}`` stands for one of each. A field is a path such as
-``pose.pose.position.x`` or ``data[0]``; what it holds is ``offset + scale × what is ours``.
+``pose.pose.position.x`` or ``data[0]``; its value is ``offset + scale × what is ours``.
 
-When a node has answered a tick: by a message, by pings, or when its time is over.
+What holds throughout: a ``NodeMapping`` is checked when it is made. What makes no sense is a
+``UsageError`` that names the entry, what was found and what was expected.
+
+Begin with ``QUANTITIES`` and ``COMMANDS``, all that a node can be told of a belief and all that it
+can command. ``NodeMapping.of`` reads a table, and ``spread`` applies a rule to the elements of a
+mission. ``GENERATED`` is the table of nodes that speak the topics of docs/bus.md.
 """
 
 import math
@@ -83,8 +84,7 @@ ones too."""
 SPOKEN = (Field.POSITION, Field.SPEED, Field.ENERGY, Field.COUNT)
 """Properties of which a world speaks in every tick; a position only while the robot knows it."""
 
-Given: TypeAlias = Mapping[str, float]
-"""What a message commands, by name."""
+Given: TypeAlias = Mapping[str, float]  # what a message commands, by name
 
 COMMANDS: Mapping[str, Mapping[str, str]] = {
     "robot": {

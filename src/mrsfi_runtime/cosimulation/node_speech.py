@@ -1,15 +1,15 @@
-"""What a team's own node hears and says.
+"""What a team's own node hears and says in one mission, and which faults reach it.
 
-What a node is told, and what it says, topic by topic, of one mission.
+``Speech`` makes a ``Saying`` of each topic of which the node is told, and a ``Hearing`` of each on
+which it commands, from the rules of a mapping. What a mapping cannot mean is a ``UsageError``, a
+message that does not fit a ``ProtocolError``.
 
-Commands that are no heading and speed: passed on to the team's world as they came.
+A ``Relay`` passes on commands that are no heading and speed, to the team's world and as they came.
+Faults that delay or block a message of a server to a robot hold them back (``Held``). Other
+commands are forged behind the node, which need not know. ``out_of_reach`` lists the faults of a
+pool that touch neither what the node is told nor what its robots are commanded.
 
-Faults that delay or block a message that a server sends to a robot hold them back.
-
-Which faults reach a node: those of what it is told, and of the commands of its robots.
-
-Commands are forged behind the node, which need not know; where it commands no speed but something
-that is passed on, they are held back at most.
+Begin with ``Speech``.
 """
 
 import json

@@ -1,19 +1,12 @@
 """Commands, and the motion that obeys them.
 
-How a collective intelligence commands its robots: one command per robot and channel.
-
-Channels are the heading, the speed and each sensor. Goals react in model order, and the
-first to claim a channel in a tick keeps it.
-
-References
-----------
-Source paper, section III-G.
-
-What the simulated world does in one tick: motion, energy and sampling.
+Each robot has one command per channel: heading, speed, and each sensor. Goals react in model
+order, and the first to claim a channel in a tick keeps it. ``move`` is what the simulated world
+does in one tick: motion, energy and sampling.
 
 References
 ----------
-Source paper, sections III-F and III-H.
+Source paper, sections III-F, III-G and III-H.
 """
 
 import math

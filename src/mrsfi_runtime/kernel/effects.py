@@ -1,29 +1,20 @@
-"""What active faults do.
+"""How messages become belief, and what active faults do to it and to commands.
 
-How effects change the local state, and keep account of it.
+In each tick ``deliver`` copies what arrived into the local state and holds back what is delayed or
+blocked. Then ``falsify`` applies faults of known modes to the belief, ``disturb`` those of a team's
+own types, by a region of the generated code. ``issue`` forges commands: the collective
+intelligence's own hold again later. ``arm`` notes which events set faults off; they are judged
+in truth, and each happens once in a flight.
 
-Effects read the true value of the tick, so nothing accumulates and nothing has to be undone: at
-``finish + 1`` the next delivery restores the property.
+What holds throughout: effects read the true value of the tick, so nothing accumulates and nothing
+has to be undone. At ``finish + 1`` the next delivery restores the property. ``note`` counts each
+tick at which a fault was active, and each at which it changed something.
 
-References
-----------
-Source paper, sections III-B b) and III-G (``executeFaults``).
-
-What forged commands do: they beat the collective intelligence's own, which hold again later.
-
-References
-----------
-Source paper, sections III-B b) and III-G.
-
-What fault types of a team's own do: a region of the generated code, called once a tick.
-
-Events that set faults off: they are judged in truth, and each happens once in a flight.
-
-How messages become the collective intelligence's belief: delivered, delayed or blocked.
+Begin with ``deliver``, then ``falsify`` and ``issue``.
 
 References
 ----------
-Source paper, sections III-F and III-G (``updateSystemState``).
+Source paper, sections III-B b), III-F and III-G (``updateSystemState``, ``executeFaults``).
 """
 
 import math

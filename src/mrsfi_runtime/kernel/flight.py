@@ -1,17 +1,16 @@
-"""One flight of a mission, tick by tick.
+"""One flight of a mission, tick by tick, written once for every engine.
 
-What a mission seed decides: how many samples of every sensor are valid, tick by tick.
-
-It hangs on nothing that happens in a flight, so it is drawn once for all flights of a seed.
-
-Lays a mission out as the records that the kernel works on.
-
-The tick of a flight, written once for every engine: all that happens, in its order.
-
-A flight begins with forged commands (``issue``); then every tick moves the robots (``move``), sends
+A flight begins with forged commands (``issue``). Every tick then moves the robots (``move``), sends
 their messages (``send``), and has the collective intelligence answer them: it hears (``hear``),
-reacts, and replies (``reply``). Over a bus, the simulation behind it moves and sends; and where a
-team's own node is the collective intelligence, it stands between hearing and reply.
+reacts, and replies (``reply``). Over a bus, the simulation behind it moves and sends. A team's own
+node, where it is the collective intelligence, stands between hearing and reply.
+
+What holds throughout: a mission, its seed and a plan of faults decide everything. How many samples
+of each sensor are valid depends only on the mission seed, so they are drawn once for all flights
+of a seed (``valid_samples``).
+
+Begin with ``answer``. Before it ``initial_state`` lays a mission out as records; after it ``count``
+and ``measure`` keep the verdicts.
 
 References
 ----------
@@ -56,7 +55,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, M
 CHANCE_PRECISION = 2**32
 
 Samples: TypeAlias = tuple[bytes, ...]
-"""Valid samples of each sensor, a row a tick, each below 256; ``kernel.motion.move`` adds them."""
+"""Valid samples of each sensor, a row a tick, each below 256; ``commands.move`` adds them."""
 
 
 def sample_chances(n: int) -> tuple[int, ...]:

@@ -5,8 +5,7 @@ from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
 
-ROAM_ATTEMPTS = 8
-"""Headings that a roaming robot draws before it turns to the middle of its area."""
+ROAM_ATTEMPTS = 8  # headings that a roaming robot draws before it turns to the middle of its area
 
 
 @kernel

@@ -1,4 +1,11 @@
-"""Faults at work: every timed fault laid out as injections, one per property it touches.
+"""Faults laid out for the kernel: each timed fault as injections, one per property it touches.
+
+``plan_rows`` lays a fault specification out as rows, which a compiled engine copies into arrays;
+``plan`` makes records of them. Each list is sorted by start, so that a tick reads no further than
+to the first injection that begins later. Faults that wait for a trigger stand in these lists with
+a ``finish`` of -1, and in ``waiting`` with what they do once they are set off.
+
+Begin with ``InjectionState`` and ``Plan``, then ``plan_rows``.
 
 References
 ----------

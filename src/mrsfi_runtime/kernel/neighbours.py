@@ -1,16 +1,17 @@
 """Which robots and obstacles are near a robot.
 
-Which robots are near a place: looked up in a grid where they are many, one by one where few.
+Few robots are compared one by one. Many are looked up in a grid without edges: cells are numbered
+without end and share a fixed number of buckets, so that it serves robots wherever they are
+believed to be. Neighbours are listed when robots are sorted in, with a margin, so that grid and
+lists serve until robots have moved through it.
 
-The grid has no edges: cells are numbered without end and share a fixed number of buckets, so
-that it serves robots wherever they are believed to be. Who is near whom is listed when robots are
-sorted in, with a margin, so that grid and lists serve until robots have moved through that.
+Obstacles are looked up in a map of where the model puts them. It divides the square around the
+mission area into cells, each with the obstacles within reach of it, the nearest first; cells at
+the edge stand for all that is beyond. Obstacles that are believed elsewhere are few, and are
+compared one by one.
 
-Which obstacles are near a place: looked up in a map of where the model puts them.
-
-The map divides the square around the mission area into cells, each with the obstacles that
-are within reach of it, the nearest first; cells at the edge stand for all that is beyond.
-Obstacles that are believed elsewhere are few, and looked at one by one.
+What holds throughout: whatever is looked up, the answer is that of comparing all pairs. Begin with
+``chart`` and ``gather`` for robots, ``mapped`` and ``cell_at`` for obstacles.
 """
 
 from functools import lru_cache
@@ -20,26 +21,19 @@ from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import GoalState, LookupState, MappedState, MapState, State, kernel
 from mrsfi_runtime.model.mission import Area, Obstacle
 
-FEW = 24
-"""Members up to which a goal's robots are looked at one by one."""
+FEW = 24  # members up to which a goal's robots are looked at one by one
 
 WIDEST = 4
 """Cells a side of the widest square that is looked up; beyond it all members are looked at."""
 
-FAR = 2.0**30
-"""Number of the outermost cell; whatever is farther out counts as inside it."""
-
-TICKS = 6
-"""Ticks for which the fastest robot may move before robots are sorted anew."""
-
-LISTED = 16
-"""Neighbours for whom there is room in the lists, for each member on average."""
+FAR = 2.0**30  # number of the outermost cell; whatever is farther out counts as inside it
+TICKS = 6  # ticks for which the fastest robot may move before robots are sorted anew
+LISTED = 16  # neighbours for whom there is room in the lists, for each member on average
 
 STRAYS = 8
 """Robots that may be elsewhere, such as those that faults displace, before all are sorted anew."""
 
-SURE = 1.0 + 1e-9
-"""Factor that no rounding of a distance outweighs."""
+SURE = 1.0 + 1e-9  # factor that no rounding of a distance outweighs
 
 
 def n_buckets(n_members: int) -> int:
@@ -304,8 +298,7 @@ def is_near(dx: float, dy: float, reach: float) -> bool:
     return max(abs(dx), abs(dy)) < reach
 
 
-SIDE = 32
-"""Cells along a side of the map."""
+SIDE = 32  # cells along a side of the map
 
 SLACK = 0.001
 """By what a cell counts as larger than it is, in cells, so that no rounding hides an obstacle."""

@@ -18,7 +18,7 @@ PURPOSE_HEADING = 1
 PURPOSE_SAMPLES = 2
 PURPOSE_ROAM = 3
 PURPOSE_NOISE = 13  # and 14
-"""Those of random faults stand in ``effects.belief``: 4 to 12."""
+"""Those of random faults stand in ``kernel.effects``: 4 to 12."""
 
 
 @kernel

@@ -1,26 +1,20 @@
 """The state of a world, and the arithmetic that is allowed on it.
 
-The mark of functions that are written once and run interpreted or compiled.
+The simulation keeps one ``State``, the truth; the collective intelligence keeps another, its local
+state or belief. Goal predicates read either. All records hold only integers and floats, and refer
+to each other by index, so that compiled code can lay the same fields out in arrays.
 
-A marked function, and all that it calls, keeps to the common subset: loops, comparisons,
-``+ - * / // %``, ``min max abs round``, ``math.sqrt``, integer work, records with
-attributes, other marked functions. No ``**`` on floats, no ``math.hypot``, no ``random``,
-no container built on the way: those differ between the interpreter and a compiler, or do
-not compile at all.
+Functions of the kernel are written once and run interpreted or compiled; ``kernel`` marks them. A
+marked function, and all that it calls, keeps to the common subset: loops, comparisons,
+``+ - * / // %``, ``min max abs round``, ``math.sqrt``, integer work, records with attributes,
+other marked functions. No ``**`` on floats, no ``math.hypot``, no ``random``, no container built
+on the way: those differ between the interpreter and a compiler, or do not compile at all.
 
-What somebody knows about a mission at one tick, as plain records.
+No verdict depends on the last bit of a sum. Checks take what differs from a limit by less than a
+billionth of it for equal (``excess``); reactions keep farther away from limits than that.
 
-The simulation keeps one ``State``, the truth; the collective intelligence keeps another,
-its local state or belief. Goal predicates read either. All records hold integers and
-floats only, and refer to each other by index, so that compiled code can lay the very same
-fields out in arrays.
-
-What changes in a state, as named columns: the order of a digest, and of a recorded moment.
-
-How near to a limit is at it: no verdict turns on the last bit of a sum.
-
-Checks take what differs from a limit by less than a billionth of it for equal; reactions keep
-farther away from limits than that.
+Begin with ``State``. ``COLUMNS`` names what changes in it, in the order of a digest and of a
+recorded moment.
 """
 
 import struct
@@ -46,8 +40,7 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
     return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
-N_MEMORY = 8
-"""Numbers that are remembered for whoever writes a region."""
+N_MEMORY = 8  # numbers that are remembered for whoever writes a region
 
 
 def no_memory() -> MutableSequence[float]:
@@ -218,7 +211,7 @@ class SwitchState:
 
 @dataclass(slots=True)
 class MapState:
-    """The map of ``kernel.obstacles``: its lower left corner, and how fine it is.
+    """The map of ``kernel.neighbours``: its lower left corner, and how fine it is.
 
     A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
     ``is_wrong`` is 1 while an obstacle may be believed elsewhere than where the model puts it;
@@ -348,11 +341,8 @@ def state_bytes(state: State) -> bytes:
     return struct.pack(f"<{len(values)}d", *values)
 
 
-TOLERANCE = 1e-9
-"""Share of a limit, or of a distance unit, below which a difference is none."""
-
-RESERVE = 0.001
-"""Share of a limit that reactions leave unused: of an area's radius, and of energy."""
+TOLERANCE = 1e-9  # share of a limit, or of a distance unit, below which a difference is none
+RESERVE = 0.001  # share of a limit that reactions leave unused: of an area's radius, and of energy
 
 
 @kernel

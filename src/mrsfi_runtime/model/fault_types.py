@@ -1,20 +1,13 @@
-"""Fault types, and what they mean.
+"""What fault types are made of: a mode, the properties that it touches, and parameters.
 
-What fault types are made of: a mode, the properties that it touches, and parameters.
+``metamodels/faults.ecore`` defines the fault types, in annotations that use the words of the
+enumerations here. A generated fault loader carries those of its pool as ``FaultType`` values.
+``ROLES`` says which parameters a mode takes for which properties, ``WITHIN_REACH`` what a fault can
+touch. ``plain_name`` is what an ID becomes in Python and in topics of ROS.
 
-The types themselves are said in ``metamodels/faults.ecore``, whose annotations use the words of
-the enumerations here; a generated fault loader carries those of its pool.
-
-References
-----------
-Source paper, section III-B b).
-
-What the ID of a model element is called in Python, and in topics of ROS.
-
-The version of the world's rules, carried by records, by generated code and by the bus.
-
-docs/semantics.md says what the rules are. The version changes when the same faults in the same
-mission may lead to another flight; what carries another one is read, but never flown.
+``SEMANTICS`` is the version of the world's rules, which docs/semantics.md describes. Records,
+generated code and the bus carry it. It changes when the same faults in the same mission may lead
+to another flight; what carries another version can be read, but is not flown:
 
 Version 1
     mrsfi 0.1. Verdicts and reactions are decided to the last bit; belief begins without a speed;
@@ -22,6 +15,12 @@ Version 1
 Version 2
     mrsfi 0.3. Verdicts have a tolerance and reactions a reserve; belief begins with what the model
     says; a robot obeys commands up to its own greatest speed; an outcome says what was missed.
+
+Begin with ``FaultType``.
+
+References
+----------
+Source paper, section III-B b).
 """
 
 import re
@@ -191,8 +190,7 @@ class FaultType:
 REPORTED = (Field.SPEED, Field.ENERGY, Field.COUNT, Field.RATE, Field.COST)
 """Properties that are one number, with the range of the same name."""
 
-PLACES = (Field.POSITION, Field.OBSTACLE)
-"""Properties that are a place."""
+PLACES = (Field.POSITION, Field.OBSTACLE)  # properties that are a place
 
 
 def _on(properties: tuple[Field, ...], *roles: Role) -> Mapping[Field | None, tuple[Role, ...]]:
@@ -220,8 +218,7 @@ stands for whatever a message carries. A height, ``Role.Z``, may be absent."""
 OF_ROBOT = (Field.POSITION, Field.SPEED, Field.ENERGY)
 """Properties of a robot that its messages report."""
 
-OF_SENSOR = (Field.COUNT, Field.RATE, Field.COST)
-"""Properties of a sensor that are believed."""
+OF_SENSOR = (Field.COUNT, Field.RATE, Field.COST)  # properties of a sensor that are believed
 
 IN_NO_MESSAGE = (Field.RATE, Field.COST)
 """Properties that are believed to be what the model says; no message carries them."""
@@ -229,8 +226,7 @@ IN_NO_MESSAGE = (Field.RATE, Field.COST)
 ELEMENTS = (OF_ROBOT, OF_SENSOR, (Field.OBSTACLE,))
 """Properties by what they are properties of; an effect of a team's own acts on one of the three."""
 
-N_VALUES = 8
-"""Parameters of a type of a team's own, at most."""
+N_VALUES = 8  # parameters of a type of a team's own, at most
 
 WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
     Struck.MESSAGE: (None, *OF_ROBOT, *OF_SENSOR),
@@ -258,8 +254,7 @@ def plain_name(text: str) -> str:
     return _SEPARATORS.sub("_", text).strip("_").lower()
 
 
-SEMANTICS = 2
-"""The version that this runtime flies."""
+SEMANTICS = 2  # the version that this runtime flies
 
 
 def difference(found: int) -> str:

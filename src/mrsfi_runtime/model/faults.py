@@ -1,34 +1,24 @@
-"""Faults, and the gate through which each specification enters.
+"""Faults, what they touch, and the gate through which each fault specification enters.
 
-Faults of a pool, and timed faults: what search arranges into fault specifications.
+A ``FaultPool`` has the faults that could occur in a mission. Search arranges them into a
+specification: ``TimedFault`` values, each with a window and values of its own. Two faults conflict
+when they touch the same property of the same target (``touched``): one would disable the other.
 
-References
-----------
-Source paper, sections III-B b) and III-E a).
+What holds throughout: every specification passes ``Gate.admitted``, whether models, scripts,
+search, users' code or records bring it. In one that passed, conflicting faults never overlap, and
+numbers are Python's own. Windows and whole values are those of an ``EInt``, other values at most
+``MOST``; within these limits the reference and the compiled engine agree to the last bit.
 
-Which properties of which robots, sensors and obstacles a fault touches.
+``value_bounds`` says between which values search may choose. A bound is what the model says, else a
+default that the mission gives for the parameter's range; the pool's own value always lies inside.
 
-The one gate that every timed fault passes: of models, scripts, search, users' code and records.
-
-Within its limits the reference and the compiled engine agree to the last bit: windows and whole
-values are those of an ``EInt``, other values at most ``MOST``, as in models.
-
-Two faults conflict when they touch the same property of the same target: one would
-disable the other. Conflicting faults never overlap in one specification.
+Begin with ``Fault``, ``TimedFault`` and ``Gate``.
 
 References
 ----------
-Source paper, sections III-C b), III-E b) and c). The paper says *same message* in one
-place and *same class* in another; this key serves the purpose it states.
-
-Between which bounds search may choose the values of a fault's parameters.
-
-A bound is what the model says, else a default that the mission gives for the parameter's range;
-the pool's own value always lies inside.
-
-References
-----------
-Source paper, section III-E b), which leaves the bounds open.
+Source paper, sections III-B b), III-C b) and III-E a) to c). On conflicts it says *same message* in
+one place and *same class* in another; the key used here serves the purpose it states. It leaves
+the bounds of values open.
 """
 
 import math
@@ -337,11 +327,8 @@ def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]
                     yield Field.COUNT, mission.sensor_index[sensor.id]
 
 
-MOST = 1e12
-"""The largest magnitude of a value."""
-
-LAST = 2**31 - 1
-"""The largest tick of a window, and the largest whole value."""
+MOST = 1e12  # the largest magnitude of a value
+LAST = 2**31 - 1  # the largest tick of a window, and the largest whole value
 
 
 def plain(timed: TimedFault) -> TimedFault:

@@ -1,21 +1,17 @@
-"""A mission, and what a flight of it counts.
+"""A mission as its model describes it, and what the evaluation of a fault specification counts.
 
-A mission as its model describes it: robots, obstacles, messages and goals.
+A ``Mission`` has robots, obstacles, messages and goals. Nothing of it changes while it runs.
+Lengths are in distance units, times in ticks (one tick is one time interval of the mission),
+energies in energy units. An ``Outcome`` has the counts of one flight, goal by goal.
 
-Nothing here changes while a mission runs. Lengths are in distance units, times in
-ticks (one tick is one time interval of the mission), energies in energy units.
+``starvation`` finds goals that cannot be met since a goal that reacts first keeps their robots
+elsewhere: the first goal that claims the heading of a robot has it (docs/semantics.md, reactions).
+
+Begin with ``Mission`` and ``Outcome``.
 
 References
 ----------
 Source paper, section III-B a).
-
-Which goals starve, as a goal that reacts first keeps their robots somewhere else for ever.
-
-References
-----------
-``docs/semantics.md``, reactions: the first goal that claims the heading of a robot has it.
-
-What the evaluation of one fault specification found.
 """
 
 from dataclasses import dataclass, replace
@@ -26,8 +22,7 @@ from typing import ClassVar, TypeAlias
 
 from mrsfi_runtime.model.fault_types import Field, Range, Units
 
-ROBOT_RADIUS = 1.0
-"""Robots are discs of this radius, in distance units."""
+ROBOT_RADIUS = 1.0  # robots are discs of this radius, in distance units
 
 FASTEST_OVER_NOMINAL = 2.0
 """How many times its nominal speed a robot reaches whose model names no greatest speed."""
@@ -331,7 +326,7 @@ class Mission:
 
     @cached_property
     def touches(self) -> dict[tuple[str, str], tuple[tuple[Field, int], ...]]:
-        """What ``targets.touched`` has found until now, by type and target of the fault."""
+        """What ``faults.touched`` has found until now, by type and target of the fault."""
         return {}
 
 
@@ -445,5 +440,4 @@ class FailedFlight:
     traceback: str
 
 
-Evaluated: TypeAlias = Outcome | FailedFlight
-"""What comes of an evaluation."""
+Evaluated: TypeAlias = Outcome | FailedFlight  # what comes of an evaluation

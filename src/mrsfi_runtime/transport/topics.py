@@ -23,11 +23,8 @@ from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
 
-Payload: TypeAlias = dict[str, Any]
-"""Content of a message: field names of its ROS type to values."""
-
-Publisher: TypeAlias = Callable[[Payload], None]
-"""Publishes one message on one topic."""
+Payload: TypeAlias = dict[str, Any]  # content of a message: field names of its ROS type to values
+Publisher: TypeAlias = Callable[[Payload], None]  # publishes one message on one topic
 
 
 class Topic(NamedTuple):

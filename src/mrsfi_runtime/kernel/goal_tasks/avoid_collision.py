@@ -1,4 +1,11 @@
-"""AvoidCollision: the discs of robots and obstacles never overlap."""
+"""AvoidCollision: the discs of robots and obstacles never overlap.
+
+Checks and margins compare distances of one tick, reactions what robots and obstacles will be within
+``LOOK_AHEAD`` ticks, if all keep heading and pace. ``kernel.neighbours`` finds those that are near
+enough to count, so that few pairs are compared; results are those of all pairs.
+
+Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
+"""
 
 import math
 from dataclasses import dataclass
@@ -19,17 +26,13 @@ from mrsfi_runtime.kernel.neighbours import (
 from mrsfi_runtime.kernel.state import TOLERANCE, GoalState, State, excess, kernel
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, GoalTask
 
-LOOK_AHEAD = 10
-"""Ticks for which a collision is foreseen."""
-
-MARGIN = 1.0
-"""Clearance below which a meeting counts as a coming collision, in distance units."""
+LOOK_AHEAD = 10  # ticks for which a collision is foreseen
+MARGIN = 1.0  # clearance below which a meeting counts as a coming collision, in distance units
 
 HORIZON = 4
 """Ticks for which none of many robots needs to be looked at, if it is so far from all others."""
 
-CANDIDATE_STEP = 15
-"""Degrees between the headings among which a robot chooses when it evades."""
+CANDIDATE_STEP = 15  # degrees between the headings among which a robot chooses when it evades
 
 
 @dataclass(frozen=True, slots=True)

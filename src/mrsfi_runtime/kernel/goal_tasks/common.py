@@ -1,17 +1,13 @@
-"""What several goal tasks share.
-
-How far a goal was from being violated in truth, at the tick at which it was nearest to it.
+"""What several goal tasks share: margins, and who has been in a goal's area.
 
 A margin is how much there is to spare, in the unit of the goal's task; negative by how much it is
-violated. Between two ticks most change by no more than robots move, so that many ticks need no
-look: none is skipped at which a margin could be less than the least so far.
+violated. Between two ticks most change by no more than robots move, so ``patience`` says for how
+many ticks a margin cannot be less than the least so far, and need not be computed.
 
 References
 ----------
 Margins are the robustness of signal temporal logic (A. Donzé and O. Maler, "Robust Satisfaction of
 Temporal Logic over Real-Valued Signals", FORMATS 2010), taken as the minimum over a flight.
-
-Which members have been in the area of a goal, or at its point, and when; how they get there.
 """
 
 import math
@@ -24,8 +20,7 @@ from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
 NO_MARGIN: Final = math.inf
 """What a goal has while nothing can be said, such as before a robot first enters its area."""
 
-NEVER: Final = 1 << 40
-"""A tick that no mission reaches."""
+NEVER: Final = 1 << 40  # a tick that no mission reaches
 
 
 @kernel

@@ -1,10 +1,7 @@
-"""Which functions each goal task has.
+"""The goal tasks by number, and which functions each has.
 
-The goal tasks, in an order that states and digests know.
-
-Whether the purpose of a goal is certainly not met: what came of it in the end, in truth.
-
-What goals do for which a team wrote nothing: as a task says, by its number.
+States and digests know a task by its place in ``TASKS``. Functions here choose by that number: what
+goals do for which a team wrote nothing, and whether the purpose of a goal is certainly not met.
 """
 
 import sys
