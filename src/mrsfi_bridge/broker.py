@@ -95,7 +95,12 @@ class Broker:
         It is a ``ProtocolError`` if the client does not advertise the topic, the message does not
         fit its type, or latched messages take too much.
         """
-        topic, publication = self._published(client, name)
+        topic = self.topics.get(name)
+        publication = None if topic is None else topic.publishers.get(client)
+        if topic is None or publication is None:
+            raise ProtocolError(
+                f"topic '{name}' is not advertised; advertise it before you publish"
+            )
         outgoing = Outgoing(topic.structure, topic.structure.convert(message))
         topic.n_numbered += 1
         outgoing.number(topic.n_numbered)
@@ -135,7 +140,6 @@ class Broker:
         return True
 
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
-        """Give a message to all who subscribe now."""
         for subscriber in tuple(topic.subscribers.values()):
             subscriber.receive(outgoing)
 
@@ -143,16 +147,6 @@ class Broker:
         """Return what those get who subscribe later: what is latched."""
         lasts = (publication.last for publication in topic.publishers.values())
         return [last for last in lasts if last is not None]
-
-    def _published(self, client: Hashable, name: str) -> tuple[Topic, Publication]:
-        """Return a topic that a client publishes on."""
-        topic = self.topics.get(name)
-        publication = None if topic is None else topic.publishers.get(client)
-        if topic is None or publication is None:
-            raise ProtocolError(
-                f"topic '{name}' is not advertised; advertise it before you publish"
-            )
-        return topic, publication
 
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
         """Keep a message for those who subscribe later."""
@@ -183,14 +177,12 @@ class Broker:
         return topic
 
     def _release(self, topic: Topic) -> None:
-        """Forget a topic that nobody uses any more."""
         if not topic.publishers and not topic.subscribers:
             del self.topics[topic.name]
 
 
 DEPTH = 10  # messages of a topic that are under way at most; of more, the oldest are lost
 LIFESPAN_S = 1.0  # how long what was said on a topic is kept for those who subscribe later
-_LOGGER = logging.getLogger("mrsfi.bridge")
 
 
 @dataclass(slots=True)
@@ -237,7 +229,8 @@ class BrokerOfRos2(Broker):
         if len(lane.waiting) == DEPTH and topic.subscribers:
             lane.n_lost += 1
             if lane.n_lost == 1:
-                _LOGGER.warning("%s: lost a message, the oldest of %d", topic.name, DEPTH + 1)
+                logger = logging.getLogger("mrsfi.bridge")
+                logger.warning("%s: lost a message, the oldest of %d", topic.name, DEPTH + 1)
         lane.waiting.append(outgoing)
         if not self._ready:
             self._scheduler.call_soon(self._turn)
@@ -246,22 +239,17 @@ class BrokerOfRos2(Broker):
     def _kept(self, topic: Topic) -> list[Outgoing]:
         since = self._scheduler.time() - LIFESPAN_S
         lane = self._lane(topic.name)
-        recent = [
-            outgoing
-            for moment, outgoing in lane.recent
-            if moment >= since and outgoing.structure is topic.structure
-        ]
+        recent = [each for moment, each in lane.recent if moment >= since]
+        recent = [each for each in recent if each.structure is topic.structure]
         come = (*recent, *lane.waiting)
         return [*(each for each in super()._kept(topic) if each not in come), *recent]
 
     def _lane(self, name: str) -> _Lane:
-        lane = self._lanes.get(name)
-        if lane is None:
-            lane = self._lanes[name] = _Lane(next(self._orders))
-        return lane
+        if name not in self._lanes:
+            self._lanes[name] = _Lane(next(self._orders))
+        return self._lanes[name]
 
     def _turn(self) -> None:
-        """Deliver one message of each topic."""
         ready, self._ready = self._ready, {}
         now = self._scheduler.time()
         for name, lane in sorted(ready.items(), key=lambda item: item[1].order):
@@ -298,8 +286,6 @@ Ask: TypeAlias = Callable[[str, Any], None]
 Reply: TypeAlias = Callable[[bool, Any], None]
 """Answers a caller: whether the call succeeded, and the response or the reason."""
 
-
-_LONGEST_S = 3600.0
 
 OWN: Hashable = "the server itself"  # provider of the services that nobody else may provide
 
@@ -440,7 +426,7 @@ class Services:
 
     def _timer(self, call_id: str, timeout_s: float) -> TimerHandle | None:
         """Return what ends a call that takes too long."""
-        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._limits.service_s
+        wait_s = min(timeout_s, 3600.0) if timeout_s > 0 else self._limits.service_s
         reason = f"no answer within {wait_s:g} s"
         return self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
 
@@ -454,7 +440,6 @@ class Services:
         return self._forget(call_id)
 
     def _asked(self, owner: Hashable, call_id: Any) -> Call:
-        """Return a call that a provider is asked to answer."""
         call = self._calls.get(call_id) if isinstance(call_id, str) else None
         if call is None or call.owner != owner:
             raise ProtocolError(f"no call {call_id!r:.100} waits for your answer")
@@ -481,9 +466,6 @@ def _named(arguments: Any, service_type: ServiceType) -> Any:
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 """How a goal ended; of ``action_msgs/GoalStatus``. Whatever else a provider says is the last."""
 
-Answer: TypeAlias = Callable[[dict[str, Any]], None]
-"""Takes what comes back of a goal: the fields of an operation, its result last."""
-
 
 class Actions(Services):
     """Services that may take as long as they like, tell how far they are, and can be cancelled.
@@ -495,9 +477,17 @@ class Actions(Services):
     _id = "send_action_goal"
 
     def send_goal(
-        self, caller: Hashable, name: str, type_name: str, goal: Any, answer: Answer
+        self,
+        caller: Hashable,
+        name: str,
+        type_name: str,
+        goal: Any,
+        answer: Callable[[dict[str, Any]], None],
     ) -> str:
-        """Pass a goal to its provider; as ``call``. It fails if the action is of another type."""
+        """Pass a goal to its provider; as ``call``. It fails if the action is of another type.
+
+        ``answer`` takes what comes back of it: the fields of an operation, its result last.
+        """
 
         def reply(is_ok: bool, told: Any) -> None:
             failed = {"values": told, "status": ABORTED, "result": False}

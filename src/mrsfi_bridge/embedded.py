@@ -25,8 +25,6 @@ from mrsfi_bridge.server import BridgeServer
 from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
 
-_JOIN_S = 10.0
-
 
 class FirstError(threading.Event):
     """The first error that arose in the server's thread: ``error``, once it is set."""
@@ -213,7 +211,7 @@ class EmbeddedBridge:
             self._loop = None
             with suppress(RuntimeError):  # it ended by itself
                 loop.call_soon_threadsafe(stop.set)
-            self._thread.join(_JOIN_S)
+            self._thread.join(10.0)
 
     def __enter__(self) -> Self:
         self.start()

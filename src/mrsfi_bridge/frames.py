@@ -111,9 +111,7 @@ def _finite(value: Any) -> Any:
     return value
 
 
-_MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8  # encodings of one message that are kept
-_CDR = b"\0\1\0\0"  # says that little-endian CDR follows
 
 _TAGS = {
     "uint16": 69,
@@ -148,9 +146,6 @@ class Encoding(NamedTuple):
 
 PLAIN = Encoding()
 
-Form: TypeAlias = tuple[str, Encoding]
-"""The topic of a message, as a client spells it, and how that wants it."""
-
 
 class Outgoing:
     """A published message in its normal form, which nobody may change.
@@ -163,7 +158,7 @@ class Outgoing:
     def __init__(self, structure: Structure, message: dict[str, Any]) -> None:
         self.structure = structure
         self.message = message
-        self._frames: dict[Form, bytes] = {}
+        self._frames: dict[tuple[str, Encoding], bytes] = {}
 
     def frames(self, topic: str, encoding: Encoding) -> bytes:
         """Return the frames that carry the message, ready for a socket.
@@ -201,7 +196,7 @@ def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
     size = encoding.fragment_size
     if size is None or len(text := content.decode()) <= size:
         return _frame(OP_TEXT, content)
-    size = max(size, math.ceil(len(text) / _MAX_FRAGMENTS))
+    size = max(size, math.ceil(len(text) / 4096))
     fragment = {"op": "fragment", "id": str(next(_fragment_ids))}
     starts = range(0, len(text), size)
     fragments = (
@@ -240,11 +235,16 @@ def _binary(topic: str, message: Any) -> bytes:
 
 def _frame(opcode: Opcode, content: bytes) -> bytes:
     """Return an unmasked frame; as ``Frame.serialize``, which takes five times as long."""
-    if len(content) < 126:
-        return bytes((0x80 | opcode, len(content))) + content
-    if len(content) < 1 << 16:
-        return struct.pack("!BBH", 0x80 | opcode, 126, len(content)) + content
-    return struct.pack("!BBQ", 0x80 | opcode, 127, len(content)) + content
+    return _frame_head(opcode, len(content)) + content
+
+
+def _frame_head(opcode: Opcode, n_bytes: int, mask: int = 0) -> bytes:
+    """Return what a whole frame of so many bytes begins with."""
+    if n_bytes < 126:
+        return bytes((0x80 | opcode, mask | n_bytes))
+    if n_bytes < 1 << 16:
+        return struct.pack("!BBH", 0x80 | opcode, mask | 126, n_bytes)
+    return struct.pack("!BBQ", 0x80 | opcode, mask | 127, n_bytes)
 
 
 def _tagged(structure: Structure, message: dict[str, Any]) -> dict[str, Any]:
@@ -259,7 +259,8 @@ def _packed(structure: Structure, message: dict[str, Any]) -> bytes:
     """Return a message as ROS nodes send it to each other: in ROS 2 as CDR."""
     packer = _Packer(is_cdr=structure.ros != 1)
     packer.add_message(structure, message)
-    return bytes(packer.content) if structure.ros == 1 else _CDR + packer.content
+    # the four bytes say that little-endian CDR follows
+    return bytes(packer.content) if structure.ros == 1 else b"\0\1\0\0" + packer.content
 
 
 def _tagged_field(field: Field, structure: Structure, value: Any) -> Any:
@@ -340,7 +341,6 @@ _END_OF_HEAD = b"\r\n\r\n"
 _WHOLE_TEXT = 0x80 | OP_TEXT
 _MASKED = 0x80
 _MASK_BYTES = 4
-_MASKS_DRAWN = 1024
 _LENGTH_BYTES = {126: 2, 127: 8}
 """How many bytes a greater length of a frame takes, by what stands in the place of a small one."""
 
@@ -397,14 +397,7 @@ class Stream:
         if mask is None:  # a call of the system for each takes longer than all the rest
             self._masks = _masks()
             mask = next(self._masks)
-        n_bytes = len(content)
-        if n_bytes < 126:
-            head = struct.pack("!BB", _WHOLE_TEXT, _MASKED | n_bytes)
-        elif n_bytes < 1 << 16:
-            head = struct.pack("!BBH", _WHOLE_TEXT, _MASKED | 126, n_bytes)
-        else:
-            head = struct.pack("!BBQ", _WHOLE_TEXT, _MASKED | 127, n_bytes)
-        self._said += head, mask, apply_mask(content, mask)
+        self._said += _frame_head(OP_TEXT, len(content), _MASKED), mask, apply_mask(content, mask)
 
     def data_to_send(self) -> list[bytes]:
         """Return what is to be written, in parts; an empty one last ends the connection."""
@@ -428,7 +421,11 @@ class Stream:
             if is_refused or not self._is_whole or self._waiting[position] != _WHOLE_TEXT:
                 yield from self._judged(bytes(self._waiting[position:end]))
             else:
-                yield Message(self._unmasked(start, end), is_text=True)
+                content: bytes | bytearray = self._waiting[start:end]
+                if self._is_masked:
+                    mask = bytes(self._waiting[start - _MASK_BYTES : start])
+                    content = apply_mask(content, mask)
+                yield Message(content, is_text=True)
             position = end
         del self._waiting[:position]
 
@@ -465,12 +462,6 @@ class Stream:
             or (most is not None and length > most)
         )
 
-    def _unmasked(self, start: int, end: int) -> bytes | bytearray:
-        content = self._waiting[start:end]
-        if not self._is_masked:
-            return content
-        return apply_mask(content, bytes(self._waiting[start - _MASK_BYTES : start]))
-
     def _judged(self, data: bytes) -> Iterator[Event]:
         """Have ``websockets`` take bytes; yield what they complete."""
         self.protocol.receive_data(data)
@@ -491,7 +482,7 @@ class Stream:
 
 def _masks() -> Iterator[bytes]:
     """Yield some masks that nobody can guess."""
-    drawn = os.urandom(_MASKS_DRAWN * _MASK_BYTES)
+    drawn = os.urandom(1024 * _MASK_BYTES)
     return (drawn[start : start + _MASK_BYTES] for start in range(0, len(drawn), _MASK_BYTES))
 
 

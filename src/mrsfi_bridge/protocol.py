@@ -34,12 +34,8 @@ _LONGEST_NAME = 256  # of a topic, a service or a parameter
 _FRAGMENT_BYTES = 64  # what a fragment takes beside its letters
 _MAX_UNFINISHED = 16
 
-_DECODER = json.JSONDecoder()
-
 
 class _Field(NamedTuple):
-    """A field of an operation."""
-
     kinds: tuple[type, ...]
     is_required: bool = False
 
@@ -122,10 +118,10 @@ def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
 
 def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
     """Yield the values that follow each other in a text."""
-    position = 0
+    position, decoder = 0, json.JSONDecoder()
     while position < len(text):
         try:
-            value, position = _DECODER.raw_decode(text, position)
+            value, position = decoder.raw_decode(text, position)
         except (ValueError, RecursionError) as error:
             reason = str(error) if isinstance(error, ValueError) else "nested too deeply"
             refuse(f"bad JSON at letter {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")
@@ -228,7 +224,6 @@ class Fragments:
 V = TypeVar("V")
 
 UseId: TypeAlias = str | int | None  # what tells the uses of one topic by one client apart
-_LONGEST_QUEUE = 10_000
 _LONGEST_THROTTLE_MS = 1e9
 
 
@@ -288,7 +283,7 @@ def wish(operation: dict[str, Any]) -> Wish:
         raise ProtocolError(f"throttle_rate: expected 0 to {_LONGEST_THROTTLE_MS:g} ms")
     if queue_length < 0:
         raise ProtocolError("queue_length: expected 0 or more")
-    return Wish(throttle_ms / 1000, min(queue_length, _LONGEST_QUEUE), wanted_encoding(operation))
+    return Wish(throttle_ms / 1000, min(queue_length, 10_000), wanted_encoding(operation))
 
 
 def wanted_encoding(operation: dict[str, Any]) -> Encoding:

@@ -105,7 +105,6 @@ class Barriers:
             answered()
 
 
-_BACKLOG = 512
 _READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
 _SHAKING = 256  # sockets beside those of clients: shaking hands, refused, or closing
@@ -363,7 +362,7 @@ class BridgeServer:
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await self._loop.create_server(
-                partial(Connection, self), host, port, backlog=_BACKLOG
+                partial(Connection, self), host, port, backlog=512
             )
         except OSError as error:
             raise ListenError(

@@ -45,9 +45,6 @@ from mrsfi_bridge.structures import SCALAR, TIMES, Definition, Field, Structure,
 LOGGER = logging.getLogger("mrsfi.bridge")
 
 LEVELS = ("info", "warning", "error", "none")
-_MAX_REASON = 500
-_LOGGED_FIRST = 10
-_LOGGED_EVERY = 1000
 
 
 @dataclass(slots=True)
@@ -113,9 +110,8 @@ class Session:
 
     def leave(self) -> None:
         """End everything that the client does."""
-        self._hub.broker.leave(self)
-        self._hub.services.leave(self)
-        self._hub.actions.leave(self)
+        for shared in (self._hub.broker, self._hub.services, self._hub.actions):
+            shared.leave(self)
         for topic in tuple(self._subscriptions):
             self._end(topic)
         if self._n_dropped:
@@ -131,10 +127,10 @@ class Session:
         self._send(text_frames(operation))
 
     def _drop(self, reason: str, value: Any = None) -> None:
-        reason = reason[:_MAX_REASON]
+        reason = reason[:500]
         self._hub.counts.dropped += 1
         self._n_dropped += 1
-        if self._n_dropped <= _LOGGED_FIRST or self._n_dropped % _LOGGED_EVERY == 0:
+        if self._n_dropped <= 10 or self._n_dropped % 1000 == 0:  # enough to know what it is
             LOGGER.warning("%s: dropped no. %d: %s", self.name, self._n_dropped, reason)
         self.status("error", reason, value.get("id") if isinstance(value, dict) else None)
         self._hub.refused(value, reason)
@@ -207,10 +203,8 @@ class Session:
             told = {**answer, "values": values, "result": is_ok}
             self._send(text_frames(told, encoding))
 
-        arguments = operation.get("args")
-        if arguments is None:
-            arguments = {}
-        timeout = operation.get("timeout") or 0
+        given, timeout = operation.get("args"), operation.get("timeout") or 0
+        arguments = {} if given is None else given
         self._hub.services.call(self, absolute(name), arguments, reply, timeout)
 
     def _service_response(self, operation: Operation) -> None:
@@ -305,7 +299,6 @@ _BRIDGE = "/rosbridge_websocket"
 _ROSAPI = "/rosapi"
 _CLIENT_COUNT, _CLIENTS = "/client_count", "/connected_clients"
 _DEEPEST = 32
-_ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
 
 
 class _Parameters:
@@ -405,8 +398,10 @@ def provide_rosapi(hub: Hub) -> None:
     }
     if not is_ros_1:
         handlers["get_ros_version"] = lambda _: {"version": hub.types.ros, "distro": "jazzy"}
-    for name, handler in handlers.items():
-        type_name = f"{'rosapi' if is_ros_1 else 'rosapi_msgs'}/{_type_name(name)}"
+    types = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+    for name, handler in handlers.items():  # whose types are named after them, but for two
+        kind = types.get(name, "".join(word.capitalize() for word in name.split("_")))
+        type_name = f"{'rosapi' if is_ros_1 else 'rosapi_msgs'}/{kind}"
         hub.services.advertise(OWN, f"{_ROSAPI}/{name}", type_name, _ask(hub, handler))
 
 
@@ -416,16 +411,7 @@ def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
     hub.broker.publish(OWN, _CLIENTS, {"clients": list(clients)})
 
 
-def _type_name(service: str) -> str:
-    """Return the type of a service, which is named after it, but for two."""
-    named_otherwise = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
-    named = "".join(word.capitalize() for word in service.split("_"))
-    return named_otherwise.get(service, named)
-
-
 def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
-    """Return what passes a call on to one of the functions below."""
-
     def ask(call_id: str, request: Fields) -> None:
         try:
             response = handler(request) or {}
@@ -453,23 +439,22 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
 
     def action_servers(_: Fields) -> Fields:
         names = [topic.removesuffix("/goal") for topic in topics if topic.endswith("/goal")]
-        found = [n for n in names if all(f"{n}/{part}" in topics for part in _ACTION_TOPICS)]
+        parts = ("cancel", "status", "feedback", "result")
+        found = [n for n in names if all(f"{n}/{part}" in topics for part in parts)]
         return {"action_servers": [*found, *hub.actions.services]}
 
     def nodes(part: str, request: Fields) -> Fields:
         topic = topics.get(absolute(request["topic"]))
         return {part: [] if topic is None else _nodes(getattr(topic, part))}
 
+    def raw_types() -> list[str]:
+        return [_full_text(topic.structure, hub.types) for topic in topics.values()]
+
     return {
         "topics": lambda _: all_topics(),
         "topic_type": lambda request: {"type": types().get(absolute(request["topic"]), "")},
         "topics_for_type": lambda request: {"topics": of_type(request["type"])},
-        "topics_and_raw_types": lambda _: {
-            **all_topics(),
-            "typedefs_full_text": [
-                _full_text(topic.structure, hub.types) for topic in topics.values()
-            ],
-        },
+        "topics_and_raw_types": lambda _: all_topics() | {"typedefs_full_text": raw_types()},
         "action_servers": action_servers,
         "publishers": partial(nodes, "publishers"),
         "subscribers": partial(nodes, "subscribers"),
@@ -488,9 +473,8 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
     services = hub.services.services
 
     def types() -> dict[str, str]:
-        return {
-            name: hub.types.spelled(service.type.name, "srv") for name, service in services.items()
-        }
+        spelled = hub.types.spelled
+        return {name: spelled(service.type.name, "srv") for name, service in services.items()}
 
     return {
         "services": lambda _: {"services": list(services)},
@@ -562,7 +546,9 @@ def _type_definitions(structure: Structure, types: TypeTable) -> list[Fields]:
     definitions = {part.name: part.definition for part in _parts(structure)}
     for field in [field for part in _parts(structure) for field in part.definition.fields]:
         if field.type in TIMES:
-            definitions[field.type] = _time_definition(field.type)
+            part = "uint32" if field.type == "time" else "int32"
+            parts = (Field("secs", part), Field("nsecs", part))
+            definitions[field.type] = Definition(field.type, parts)
     return [_type_definition(each, types) for each in definitions.values()]
 
 
@@ -585,11 +571,6 @@ def _type_definition(definition: Definition, types: TypeTable) -> Fields:
     }
 
 
-def _time_definition(name: str) -> Definition:
-    part = "uint32" if name == "time" else "int32"
-    return Definition(name, (Field("secs", part), Field("nsecs", part)))
-
-
 def _example(field: Field) -> str:
     """Return the default of a field as text: lists and messages empty."""
     if field.length != SCALAR:
@@ -604,12 +585,8 @@ def _full_text(structure: Structure, types: TypeTable) -> str:
     parts = {part.name: part.definition for part in _parts(structure)}
     own, *others = parts.values()
     border = "=" * 80
-    return "\n".join(
-        (
-            _text(own, types),
-            *(f"{border}\nMSG: {part.name}\n{_text(part, types)}" for part in others),
-        )
-    )
+    texts = (f"{border}\nMSG: {part.name}\n{_text(part, types)}" for part in others)
+    return "\n".join((_text(own, types), *texts))
 
 
 def _text(definition: Definition, types: TypeTable) -> str:

@@ -44,8 +44,6 @@ STANDARD = Path(__file__).parent / "types"
 
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(?:msg|srv|action)/)?([A-Za-z]\w*)", re.ASCII)
 _MAX_SHOWN = 80
-_NO_FIELD = "structure_needs_at_least_one_member"
-_BASES = {"octet": "byte"}
 _MESSAGES = {name: f"builtin_interfaces/{name.capitalize()}" for name in TIMES}
 """What is a message in ROS 2, and in ``rosbags``, and a type of its own in ROS 1."""
 
@@ -53,7 +51,6 @@ _TIMES = {message: name for name, message in _MESSAGES.items()}
 _PACKAGES = {"rosapi_msgs": "rosapi", "example_interfaces": "rospy_tutorials"}
 """Packages of ROS 2 whose definitions are those of another one in ROS 1."""
 
-_QUATERNION = "geometry_msgs/Quaternion"
 _NOUNS = {"msg": "message", "srv": "service", "action": "action"}
 
 
@@ -98,9 +95,7 @@ class TypeTable:
 
     def spelled(self, name: str, kind: str = "msg") -> str:
         """Return the name of a type as ROS spells it: ROS 2 in three parts."""
-        if self.ros == 1:
-            return name
-        return name.replace("/", f"/{kind}/")
+        return name if self.ros == 1 else name.replace("/", f"/{kind}/")
 
     def check(self) -> int:
         """Read every definition of the user's folders and return their number.
@@ -180,9 +175,10 @@ def _standard_message(name: str, ros: int) -> Definition | None:
     if found is None:
         return None
     constants, fields = found
+    none = "structure_needs_at_least_one_member"  # stands for no field
     return Definition(
         name,
-        tuple(_field(name, ros, field, *node) for field, node in fields if field != _NO_FIELD),
+        tuple(_field(name, ros, field, *node) for field, node in fields if field != none),
         tuple(Constant(constant, str(value)) for constant, _, value in constants),
     )
 
@@ -199,10 +195,10 @@ def _field(message: str, ros: int, name: str, kind: Nodetype, found: Any) -> Fie
         is_fixed = kind is Nodetype.ARRAY
         return Field(name, type_name, *((length,) if is_fixed else (VARIABLE, length)))
     if kind is Nodetype.BASE:
-        is_unit = ros != 1 and (message, name) == (_QUATERNION, "w")  # rosbags has no defaults
+        is_unit = ros != 1 and (message, name) == ("geometry_msgs/Quaternion", "w")
         type_name, bound = found
-        default = 1.0 if is_unit else None
-        return Field(name, _BASES.get(type_name, type_name), SCALAR, bound, default)
+        default = 1.0 if is_unit else None  # rosbags has no defaults
+        return Field(name, "byte" if type_name == "octet" else type_name, SCALAR, bound, default)
     short = found.replace("/msg/", "/")
     return Field(name, _TIMES.get(short, short) if ros == 1 else short)
 
@@ -230,7 +226,6 @@ def _text(path: Path) -> str:
 
 
 _MEBI = 1 << 20
-_TOKEN = re.compile(r"[A-Za-z0-9_-]{16,}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -321,7 +316,7 @@ class ServerSettings:
                 raise SettingsError(
                     "a public server needs a token that its clients must show: add --token"
                 )
-        if self.token is not None and not _TOKEN.fullmatch(self.token):
+        if self.token is not None and not re.fullmatch(r"[\w-]{16,}", self.token, re.ASCII):
             raise SettingsError("a token has at least 16 letters, digits, '-' or '_'")
 
 

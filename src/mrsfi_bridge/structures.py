@@ -26,6 +26,7 @@ import struct
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -57,7 +58,6 @@ FLOATS = ("float32", "float64")
 INTEGERS = tuple(name for name in FORMATS if name not in ("bool", *FLOATS))
 TIMES = ("time", "duration")
 TEXTS = ("string", "wstring")
-PRIMITIVES = frozenset((*FORMATS, *TIMES, *TEXTS))
 
 _TYPE = r"(?P<type>[A-Za-z]\w*(?:/[A-Za-z]\w*)?)"
 _NAME = r"\s+(?P<name>[A-Za-z]\w*)\s*(?:=(?P<value>.*))?"
@@ -151,7 +151,6 @@ def parse_parts(
 
 
 def _parse_line(line: str, package: str, place: str, ros: int) -> Field | Constant:
-    """Return the field or constant of a line that is not empty."""
     is_text = line.split(maxsplit=1)[0] == "string" and "=" in line.partition("#")[0]
     match = _LINES[ros].fullmatch(line.strip() if is_text else line.partition("#")[0].strip())
     if match is None:
@@ -170,7 +169,6 @@ def _parse_line(line: str, package: str, place: str, ros: int) -> Field | Consta
 
 
 def _value(text: str) -> Any:
-    """Return a default as it stands in a definition of ROS 2."""
     text = text.strip()
     if text in {"true", "false"}:
         return text == "true"
@@ -182,7 +180,7 @@ def _value(text: str) -> Any:
 
 def _full(type_name: str, package: str) -> str:
     """Return a type's full name: types of the same package go without it."""
-    if type_name in PRIMITIVES or "/" in type_name:
+    if type_name in _PRIMITIVES or "/" in type_name:
         return type_name
     if type_name == "Header":
         return "std_msgs/Header"
@@ -194,12 +192,10 @@ Convert: TypeAlias = Callable[[Any], Any]
 
 Default: TypeAlias = Callable[[], Any]  # returns the value of a field that is missing
 HEADER = "std_msgs/Header"
-_MOMENTS = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
 _PARTS = {"secs": "sec", "nsecs": "nanosec"}
 """How ROS 2 names what ROS 1 named otherwise; it takes either."""
 
 BYTE_ARRAYS = ("uint8", "char")  # element types of the arrays that JSON carries as base64 text
-_LARGEST = int(sys.float_info.max)
 _MAX_SHOWN = 60
 
 
@@ -249,7 +245,8 @@ class Structure:
                 default = partial(convert, field.default)
                 default()  # or say now that it does not fit
             fields.append((field.name, convert, default))
-        self._is_moment = definition.name in _MOMENTS
+        moments = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
+        self._is_moment = definition.name in moments
         self.is_numbered = ros == 1 and any(
             (field.name, field.type) == ("header", HEADER) for field in definition.fields
         )
@@ -331,7 +328,7 @@ def _number(value: Any) -> float:
         return value
     if value is None:
         return float("nan")  # what is no number travels as null
-    if type(value) is int and abs(value) <= _LARGEST:
+    if type(value) is int and abs(value) <= sys.float_info.max:
         return float(value)
     raise mismatch(value, "a number")
 
@@ -343,18 +340,13 @@ def _boolean(value: Any) -> bool:
 
 
 def _text(value: Any) -> str:
-    if type(value) is str and (value.isascii() or _is_unicode(value)):
-        return value
+    if type(value) is str:
+        if value.isascii():
+            return value
+        with suppress(UnicodeEncodeError):  # it has half of a surrogate pair
+            value.encode()
+            return value
     raise mismatch(value, "text")
-
-
-def _is_unicode(text: str) -> bool:
-    """Return whether a text has no half of a surrogate pair."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def _moment(part_type: str) -> Convert:

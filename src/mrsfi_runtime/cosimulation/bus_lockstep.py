@@ -61,9 +61,6 @@ from mrsfi_runtime.transport.topics import (
     time_of,
 )
 
-_SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
-_RETRY = 0.1
-
 
 class BusLockstep:
     """Flies runs over a transport, one after the other; ``truth`` are topics in model order.
@@ -90,7 +87,8 @@ class BusLockstep:
         self._truth = tuple(Heard(self._topics, topic) for topic in truth)
         self._clock = Heard(self._topics, CLOCK)
         self._refusal: ProtocolError | None = None
-        self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
+        # a run's number fits into a double, as some clients keep numbers
+        self._session = secrets.randbelow(10**9) * RUNS_OF_A_SESSION
         self._n_runs = 0
         self._flight: Flight | None = None
         self._is_thinking = False
@@ -131,9 +129,14 @@ class BusLockstep:
             self._call(STOP)
             self._flight = None
         except TransportError as error:
-            raise type(error)(f"run {self._n_runs}, {self._where()}: {error}") from error
+            where = "before tick 0" if self._flight is None else f"tick {self.tick}"
+            raise type(error)(f"run {self._n_runs}, {where}: {error}") from error
         finally:
-            self._end()
+            self._topics.close()
+            if self._flight is not None:
+                self._flight = None
+                with suppress(TransportError):  # told already
+                    self._transport.call(STOP, {}, lambda _reply: None)
 
     def fail(self, error: Exception) -> None:
         """End the run, for what went wrong on the way."""
@@ -142,7 +145,6 @@ class BusLockstep:
 
     @property
     def _run(self) -> int:
-        """Return the number of the run on the bus."""
         return self._session + self._n_runs
 
     def _prepare(self, seed: int) -> None:
@@ -172,7 +174,7 @@ class BusLockstep:
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
                     "--url URL), or allow more with --timeout"
                 )
-            sleep(_RETRY)
+            sleep(0.1)
 
     def _call(self, service: Service) -> Reply:
         """Call a service of the simulation and wait for its reply, or for its refusal."""
@@ -186,18 +188,6 @@ class BusLockstep:
         completion.wait(lambda silence: self._refusal or (late if silence > timeout else None))
         reply: Reply = completion.result
         return reply
-
-    def _end(self) -> None:
-        """End the run on this side; tell the simulation, unless it knows."""
-        self._topics.close()
-        flight, self._flight = self._flight, None
-        if flight is None:
-            return
-        with suppress(TransportError):  # told already
-            self._transport.call(STOP, {}, lambda _reply: None)
-
-    def _where(self) -> str:
-        return "before tick 0" if self._flight is None else f"tick {self.tick}"
 
     def _overdue(self, silence: float) -> MrsfiError | None:
         error = self._mind.overdue(silence if self._is_thinking else 0.0)
@@ -228,7 +218,6 @@ class BusLockstep:
             self._proceed()
 
     def _proceed(self) -> None:
-        """Take the CI's step: all messages of the tick are there."""
         flight, tick = self._flight, self._topics.tick
         if flight is None:
             return
@@ -241,7 +230,6 @@ class BusLockstep:
             self._reply()
 
     def _reply(self) -> None:
-        """Send what the CI answered, and have the simulation go on."""
         flight, tick = self._flight, self._topics.tick
         if flight is None:
             return
@@ -351,8 +339,12 @@ class SimulationHost:
         if self._setup is None:
             return {"success": False, "message": f"no message on {SETUP.name} came yet"}
         self._run, seed, semantics = self._setup
-        self._refusal = None if semantics == SEMANTICS else _refused_by_host(semantics)
-        if self._refusal is not None:
+        self._refusal = None
+        if semantics != SEMANTICS:
+            self._refusal = ProtocolError(
+                f"{REFUSAL} {SEMANTICS} is what this simulation flies; {SETUP.name} asked for "
+                f"semantics {semantics}; run both sides with one mrsfi"
+            )
             self._topics.close()
             self._completion.advance()
             return {"success": False, "message": str(self._refusal)}
@@ -381,11 +373,3 @@ class SimulationHost:
         self._clock({"clock": time_of(tick, self._ros)})
         self._tick({"data": [self._run, tick, self._topics.announce(), self._topics.n_before]})
         self._completion.advance()
-
-
-def _refused_by_host(semantics: int) -> ProtocolError:
-    """Return what a CI of other rules is answered."""
-    return ProtocolError(
-        f"{REFUSAL} {SEMANTICS} is what this simulation flies; {SETUP.name} asked for semantics "
-        f"{semantics}; run both sides with one mrsfi"
-    )

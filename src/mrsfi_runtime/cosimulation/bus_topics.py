@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Event
 from time import monotonic
-from typing import Any, Final, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.transport.topics import (
@@ -35,26 +35,16 @@ from mrsfi_runtime.transport.topics import (
     seconds_of,
 )
 
-SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")
-"""CI to simulation: the run that the next reset begins, a ``Setup``."""
+# CI to simulation
+SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")  # the next reset's run, a ``Setup``
+GO = Topic("/mission/go", "std_msgs/Int64MultiArray")  # fly a tick, a ``Go``
+GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")  # ``GO`` and all that goes before it
 
-GO = Topic("/mission/go", "std_msgs/Int64MultiArray")
-"""CI to simulation: fly a tick, a ``Go``."""
-
-TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")
-"""Simulation to CI: a tick was flown and told, a ``Tick``."""
-
-GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")
-"""CI to simulation: ``GO`` and all that goes before it, in one message."""
-
-TICK_BUNDLE = Topic("/mission/tick/bundle", "std_msgs/String")
-"""Simulation to CI: ``TICK`` and all that goes before it, in one message."""
-
-CLOCK = Topic("/clock", "rosgraph_msgs/Clock")
-"""Simulation to all: one tick is one second."""
-
-FAILURE = Topic("/mission/failure", "std_msgs/String")
-"""Simulation to CI: why it cannot go on."""
+# Simulation to CI
+TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")  # a tick was flown, a ``Tick``
+TICK_BUNDLE = Topic("/mission/tick/bundle", "std_msgs/String")  # ``TICK`` and all before it
+CLOCK = Topic("/clock", "rosgraph_msgs/Clock")  # to all: one tick is one second
+FAILURE = Topic("/mission/failure", "std_msgs/String")  # why it cannot go on
 
 RESET = Service("/mission/reset", "std_srvs/Trigger")
 """Back to before tick 0, with the newest setup; answers ``run <run>``.
@@ -66,9 +56,7 @@ asked no more.
 REFUSAL = "semantics"
 """How the answer begins that no repetition changes; the simulation's version follows."""
 
-STOP = Service("/mission/stop", "std_srvs/Trigger")
-"""Ends the run."""
-
+STOP = Service("/mission/stop", "std_srvs/Trigger")  # ends the run
 
 RUNS_OF_A_SESSION = 1_000_000
 """A run has the number session × this + its place in the session, from 1 on.
@@ -131,28 +119,24 @@ GRACE = 1.0
 """Seconds for which announced messages may be late: some servers keep order per topic only."""
 
 
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and abs(value) <= sys.float_info.max  # no NaN either
+def _are_numbers(*values: Any) -> bool:
+    return all(type(each) in (int, float) and abs(each) <= sys.float_info.max for each in values)
 
 
 def _is_integer(value: Any) -> bool:
     return type(value) is int and abs(value) < 2**63
 
 
-def _is_place(payload: Payload) -> bool:
-    return all(_is_number(payload[axis]) for axis in "xyz")
-
-
 _FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
-    "geometry_msgs/Point": _is_place,
-    "geometry_msgs/Vector3": _is_place,
+    "geometry_msgs/Point": lambda payload: _are_numbers(*(payload[axis] for axis in "xyz")),
+    "geometry_msgs/Vector3": lambda payload: _are_numbers(*(payload[axis] for axis in "xyz")),
     "rosgraph_msgs/Clock": lambda payload: _is_integer(seconds_of(payload["clock"])),
     "std_msgs/Bool": lambda payload: type(payload["data"]) is bool,
-    "std_msgs/Float64": lambda payload: _is_number(payload["data"]),
-    "std_msgs/Float64MultiArray": lambda payload: all(map(_is_number, payload["data"])),
+    "std_msgs/Float64": lambda payload: _are_numbers(payload["data"]),
+    "std_msgs/Float64MultiArray": lambda payload: _are_numbers(*payload["data"]),
     "std_msgs/Int64": lambda payload: _is_integer(payload["data"]),
 }
-"""Whether a message is of its type, and all its numbers are finite: not every server looks."""
+"""Whether a message is of its type, its numbers finite and not NaN: not every server checks."""
 
 
 class CountedTopics:
@@ -281,9 +265,6 @@ class CountedTopics:
         return True
 
 
-_ALONE = (SETUP, FAILURE)
-"""Topics that belong to no tick."""
-
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
@@ -323,7 +304,8 @@ class BundlingTransport:
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic, alone or in the bundle of its tick."""
         publish_alone = self._transport.advertise(topic)
-        is_alone, is_closing = topic in _ALONE, topic == self._closing
+        is_alone = topic in {SETUP, FAILURE}  # which belong to no tick
+        is_closing = topic == self._closing
 
         def publish(payload: Payload) -> None:
             if is_alone:
@@ -351,12 +333,7 @@ class BundlingTransport:
     def _receive(self, payload: Payload) -> None:
         """Take a bundle apart; as on the bus, what nobody subscribed to is left aside."""
         self._is_bundling = True
-        for name, message in self._pairs(payload.get("data")):
-            callback = self._callbacks.get(name)
-            if callback is not None:
-                callback(message)
-
-    def _pairs(self, text: Any) -> list[tuple[str, Payload]]:
+        text: Any = payload.get("data")
         try:
             pairs = [(str(name), dict(message)) for name, message in json.loads(text)]
         except (TypeError, ValueError) as error:
@@ -364,10 +341,10 @@ class BundlingTransport:
                 f"{self._hears.name} carried {str(text)[:80]!r}; expected a JSON list of "
                 "[topic, message] pairs"
             ) from error
-        return pairs
-
-
-_LOOK = 0.1
+        for name, message in pairs:
+            callback = self._callbacks.get(name)
+            if callback is not None:
+                callback(message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -411,7 +388,7 @@ class Completion:
         ``overdue`` gets the seconds since the last step; what it returns, if anything, is raised.
         """
         n_steps, since = self._n_steps, monotonic()
-        while not self._ended.wait(_LOOK):
+        while not self._ended.wait(0.1):
             if n_steps != self._n_steps:
                 n_steps, since = self._n_steps, monotonic()
                 continue
@@ -427,14 +404,17 @@ ANSWER, BARRIER = "answer", "barrier"
 
 PACES = (ANSWER, BARRIER)
 
-Barrier: TypeAlias = Callable[[Callable[[], None]], None]
-"""Calls a function when the clients of a server have answered pings behind what they were told."""
-
 
 class Pace:
-    """``answer``, ``barrier``, or a rate in ticks a second, at which nothing is waited for."""
+    """``answer``, ``barrier``, or a rate in ticks a second, at which nothing is waited for.
 
-    def __init__(self, kind: str, barrier: Barrier | None = None) -> None:
+    ``barrier`` calls a function when the clients of a server have answered pings behind all that
+    they were told.
+    """
+
+    def __init__(
+        self, kind: str, barrier: Callable[[Callable[[], None]], None] | None = None
+    ) -> None:
         self.kind = kind
         self._barrier = barrier
         self._start = 0.0

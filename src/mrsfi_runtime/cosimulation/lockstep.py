@@ -22,7 +22,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, ProtocolError
-from mrsfi_runtime.kernel import commands, flight
+from mrsfi_runtime.kernel import commands
 from mrsfi_runtime.kernel.commands import reported_place, reports_position
 from mrsfi_runtime.kernel.effects import Orders, issue
 from mrsfi_runtime.kernel.flight import (
@@ -116,17 +116,14 @@ class RobotInterface:
 
     def reset(self) -> None:
         """Forget what was received."""
-        self._position.forget()
-        self._speed.forget()
-        self._energy.forget()
+        for heard in (self._position, self._speed, self._energy):
+            heard.forget()
 
     def read(self, robot: RobotState) -> None:
         """Copy what came in this tick; a position that it did not tell stays as it was."""
         if self._position.is_new:
             position = self._position.take()
-            robot.x = float(position["x"])
-            robot.y = float(position["y"])
-            robot.z = float(position["z"])
+            robot.x, robot.y, robot.z = (float(position[axis]) for axis in "xyz")
         robot.speed = float(self._speed.take()["data"])
         robot.energy = float(self._energy.take()["data"])
 
@@ -187,7 +184,6 @@ class SensorInterface:
         self._switch({"data": active})
 
     def _last_active(self) -> bool:
-        """Return what it told last, at the latest in this tick."""
         if self._active.is_new or self._told is None:
             self._told = bool(self._active.take()["data"])
         return self._told
@@ -238,10 +234,9 @@ class Flight:
     """One run: the collective intelligence takes its steps, and every tick is judged.
 
     ``world`` is the true state, moved by others; it is also the belief until the run begins.
-    ``plan`` are the faults.
-    ``sent`` is what the simulation was last told, ``verdicts`` what was counted until now, once
-    per goal and tick. ``observer`` sees every tick; it must not change what it sees, which the
-    next tick will.
+    ``plan`` are the faults. ``sent`` is what the simulation was last told, ``verdicts`` what was
+    counted until now, once per goal and tick. ``observer`` gets every tick; it must not change
+    what it gets, which the next tick will.
     """
 
     def __init__(
@@ -340,7 +335,6 @@ class Mind:
 
 
 def _orders(state: State) -> Orders:
-    """Return the orders that a simulation obeys before anything was sent."""
     return Orders(
         [replace(command) for command in state.commands],
         [SwitchState(switch.active, 0) for switch in state.switches],
@@ -458,7 +452,7 @@ class World(State):
 
 def initial_state(mission: Mission, seed: int) -> World:
     """Return what is true before the first tick; as ``kernel.flight.initial_state``."""
-    state = flight.initial_state(mission, seed)
+    state = first_state(mission, seed)
     known = {name: getattr(state, name) for name in State.__slots__}
     return World(**known, samples=valid_samples(state))
 
@@ -466,10 +460,6 @@ def initial_state(mission: Mission, seed: int) -> World:
 def move(world: World, tick: int) -> None:
     """Fly a tick, as ``kernel.commands.move``."""
     commands.move(world, world.samples[tick], tick)
-
-
-Place = tuple[str, int, str]
-"""A list of a state, such as ``ci.robots``; the index of a record in it, and a column."""
 
 
 def allowed_columns(kind: FaultType) -> tuple[str, list[str]]:
@@ -492,13 +482,22 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
         apply(ci, inbox, fault)
         for place, value in _snapshot(ci, inbox, fault).items():
             if value != before[place] and place not in allowed:
-                raise _changed(kind, place, before[place], value)
+                records, index, column = place
+                named = " and ".join(affected.name for affected in kind.properties)
+                raise EvaluationError(
+                    f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
+                    f"{records}[{index}] from {before[place]} to {value}; expected it to change "
+                    f"{named} of its target alone, as faults.ecore says; correct either"
+                )
 
     return apply_guarded
 
 
-def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[Place, Any]:
-    """Return all that a flight changes of two states, and all of a fault but its memory."""
+def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[tuple[str, int, str], Any]:
+    """Return all that a flight changes of two states, and all of a fault but its memory.
+
+    A key is a list such as ``ci.robots``, the index of a record in it, and a column.
+    """
     records: dict[str, Sequence[Any]] = {"fault": [fault]}
     for side, state in (("ci", ci), ("inbox", inbox)):
         records |= {f"{side}.mission": [state.mission], f"{side}.map": [state.map]}
@@ -512,13 +511,3 @@ def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[Place, Any]:
                 found[name, index, known.name] = value if is_number else tuple(value)
     del found["fault", 0, "memory"]
     return found
-
-
-def _changed(kind: FaultType, place: Place, before: Any, after: Any) -> EvaluationError:
-    records, index, column = place
-    named = " and ".join(affected.name for affected in kind.properties)
-    return EvaluationError(
-        f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
-        f"{records}[{index}] from {before} to {after}; expected it to change "
-        f"{named} of its target alone, as faults.ecore says; correct either"
-    )

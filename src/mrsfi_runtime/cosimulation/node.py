@@ -52,10 +52,8 @@ from mrsfi_runtime.transport.topics import (
 
 _LOOK = 0.1
 _STEADY = 0.3  # seconds after which a node that subscribed to no more is taken to be ready
-_ATTEMPT = 2.0
 _FLOOD: Final = 1000  # commands of a tick, for each topic, from which on a node floods
 _SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
-_TOPICS = Service("/rosapi/topics", "rosapi/Topics")
 
 
 class Process(Protocol):
@@ -126,7 +124,7 @@ class Node(Mind):
             {each.topic.name: (each.robot, advertise(each.world)) for each in self.speech.relayed}
         )
         for each in self.speech.relayed:
-            self._transport.subscribe(each.topic, partial(self._hear_passed_on, each.topic.name))
+            self._transport.subscribe(each.topic, partial(self._pass_on_later, each.topic.name))
 
     def begin(self, flight: Flight, run: int, seed: int) -> None:
         """Bring the node back to before tick 0, and wait until it is ready.
@@ -201,7 +199,7 @@ class Node(Mind):
                 f"the node hears {', '.join(sorted(lost))} no more; expected one that stays "
                 "connected, and subscribed, until it is ended"
             )
-        topics = self._ask(_TOPICS, {}).values.get("topics", ())
+        topics = self._ask(Service("/rosapi/topics", "rosapi/Topics"), {}).values.get("topics", ())
         for topic, kind, name in self.speech.strangers(topics):
             elements = self._mapping.elements(self.speech.mission)
             known = ", ".join(each.name for each in elements if each.kind == kind)
@@ -217,12 +215,10 @@ class Node(Mind):
             raise self._wrong(f"the node said what no server takes: {reason}")
 
     def _ending(self) -> TransportClosed | None:
-        """Return what to raise if the node's process has ended."""
         how = "" if self._process is None else self._process.ended()
         return TransportClosed(f"the node ended: {how}") if how else None
 
     def _wrong(self, text: str) -> ProtocolError:
-        """Return what to raise about something that the node said."""
         self.is_to_blame = True
         return ProtocolError(text)
 
@@ -233,7 +229,7 @@ class Node(Mind):
         n_told = 0
         for number, (saying, publish) in enumerate(self._sayings):
             values = saying.values(ci)
-            if values != said[number] or saying.is_spoken(silent):
+            if values != said[number] or not saying.spoken <= silent:  # or the world spoke of it
                 said[number] = values
                 publish(saying.payload(values))
                 n_told += 1
@@ -252,18 +248,15 @@ class Node(Mind):
         return silent
 
     def _hear(self, hearing: Hearing, message: Payload) -> None:
-        """Take a command."""
         if self._flight is not None:
             ci = self._flight.belief
             self._take(hearing.topic.name, lambda: hearing.obey(ci, message))
 
-    def _hear_passed_on(self, name: str, message: Payload) -> None:
-        """Take a command that is passed on."""
+    def _pass_on_later(self, name: str, message: Payload) -> None:
         if self._flight is not None:
             self._take(name, lambda: self._relay.take(name, message))
 
     def _take(self, name: str, obey: Callable[[], None]) -> None:
-        """Count a command, and have it obeyed."""
         n_heard = self._n_heard[name] = self._n_heard.get(name, 0) + 1
         if n_heard > _FLOOD and not self._pace.is_free:
             raise self._wrong(f"{name}: the node sent more than {_FLOOD} commands in a tick")
@@ -310,14 +303,12 @@ class Node(Mind):
             self._answered()
 
     def _answered(self) -> None:
-        """Go on: the node has said what it had to say."""
         then, self._then, self._n_answered = self._then, None, None
         if then is not None and self._flight is not None:
             self._relay.pass_on(self._flight.plan, self._tick)
             then()
 
     def _set_up(self, run: int, seed: int) -> None:
-        """Say which run begins."""
         self._setup({"data": [*Setup(run, seed, SEMANTICS)]})
 
     def _reset(self, run: int, seed: int, deadline: float) -> None:
@@ -376,7 +367,7 @@ class Node(Mind):
 
     def _await_silence(self) -> None:
         """Wait until the server knows that a node is gone, or somebody else is seen to hear too."""
-        deadline = monotonic() + _ATTEMPT
+        deadline = monotonic() + 2.0
         while self._heard() and monotonic() < deadline:
             sleep(_LOOK / 2)
 

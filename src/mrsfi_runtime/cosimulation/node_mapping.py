@@ -28,20 +28,18 @@ from mrsfi_runtime.model.fault_types import Field, plain_name
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Service, Topic
 
-Read: TypeAlias = Callable[[State, int], Any]
-"""Returns something of a belief, of an element by its index."""
-
 
 class Quantity(NamedTuple):
-    """Something that a node can be told; ``affected`` is what faults make of it, if they do."""
+    """Something that a node can be told; ``affected`` is what faults make of it, if they do.
 
-    read: Read
+    ``read`` takes it from a belief, of an element by its index.
+    """
+
+    read: Callable[[State, int], Any]
     affected: Field | None = None
 
 
 def _heading(x: Callable[[float, float, float], Any]) -> Quantity:
-    """Return something of the heading and the speed that are believed."""
-
     def read(ci: State, index: int) -> Any:
         command = ci.commands[index]
         return x(command.heading_x, command.heading_y, ci.robots[index].speed)
@@ -101,9 +99,6 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "sensor": {"active": "whether it is on"},
 }
 """What a node can command, by kind of element."""
-
-PAIRS = (("heading_x", "heading_y"), ("vx", "vy"), ("to_x", "to_y"))
-"""Commands that make sense together only."""
 
 
 def command_robot(ci: State, index: int, given: Given) -> None:
@@ -178,9 +173,7 @@ _ANSWER = Topic("/mission/answer", "std_msgs/Int64MultiArray")
 _RESET = Service("/mission/reset", "std_srvs/Trigger")
 _NAMES = ("tells", "obeys", "answer", "reset", "names", "types")
 _OF_RULE = ("topic", "type", "fields", "world")
-_OF_ENTRY = ("of", "scale", "offset", "value")
 _KIND = re.compile(r"\{(\w*)\}")
-_STEP = re.compile(r"([A-Za-z]\w*)((?:\[\d+\])*)", re.ASCII)
 
 
 class Entry(NamedTuple):
@@ -288,18 +281,14 @@ def spread(
             named = {of: each.name}
             if of == "sensor":
                 named["robot"] = robots[mission.sensor_robot[each.place]]
-            yield partial(_filled, named), each
-
-
-def _filled(named: Mapping[str, str], text: str) -> str:
-    return _KIND.sub(lambda match: named[match[1]], text)
+            yield partial(_KIND.sub, lambda match, named=named: named[match[1]]), each
 
 
 def path_of(text: str) -> Path | None:
     """Return the path that ``a.b[2].c`` stands for, or ``None`` if it stands for none."""
     path: list[str | int] = []
     for step in text.split("."):
-        match = _STEP.fullmatch(step)
+        match = re.fullmatch(r"([A-Za-z]\w*)((?:\[\d+\])*)", step, re.ASCII)
         if match is None:
             return None
         path += (match[1], *map(int, re.findall(r"\d+", match[2])))
@@ -350,7 +339,7 @@ def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:
             raise UsageError(f"{place}: {text}: found {given!r}; expected a name or {{ of = … }}")
         for key, value in entry.items():
             is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            if key not in _OF_ENTRY or (key in {"scale", "offset"} and not is_number):
+            if key not in Entry._fields or (key in {"scale", "offset"} and not is_number):
                 raise UsageError(
                     f"{place}: {text}: found {key} = {value!r}; expected of, scale and offset "
                     "(numbers), or value"
@@ -386,7 +375,7 @@ def _require_pairs(named: Sequence[str], place: str) -> None:
     """Refuse half of what makes sense together only."""
     for of in named:
         element, _, name = of.rpartition(".")
-        for pair in PAIRS:
+        for pair in (("heading_x", "heading_y"), ("vx", "vy"), ("to_x", "to_y")):
             both = [f"{element}.{each}".removeprefix(".") for each in pair]
             if name in pair and not set(both) <= set(named):
                 raise UsageError(f"{place}: found '{of}' alone; expected {' and '.join(both)}")

@@ -16,7 +16,7 @@ import json
 import math
 import pathlib
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 from mrsfi_bridge.errors import BridgeError
@@ -62,10 +62,6 @@ class Saying(NamedTuple):
     spoken: frozenset[Target]
     values: Callable[[State], tuple[Any, ...]]
     payload: Callable[[tuple[Any, ...]], Payload]
-
-    def is_spoken(self, silent: Set[Target]) -> bool:
-        """Return whether a world spoke of it in a tick in which it was silent of some targets."""
-        return not self.spoken <= silent
 
 
 class Hearing(NamedTuple):
@@ -114,10 +110,8 @@ class Speech:
             for filled, element in spread(rule, self._elements, mission)
             if element is not None
         )
-        self.obeyed = frozenset(
-            [each.topic.name for each in self.hearings] + [each.topic.name for each in self.relayed]
-        )
-        """The topics on which the node commands."""
+        names = {each.topic.name for each in self.hearings}  # on which the node commands
+        self.obeyed = frozenset(names | {each.topic.name for each in self.relayed})
 
     @classmethod
     def of(cls, mapping: str, mission: Mission, ros: int = 1) -> Self:
@@ -184,7 +178,6 @@ class Speech:
         element: Element | None,
         known: Mapping[str, Mapping[str, Any]],
     ) -> tuple[Element, str]:
-        """Return what an entry is of, and the name of what it holds."""
         owner, _, name = entry.of.rpartition(".")
         named = {each.name: each for each in self._elements}
         of = element or named.get(owner)
@@ -213,11 +206,8 @@ class Speech:
         kind = ""
         while walked:
             step, *rest = walked
-            known = (
-                {}
-                if structure is None
-                else {field.name: field for field in structure.definition.fields}
-            )
+            fields = () if structure is None else structure.definition.fields
+            known = {field.name: field for field in fields}
             if step not in known:
                 raise UsageError(
                     f"{place}: found field '{path_text(path)}'; {expected(step, known)}"
@@ -231,10 +221,9 @@ class Speech:
             kind = field.type
             structure = structure.nested.get(kind) if structure is not None else None
         if structure is not None:
-            inner = [field.name for field in structure.definition.fields]
+            inner = ", ".join(field.name for field in structure.definition.fields)
             raise UsageError(
-                f"{place}: found '{path_text(path)}', a {kind}; "
-                f"expected one of its fields: {', '.join(inner)}"
+                f"{place}: found '{path_text(path)}', a {kind}; expected one of its fields: {inner}"
             )
         return kind
 
@@ -256,7 +245,6 @@ def _scaled(
 
 
 def _message(places: list[tuple[Path, int | None, Any]], said: tuple[Any, ...]) -> Payload:
-    """Return a message with some values in their places."""
     message: dict[str, Any] = {}
     for path, number, value in places:
         at: Any = message
@@ -301,7 +289,6 @@ def _shown(value: Any) -> str:
 
 
 def _pattern(rule: Rule) -> re.Pattern[str]:
-    """Return what matches the topics of a rule, of any element."""
     pattern = re.escape(rule.topic.name).replace(r"\{", "{").replace(r"\}", "}")
     return re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/]+)", pattern))
 
