@@ -32,7 +32,6 @@ from typing import Any
 from mrsfi_runtime.errors import LIMITED, EvaluationError, MrsfiError, UsageError
 
 IMPORTED = "imported"  # subfolder of generated code that holds the copies
-_OURS = ("mrsfi", "mrsfi_runtime", "mrsfi_bridge", "m2t")
 _MODULES = (".py", ".so")
 _IMPORT = builtins.__import__
 
@@ -49,7 +48,7 @@ def team_file(spec: ModuleSpec | None) -> Path | None:
         return None
     path = Path(str(spec.origin))
     is_library = {"site-packages", "dist-packages"}.intersection(path.parts)
-    others = {*_OURS, *sys.stdlib_module_names}
+    others = {"mrsfi", "mrsfi_runtime", "mrsfi_bridge", "m2t", *sys.stdlib_module_names}
     is_other = path.suffix not in _MODULES or spec.name.partition(".")[0] in others
     return None if is_library or is_other else path
 

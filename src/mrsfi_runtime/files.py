@@ -19,7 +19,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -146,7 +146,8 @@ class Change:
                     with staged.open("xb") as file:
                         file.write(contents[path] or b"")
                         _keep(file, path.resolve())
-            self._keep_names(new.values())
+            for folder in {path.parent for path in new.values()}:
+                keep_names(folder)
             self.note(_WHOLE)
         finally:
             self.settle()
@@ -184,14 +185,11 @@ class Change:
                 for target, new, *how in entries
                 for name in end(self._root / target, self._root / new, *how)
             ]
-            self._keep_names(self._root / entry[0] for entry in entries if _WHOLE in notes)
+            for folder in {(self._root / each[0]).parent for each in entries if _WHOLE in notes}:
+                keep_names(folder)
             os.ftruncate(self._journal, 0)
         told = f"{done} what a command that was ended had begun to change: {', '.join(found)}"
         return told if found else ""
-
-    def _keep_names(self, paths: Iterable[Path]) -> None:
-        for folder in {path.parent for path in paths}:
-            keep_names(folder)
 
 
 def _notes(journal: int) -> list[Any]:

@@ -36,8 +36,6 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Topic
 
-_OPTIONAL = (".progress",)
-
 
 def require_semantics(directory: Path) -> None:
     """Refuse code that was generated for other rules of the world than this runtime flies.
@@ -129,7 +127,7 @@ def _of_file(path: Path) -> Iterator[RegionFinding]:
         rest = enumerate(lines[node.end_lineno or 0 :], start=(node.end_lineno or 0) + 1)
         number, line = next(((n, line) for n, line in rest if line.strip()), (0, ""))
         marker = MARKER.fullmatch(line)
-        if purpose and marker and marker["state"] and not marker["id"].endswith(_OPTIONAL):
+        if purpose and marker and marker["state"] and not marker["id"].endswith(".progress"):
             message = f"is empty; expected the body of {node.name}, which is to: {purpose}"
             yield RegionFinding(path, number, f"region '{marker['id']}'", message)
 
@@ -160,8 +158,13 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     require_filled(directory)
     with fenced(lambda error: failed(error, directory, "cannot be loaded", directory)):
         collective = _module(directory, "collective_intelligence")
-        topics, interface, simulation = _siblings(
-            directory, "topics", "sim_interface", "simulation"
+        siblings = ("topics", "sim_interface", "simulation")
+        paths = [_generated(directory, stem) for stem in siblings]
+        package = ModuleType(_name_of(*paths))
+        package.__path__ = []  # what was not imported here is not found
+        sys.modules[package.__name__] = package
+        topics, interface, simulation = (
+            load_module(f"{package.__name__}.{path.stem}", path) for path in paths
         )
         return MissionCode(
             mission=_loaded(directory, "mission_loader", "load_mission"),
@@ -209,7 +212,6 @@ def pool_from_text(source: str) -> FaultPool:
 
 
 def _made(name: str, source: str, function: str) -> Any:
-    """Return what a loader makes that stands in no file."""
     namespace: dict[str, Any] = {}
     exec(compile(source, name, "exec"), namespace)
     return namespace[function]()
@@ -222,15 +224,6 @@ def _module(directory: Path, stem: str) -> ModuleType:
     """
     path = _generated(directory, stem)
     return load_module(f"{_name_of(path)}_{stem}", path)
-
-
-def _siblings(directory: Path, *stems: str) -> list[ModuleType]:
-    """Import generated files in an order in which each finds those before it as its siblings."""
-    paths = [_generated(directory, stem) for stem in stems]
-    package = ModuleType(_name_of(*paths))
-    package.__path__ = []  # what was not imported here is not found
-    sys.modules[package.__name__] = package
-    return [load_module(f"{package.__name__}.{path.stem}", path) for path in paths]
 
 
 def _generated(directory: Path, stem: str) -> Path:

@@ -11,7 +11,6 @@ from mrsfi_runtime.errors import UsageError
 
 SETTINGS = "mrsfi.toml"
 FOLDERS = ("metamodels", "models", "generated", "runs")
-_METAMODELS = ("mission.ecore", "faults.ecore")
 _CHOSEN = "MRSFI_METAMODELS"
 """Environment variable with the folder of the metamodels, for this process and those it starts."""
 
@@ -30,11 +29,11 @@ def project_metamodels() -> Path | None:
     file = root() / SETTINGS
     named = settings(file)[0].get("metamodels") if file.is_file() else None
     folder = file.parent / (named or "metamodels")
-    has_own = all((folder / name).is_file() for name in _METAMODELS)
+    has_own = all((folder / name).is_file() for name in ("mission.ecore", "faults.ecore"))
     if named and not has_own:
         raise UsageError(
             f"{file}: found metamodels = '{named}'; expected a folder that has "
-            f"{' and '.join(_METAMODELS)}"
+            "mission.ecore and faults.ecore"
         )
     return folder if has_own else None
 
@@ -70,17 +69,12 @@ def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
         if name not in {"project", "node"} or not isinstance(found, dict):
             raise UsageError(f"{file}: found '{name}'; expected the tables [project] and [node]")
     for name, value in table.items():
-        _require(file, name, value)
+        if name not in (*FOLDERS, "ros"):
+            known = ", ".join((*FOLDERS, "ros"))
+            raise UsageError(f"{file}: found '{name}'; expected one of {known}")
+        if name in FOLDERS and (not isinstance(value, str) or not value):
+            raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
     return dict(table), node
-
-
-def _require(file: Path, name: str, value: Any) -> None:
-    """Refuse a setting that means nothing."""
-    if name not in (*FOLDERS, "ros"):
-        expected = ", ".join((*FOLDERS, "ros"))
-        raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
-    if name in FOLDERS and (not isinstance(value, str) or not value):
-        raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
 
 
 def installed_version(name: str) -> str:

@@ -52,8 +52,6 @@ from mrsfi_runtime.kernel.state import (
 )
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
 
-CHANCE_PRECISION = 2**32
-
 Samples: TypeAlias = tuple[bytes, ...]
 """Valid samples of each sensor, a row a tick, each below 256; ``commands.move`` adds them."""
 
@@ -72,8 +70,8 @@ def sample_chances(n: int) -> tuple[int, ...]:
     total = 0.0
     for k in range(n):
         total += chance
-        bound = round(total * CHANCE_PRECISION)
-        if bound >= CHANCE_PRECISION:
+        bound = round(total * 2**32)
+        if bound >= 2**32:
             break
         bounds.append(bound)
         chance *= (n - k) / ((k + 1) * (n - 1))

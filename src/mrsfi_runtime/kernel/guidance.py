@@ -48,10 +48,3 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
 def stays(goal: GoalState, robot: RobotState, dx: float, dy: float) -> bool:
     """Return whether a robot that moves so far is inside a goal's area, and not at its edge."""
     return well_inside(robot.x + dx, robot.y + dy, goal.x, goal.y, goal.radius)
-
-
-@kernel
-def roam_together(ci: State, goal: GoalState) -> None:
-    """Let every member of a goal roam its area."""
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        roam(ci, goal, ci.members[m].robot)

@@ -158,35 +158,26 @@ class Plan:
 
 
 InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, float, int, int]
-"""What an injection is before its run: the first attributes of ``InjectionState``."""
-
 OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
-"""What a fault of a team's own type is before its run: the first attributes of ``OwnFault``."""
-
-TriggerRow: TypeAlias = tuple[int, int, float, float, float, int, int, int]
-"""What a trigger is before its run: the first attributes of ``TriggerState``."""
-
-WaitingRow: TypeAlias = tuple[int, int, int, int, int, int]
-"""What a ``WaitingState`` is, which does not change."""
 
 _START: Final = 4
 _FINISH: Final = 5  # where a row has the first and the last tick at which it is active
-_TRIGGER = itemgetter(TimedFault._fields.index("trigger"))
 
 
 class PlanRows(NamedTuple):
     """A plan before its run: messages, reports and commands, and own faults, each list by start.
 
     ``n_held`` are the numbers that delays hold back, ``n_faults`` the timed faults. Triggers, what
-    waits for them, and faults whose effects they are, only if anything waits.
+    waits for them, and faults whose effects they are, only if anything waits. A row has the first
+    attributes of its record.
     """
 
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]]
     own: list[OwnRow]
     n_held: int
     n_faults: int
-    triggers: Sequence[TriggerRow] = ()
-    waiting: Sequence[WaitingRow] = ()
+    triggers: Sequence[tuple[int, int, float, float, float, int, int, int]] = ()
+    waiting: Sequence[tuple[int, int, int, int, int, int]] = ()
     sources: Sequence[int] = ()
 
 
@@ -218,9 +209,10 @@ class FaultShapes(dict[str, FaultShape]):
         fault = self.pool[fault_id]
         targets = touched(self.mission, fault)
         mode = fault.kind.mode
-        is_held_back = mode in _HELD_BACK
+        is_held_back = mode in {Mode.DELAY, Mode.BLOCK}
+        forged = (Field.MOTION, Field.ACTIVATION)
         places = tuple(
-            (0 if is_held_back else 2 if affected in _COMMANDED else 1, int(affected), target)
+            (0 if is_held_back else 2 if affected in forged else 1, int(affected), target)
             for affected, target in targets
         )
         is_random = int(mode is Mode.RANDOM)
@@ -271,13 +263,16 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     for listed in (*lists, own):
         listed.sort(key=itemgetter(_START))
     rows = PlanRows(lists, own, n_held, len(specification))
-    return _waiting(shapes, specification, rows) if any(map(_TRIGGER, specification)) else rows
+    return (
+        _waiting(shapes, specification, rows)
+        if any(timed.trigger for timed in specification)
+        else rows
+    )
 
 
 def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) -> PlanRows:
-    """Return a plan whose triggered faults wait."""
     numbers = {trigger: number for number, trigger in enumerate(shapes.pool.triggers_by_id)}
-    triggers: list[TriggerRow] = []
+    triggers = []
     sources: list[int] = []
     for trigger in shapes.pool.triggers:
         of, x, y, radius = _happens(shapes.mission, trigger)
@@ -286,7 +281,7 @@ def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) 
             (int(trigger.event), of, x, y, radius, len(sources), len(found), trigger.delay)
         )
         sources += found
-    waiting: list[WaitingRow] = []
+    waiting = []
     lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
     for number, listed in enumerate(lists):
         for place, row in enumerate(listed):
@@ -375,8 +370,6 @@ def _own_rows(
             yield number, kind.effect, of, target, timed.start, timed.finish, values
 
 
-_HELD_BACK = (Mode.DELAY, Mode.BLOCK)
-_COMMANDED = (Field.MOTION, Field.ACTIVATION)
 _ELEMENTS = {affected: of for of, properties in enumerate(ELEMENTS) for affected in properties}
 
 OF_SENSOR = _ELEMENTS[Field.COUNT]

@@ -303,11 +303,10 @@ class State:
     lookup: LookupState
 
 
-_CHANGING = ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
 _HINTS = get_type_hints(State)
 COLUMNS: Mapping[str, tuple[str, ...]] = {
     name: tuple(hint for hint in get_type_hints(get_args(_HINTS[name])[0]) if hint != "memory")
-    for name in _CHANGING
+    for name in ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
 }
 """Columns of the lists of a state whose records change in a flight, list after list."""
 

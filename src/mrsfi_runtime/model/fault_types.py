@@ -80,9 +80,6 @@ class Range(Enum):
     Z = "height"
 
 
-_COORDINATES = (Range.X, Range.Y, Range.Z)
-
-
 @dataclass(frozen=True, slots=True)
 class Units:
     """The units in which quantities are told to people; each is empty if the model names none.
@@ -104,7 +101,7 @@ class Units:
             Range.RATE: f"samples per {per}",
             Range.COST: f"{self.energy or 'energy'} per sample",
         }
-        if measured in _COORDINATES:
+        if measured in {Range.X, Range.Y, Range.Z}:
             return self.distance
         return "" if measured is Range.SHARE else named.get(measured, "") or measured.value
 
@@ -238,9 +235,6 @@ WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
 robot and its sensors, of a sensor, of an obstacle."""
 
 
-_SEPARATORS = re.compile(r"[_. -]+")
-
-
 def plain_name(text: str) -> str:
     """Return an ID in lower case, runs of separators as one underscore.
 
@@ -251,7 +245,7 @@ def plain_name(text: str) -> str:
     >>> plain_name("Scout-1")
     'scout_1'
     """
-    return _SEPARATORS.sub("_", text).strip("_").lower()
+    return re.sub(r"[_. -]+", "_", text).strip("_").lower()
 
 
 SEMANTICS = 2  # the version that this runtime flies

@@ -45,7 +45,7 @@ from mrsfi_runtime.model.fault_types import (
     Struck,
     Units,
 )
-from mrsfi_runtime.model.mission import Area, Message, Mission, Obstacle, Robot, Sensor
+from mrsfi_runtime.model.mission import Area, Mission, Obstacle, Robot, Sensor
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
 """Value of a feature that a team has added to a metamodel; a mapping is a part."""
@@ -301,30 +301,22 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     if message.sender not in mission.robot_index:  # a server reports nothing of its own
         return ()
     robot = mission.robot_index[message.sender]
-    wanted = fault.kind.properties
-    carried = tuple(_carried(mission, robot, message))
-    sensors = [sensor.id for sensor in mission.robots[robot].sensors]
-    if goal.terms.sensor in sensors:
-        sensors = [goal.terms.sensor]
-    return (
-        *(target for target in carried if not wanted or target[0] in wanted),
-        *(
-            (affected, mission.sensor_index[sensor])
-            for affected in wanted
-            if affected in IN_NO_MESSAGE
-            for sensor in sensors
-        ),
-    )
-
-
-def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]:
+    wanted, sensors = fault.kind.properties, mission.robots[robot].sensors
+    carried: list[Target] = []
     for entry in message.body:
         if entry.name in _BY_NAME:
-            yield _BY_NAME[entry.name], robot
+            carried.append((_BY_NAME[entry.name], robot))
         else:
-            for sensor in mission.robots[robot].sensors:
-                if sensor.type == entry.name:
-                    yield Field.COUNT, mission.sensor_index[sensor.id]
+            found = [mission.sensor_index[each.id] for each in sensors if each.type == entry.name]
+            carried += [(Field.COUNT, index) for index in found]
+    about = [each.id for each in sensors]
+    if goal.terms.sensor in about:
+        about = [goal.terms.sensor]
+    silent = [affected for affected in wanted if affected in IN_NO_MESSAGE]
+    return (
+        *(target for target in carried if not wanted or target[0] in wanted),
+        *((affected, mission.sensor_index[each]) for affected in silent for each in about),
+    )
 
 
 MOST = 1e12  # the largest magnitude of a value
@@ -405,8 +397,7 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
         if parameter.is_integer and not (
             value.is_integer() and limits(parameter)[0] <= value <= LAST
         ):
-            low, high = limits(parameter)
-            wanted = f"a whole number from {low:.0f} to {high:.0f}"
+            wanted = "a whole number from {:.0f} to {:.0f}".format(*limits(parameter))
             raise _misfit(timed.fault, f"{parameter.name} {value}", wanted)
     if kind.mode is Mode.RANDOM and values and values[0] > values[1]:
         raise _misfit(timed.fault, kind.in_words(values, Units()), "the lower one first")
@@ -502,10 +493,6 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         )
 
 
-_REACH = 1.5  # mission radii around the centre
-_EXCESS = 10.0  # times nominal
-
-
 def value_bounds(mission: Mission, fault: Fault) -> tuple[tuple[float, float], ...]:
     """Return the lowest and highest value of each parameter of a pool fault, in their order.
 
@@ -536,7 +523,7 @@ def _bounds(
 
 
 def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, float]:
-    center, reach, duration = mission.area.center, _REACH * mission.area.radius, mission.duration
+    center, reach, duration = mission.area.center, 1.5 * mission.area.radius, mission.duration
     of_mission = {
         Range.TICKS: (1.0, float(duration)),
         Range.COUNT: (0.0, float(duration)),  # one valid sample a tick on average
@@ -552,9 +539,9 @@ def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, f
     sensors = _sensors(mission, fault, robots)
     largest = {
         Range.ENERGY: [robot.total_energy for robot in robots],
-        Range.SPEED: [_EXCESS * robot.speed for robot in robots],
-        Range.RATE: [_EXCESS * sensor.samples_per_second for sensor in sensors],
-        Range.COST: [_EXCESS * sensor.energy_per_sample for sensor in sensors],
+        Range.SPEED: [10.0 * robot.speed for robot in robots],  # ten times nominal
+        Range.RATE: [10.0 * sensor.samples_per_second for sensor in sensors],
+        Range.COST: [10.0 * sensor.energy_per_sample for sensor in sensors],
     }
     return 0.0, max(largest[of], default=0.0)
 

@@ -24,9 +24,6 @@ from mrsfi_runtime.model.fault_types import Field, Range, Units
 
 ROBOT_RADIUS = 1.0  # robots are discs of this radius, in distance units
 
-FASTEST_OVER_NOMINAL = 2.0
-"""How many times its nominal speed a robot reaches whose model names no greatest speed."""
-
 
 @dataclass(frozen=True, slots=True)
 class Coordinates:
@@ -124,8 +121,11 @@ class Robot:
 
     @property
     def fastest(self) -> float:
-        """The greatest speed that anybody can command, in distance units per tick."""
-        return FASTEST_OVER_NOMINAL * self.speed if self.max_speed is None else self.max_speed
+        """The greatest speed that anybody can command, in distance units per tick.
+
+        It is twice the nominal one where the model names none.
+        """
+        return 2.0 * self.speed if self.max_speed is None else self.max_speed
 
     @property
     def total_energy(self) -> float:
@@ -370,7 +370,6 @@ COUNTED = ("believed", "true", "phantom", "masked", "missed")
 
 TOLD = (*COUNTED, "missed_since")
 """What is told of each goal: what is counted, and since when it was certain to be missed."""
-
 
 Margin: TypeAlias = tuple[float, int]
 """By how much a goal was not violated when it was nearest to it, and the tick of that."""

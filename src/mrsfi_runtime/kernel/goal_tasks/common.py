@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from mrsfi_runtime.kernel.geometry import distance, inside
-from mrsfi_runtime.kernel.guidance import roam_together
+from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
 
 NO_MARGIN: Final = math.inf
@@ -74,5 +74,7 @@ def is_awaited(view: State, g: int) -> bool:
 
 @kernel
 def roam_area(ci: State, g: int) -> None:
-    """Head for the area from outside, roam inside it."""
-    roam_together(ci, ci.goals[g])
+    """Let every member head for the area from outside, and roam inside it."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        roam(ci, goal, ci.members[m].robot)
