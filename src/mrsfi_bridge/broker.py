@@ -7,7 +7,9 @@ middleware of ROS 2 does. ``Services`` passes calls to providers and answers to 
 
 What holds throughout: clients are any hashable objects, and no class here knows a socket. Every
 call and every goal gets exactly one answer, whatever happens to its provider. A topic exists
-while a client publishes or subscribes. A request that is not allowed is a ``ProtocolError``.
+while a client publishes or subscribes. A ``ProtocolError`` refuses a type that is unknown or
+conflicts, a message that does not fit its type, what is not the client's, and what exceeds
+``Limits``.
 
 Begin with ``Broker``, then ``Services.call``.
 
@@ -61,8 +63,7 @@ class Topic:
 class Broker:
     """Delivers messages from publishers to subscribers, in order, before it returns.
 
-    Clients are told apart by any hashable object. A topic lives while somebody publishes or
-    subscribes; ``topics`` has them by name, in the order in which they came.
+    ``topics`` has the topics by name, in the order in which they came.
     """
 
     def __init__(self, types: TypeTable, limits: Limits) -> None:
@@ -74,10 +75,7 @@ class Broker:
     def advertise(
         self, client: Hashable, name: str, type_name: str, *, is_latched: bool = False
     ) -> None:
-        """Let a client publish on a topic.
-
-        It is a ``ProtocolError`` if the type is unknown or conflicts, or there are too many topics.
-        """
+        """Let a client publish on a topic."""
         topic = self._topic(name, type_name)
         publication = topic.publishers.setdefault(client, Publication(is_latched))
         publication.is_latched = is_latched
@@ -90,11 +88,7 @@ class Broker:
             self._release(topic)
 
     def publish(self, client: Hashable, name: str, message: Any) -> None:
-        """Deliver a message to all subscribers of a topic.
-
-        It is a ``ProtocolError`` if the client does not advertise the topic, the message does not
-        fit its type, or latched messages take too much.
-        """
+        """Deliver a message to all subscribers of a topic that the client advertises."""
         topic = self.topics.get(name)
         publication = None if topic is None else topic.publishers.get(client)
         if topic is None or publication is None:
@@ -113,8 +107,7 @@ class Broker:
     ) -> None:
         """Have a client receive what is published on a topic, and at once what is kept of before.
 
-        A client that subscribes again gets what is kept only once. What ``advertise`` refuses
-        is refused here, too.
+        A client that subscribes again gets what is kept only once.
         """
         topic = self._topic(name, type_name)
         is_known = client in topic.subscribers
@@ -330,7 +323,7 @@ class Services:
     def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
         """Let a client provide a service; return whether another did before, whose place it takes.
 
-        It is a ``ProtocolError`` if the type is unknown or the name is the server's own.
+        Nobody takes the place of the server itself.
         """
         check_name(name, self.noun)
         service_type = self._typed(type_name)
@@ -348,10 +341,7 @@ class Services:
         return is_taken
 
     def unadvertise(self, owner: Hashable, name: str) -> None:
-        """End a service, and answer those who wait for it.
-
-        It is a ``ProtocolError`` if the client does not provide it.
-        """
+        """End a service of a client, and answer those who wait for it."""
         known = self.services.get(name)
         if known is None or known.owner != owner:
             raise ProtocolError(f"{self.noun} '{name}' is not one that you advertised")
@@ -387,11 +377,7 @@ class Services:
         return call_id
 
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
-        """Pass the response of a provider to the caller.
-
-        It is a ``ProtocolError`` if no such call waits, or the response does not fit the type of
-        the service; the caller is told that, too.
-        """
+        """Pass the response of a provider to the caller, or say to both that it does not fit."""
         call = self._taken(owner, call_id)
         try:
             response = call.type.response.convert(values)
@@ -402,7 +388,7 @@ class Services:
         call.reply(True, response)
 
     def refuse(self, owner: Hashable, call_id: Any, reason: str) -> None:
-        """Tell the caller that the provider failed; ``ProtocolError`` if no such call waits."""
+        """Tell the caller that the provider failed."""
         self._taken(owner, call_id).reply(False, reason)
 
     def drop(self, call_id: str, reason: str) -> None:
@@ -507,10 +493,7 @@ class Actions(Services):
         self.services[call.service].ask(goal_id, None)
 
     def feed_back(self, owner: Hashable, goal_id: Any, values: Any) -> None:
-        """Tell a caller how far a goal is.
-
-        It is a ``ProtocolError`` if no such goal is under way, or what is told does not fit.
-        """
+        """Tell a caller how far a goal is."""
         call = self._asked(owner, goal_id)
         if call.type.feedback is not None:
             told = call.type.feedback.convert(values)

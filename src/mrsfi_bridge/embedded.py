@@ -15,6 +15,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import astuple
 from typing import Any, NamedTuple, Self
 
 import click
@@ -56,7 +57,8 @@ class _LocalSubscriber(NamedTuple):
 class LocalClient:
     """A client of the server in its own process; used in the server's thread only.
 
-    What its callbacks raise is kept in ``EmbeddedBridge.failed``.
+    What its callbacks raise is kept in ``EmbeddedBridge.failed``. A type that is unknown or
+    conflicts, and a message that does not fit its topic, are a ``ProtocolError``.
     """
 
     def __init__(self, hub: Hub, failed: FirstError) -> None:
@@ -65,33 +67,26 @@ class LocalClient:
         self._callbacks: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
 
     def advertise(self, topic: str, type_name: str) -> None:
-        """Prepare to publish on a topic; a type unknown or in conflict is a ``ProtocolError``."""
+        """Prepare to publish on a topic."""
         self._hub.broker.advertise(self, topic, type_name)
 
     def publish(self, topic: str, message: dict[str, Any]) -> None:
-        """Deliver a message to all subscribers.
-
-        A topic that was not advertised, or a message of another type, is a ``ProtocolError``.
-        """
+        """Deliver a message on a topic that was advertised to all subscribers."""
         self._hub.broker.publish(self, topic, message)
 
     def subscribe(
         self, topic: str, type_name: str, callback: Callable[[dict[str, Any]], None]
     ) -> None:
-        """Have a callback receive every message of a topic; it may not change them.
-
-        A type that is unknown or conflicts is a ``ProtocolError``.
-        """
+        """Have a callback receive every message of a topic; it may not change them."""
         callbacks = self._callbacks.setdefault(topic, [])
         callbacks.append(callback)
-
         subscriber = _LocalSubscriber(callbacks, self._failed)
         self._hub.broker.subscribe(self, topic, type_name, subscriber)
 
     def advertise_service(
         self, name: str, type_name: str, handler: Callable[[dict[str, Any]], dict[str, Any]]
     ) -> None:
-        """Have a function answer a service; a type that is unknown is a ``ProtocolError``."""
+        """Have a function answer a service."""
 
         def ask(call_id: str, request: dict[str, Any]) -> None:
             try:
@@ -116,21 +111,10 @@ class LocalClient:
 
 
 class EmbeddedBridge:
-    """A rosbridge server in a thread of its own.
+    """A rosbridge server in a thread of its own, by default on any free port of this machine.
 
-    Parameters
-    ----------
-    settings
-        Address, access, limits; by default any free port of this machine.
-
-    Attributes
-    ----------
-    ros
-        Version of ROS whose server it is like.
-    url
-        Where clients connect, once started.
-    failed
-        The first error that arose in the server's thread.
+    ``ros`` is the version of ROS whose server it is like, ``url`` where clients connect once it has
+    started, ``failed`` the first error that arose in the server's thread.
     """
 
     def __init__(self, settings: ServerSettings | None = None) -> None:
@@ -148,12 +132,8 @@ class EmbeddedBridge:
     def start(self) -> None:
         """Start the thread; return once the server listens.
 
-        Raises
-        ------
-        ListenError
-            If the address cannot be bound.
-        SettingsError
-            If the settings would open the server to strangers.
+        It is a ``ListenError`` if the address cannot be bound, a ``SettingsError`` if the settings
+        would open the server to strangers.
         """
         self._thread.start()
         self._ready.wait()
@@ -284,11 +264,7 @@ async def _serve(settings: ServerSettings) -> None:
         await ended.wait()
     finally:
         await server.close()
-        counts = server.hub.counts
         LOGGER.info(
             "ended: %d clients, %d operations received, %d messages sent, %d dropped",
-            counts.clients,
-            counts.received,
-            counts.sent,
-            counts.dropped,
+            *astuple(server.hub.counts),
         )

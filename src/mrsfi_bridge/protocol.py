@@ -40,33 +40,33 @@ class _Field(NamedTuple):
     is_required: bool = False
 
 
-_TEXT = _Field((str,))
 _NAME = _Field((str,), is_required=True)
-_SOME = _Field((int, type(None)))
 _ID = _Field((str, int, type(None)))
 _CALL = _Field((str, int), is_required=True)
+_NUMBER = _Field((int,), is_required=True)
+_FLAG = _Field((bool,))
+_ARGUMENTS = _Field((dict, list, type(None)))
+_ENCODING = {"fragment_size": _Field((int, type(None))), "compression": _Field((str,))}
 
 _FIELDS = MappingProxyType(
     {
-        "advertise": {"topic": _NAME, "type": _NAME, "latch": _Field((bool,)), "id": _ID},
+        "advertise": {"topic": _NAME, "type": _NAME, "latch": _FLAG, "id": _ID},
         "unadvertise": {"topic": _NAME, "id": _ID},
-        "publish": {"topic": _NAME, "msg": _Field((dict,)), "latch": _Field((bool,)), "id": _ID},
+        "publish": {"topic": _NAME, "msg": _Field((dict,)), "latch": _FLAG, "id": _ID},
         "subscribe": {
             "topic": _NAME,
             "type": _Field((str, type(None))),
             "throttle_rate": _Field((int, float)),
             "queue_length": _Field((int,)),
-            "fragment_size": _SOME,
-            "compression": _TEXT,
+            **_ENCODING,
             "id": _ID,
         },
         "unsubscribe": {"topic": _NAME, "id": _ID},
         "call_service": {
             "service": _NAME,
-            "args": _Field((dict, list, type(None))),
+            "args": _ARGUMENTS,
             "timeout": _Field((int, float, type(None))),
-            "fragment_size": _SOME,
-            "compression": _TEXT,
+            **_ENCODING,
             "id": _ID,
         },
         "service_response": {"service": _NAME, "id": _CALL, "result": _Field((bool, type(None)))},
@@ -77,27 +77,16 @@ _FIELDS = MappingProxyType(
         "send_action_goal": {
             "action": _NAME,
             "action_type": _NAME,
-            "args": _Field((dict, list, type(None))),
-            "feedback": _Field((bool,)),
-            "fragment_size": _SOME,
-            "compression": _TEXT,
+            "args": _ARGUMENTS,
+            "feedback": _FLAG,
+            **_ENCODING,
             "id": _ID,
         },
         "cancel_action_goal": {"action": _NAME, "id": _CALL},
         "action_feedback": {"action": _NAME, "id": _CALL},
-        "action_result": {
-            "action": _NAME,
-            "id": _CALL,
-            "status": _Field((int,)),
-            "result": _Field((bool,)),
-        },
+        "action_result": {"action": _NAME, "id": _CALL, "status": _Field((int,)), "result": _FLAG},
         "set_level": {"level": _NAME, "id": _ID},
-        "fragment": {
-            "id": _CALL,
-            "data": _NAME,
-            "num": _Field((int,), is_required=True),
-            "total": _Field((int,), is_required=True),
-        },
+        "fragment": {"id": _CALL, "data": _NAME, "num": _NUMBER, "total": _NUMBER},
     }
 )
 """Fields that an operation may have; others are ignored, as the genuine server does."""
@@ -190,11 +179,7 @@ class Fragments:
         self.n_bytes = 0
 
     def add(self, fragment: Operation) -> str | None:
-        """Take a fragment; return the message that it completes.
-
-        It is a ``ProtocolError`` if the fragment makes no sense, or unfinished messages take too
-        much.
-        """
+        """Take a fragment; return the message that it completes."""
         fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
         message = self._forget(fragment_id) or _Unfinished(total, [], 0)
         if number >= total or (number, total) != (len(message.parts), message.total):

@@ -145,8 +145,6 @@ class Connection(asyncio.BufferedProtocol):
     def _now(self) -> float:
         return self._server.hub.scheduler.time()
 
-    # What asyncio calls.
-
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Prepare the socket of a new client."""
         self._transport: asyncio.Transport = cast("asyncio.Transport", transport)
@@ -197,8 +195,6 @@ class Connection(asyncio.BufferedProtocol):
         self._outbox.clear()
         self._server.gone(self)
         self._server.flush()
-
-    # What the server calls.
 
     def check(self, now: float) -> None:
         """End what takes too long: handshakes, silence, farewells."""
@@ -268,8 +264,6 @@ class Connection(asyncio.BufferedProtocol):
         LOGGER.warning("%s: cut off: %s", self.name, reason)
         self._transport.abort()
 
-    # What comes in.
-
     def _flush(self) -> None:
         self._server.dirty(self)
         self._server.flush()
@@ -307,8 +301,6 @@ class Connection(asyncio.BufferedProtocol):
             self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
             return
         self._session.receive(text)
-
-    # What goes out.
 
     def _send(self, frames: bytes) -> None:
         if self._protocol.state is State.OPEN and self._ending is None:
@@ -390,8 +382,6 @@ class BridgeServer:
             connection.abort("did not close")
         await asyncio.sleep(0)
         self._server = None
-
-    # What connections call.
 
     def enter(self, connection: Connection) -> bool:
         """Take a new socket in; return whether there is room for it to shake hands."""

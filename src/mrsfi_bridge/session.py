@@ -304,7 +304,8 @@ _DEEPEST = 32
 class _Parameters:
     """Values under names like ``/robot/speed``; one with others below it stands for all of them.
 
-    ``max_parameters`` counts leaves; no value is longer than ``max_bytes`` as JSON text.
+    More leaves than ``max_parameters``, or a value longer than ``max_bytes`` as JSON text, are a
+    ``ProtocolError``.
     """
 
     def __init__(self, max_parameters: int, max_bytes: int) -> None:
@@ -338,10 +339,7 @@ class _Parameters:
         return tree
 
     def set(self, name: str, value: Any) -> None:
-        """Give a name a value; a dictionary becomes names below it.
-
-        It is a ``ProtocolError`` if it is too large, or there are too many parameters.
-        """
+        """Give a name a value; a dictionary becomes names below it."""
         path = absolute(name)
         check_name(path, "parameter")
         leaves = dict(_leaves(path, value, _DEEPEST))

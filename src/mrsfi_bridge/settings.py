@@ -230,77 +230,34 @@ _MEBI = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What clients may use of the server's memory and time.
+    """What clients may use of the server's memory and time."""
 
-    Parameters
-    ----------
-    clients
-        Connections at a time.
-    frame_bytes
-        Longest message of a client, also when it comes in fragments.
-    queue_bytes
-        What may wait for one client that reads too slowly.
-    total_bytes
-        What may wait for all clients and from all clients together.
-    latched_bytes
-        What the last messages of latched topics take together.
-    topics, services
-        Topics and services at a time.
-    calls
-        Calls and goals of a client that are under way at a time, each.
-    parameters
-        Parameters at a time.
-    parameter_bytes
-        Longest parameter, as JSON text.
-    handshake_s, ping_s, pong_s, close_s
-        Time for the opening handshake; silence after which a client is pinged; further
-        silence after which it counts as gone; time for a closing handshake.
-    service_s
-        Time that a provider has for its answer.
-    """
-
-    clients: int = 256
-    frame_bytes: int = 10 * _MEBI
-    queue_bytes: int = 24 * _MEBI
-    total_bytes: int = 256 * _MEBI
-    latched_bytes: int = 64 * _MEBI
-    topics: int = 20_000
+    clients: int = 256  # connections at a time
+    frame_bytes: int = 10 * _MEBI  # longest message of a client, also when it comes in fragments
+    queue_bytes: int = 24 * _MEBI  # what may wait for one client that reads too slowly
+    total_bytes: int = 256 * _MEBI  # what may wait for and from all clients together
+    latched_bytes: int = 64 * _MEBI  # what the last messages of latched topics take together
+    topics: int = 20_000  # at a time, as services and parameters
     services: int = 5_000
-    calls: int = 20_000
+    calls: int = 20_000  # calls of a client that are under way at a time, and as many goals
     parameters: int = 10_000
-    parameter_bytes: int = 1 << 16
-    handshake_s: float = 10.0
-    ping_s: float = 15.0
-    pong_s: float = 30.0
-    close_s: float = 3.0
-    service_s: float = 30.0
+    parameter_bytes: int = 1 << 16  # longest parameter, as JSON text
+    handshake_s: float = 10.0  # time for the opening handshake
+    ping_s: float = 15.0  # silence after which a client is pinged
+    pong_s: float = 30.0  # further silence after which it counts as gone
+    close_s: float = 3.0  # time for a closing handshake
+    service_s: float = 30.0  # time that a provider has for its answer
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSettings:
-    """Address of a server and who may use it.
-
-    Parameters
-    ----------
-    host, port
-        Address to bind; port 0 takes any free one.
-    is_public
-        Whether ``host`` may be one that other machines reach.
-    token
-        What clients must show; required for a public server.
-    origins
-        Origins of web pages that may connect, beside those of this machine.
-    types
-        Types that clients may use.
-    limits
-        What clients may use of the server.
-    """
+    """Address of a server, who may use it, and how much of it."""
 
     host: str = "127.0.0.1"
-    port: int = 0
-    is_public: bool = False
-    token: str | None = field(default=None, repr=False)
-    origins: tuple[str, ...] = ()
+    port: int = 0  # any free one
+    is_public: bool = False  # whether ``host`` may be one that other machines reach
+    token: str | None = field(default=None, repr=False)  # what clients of a public server show
+    origins: tuple[str, ...] = ()  # of web pages that may connect, beside those of this machine
     types: TypeTable = field(default_factory=TypeTable)
     limits: Limits = Limits()
 

@@ -194,8 +194,6 @@ class EmbeddedTransport(ListenedTransport):
 
 
 _PORTS = {"ws": 80, "wss": 443}
-_CLOSING = 6.0  # roslibpy gives the server 5 s to agree
-_ANSWERING = 3600.0  # that a server gives a provider; who waits for the answer gives less
 
 for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
     logging.getLogger(_name).addHandler(logging.NullHandler())
@@ -261,12 +259,15 @@ class RosbridgeTransport(ListenedTransport):
                 return True
             return False
 
-        self._service(service).advertise(answer)
+        kind = type_name(service.type, "srv", self.ros)
+        ros_service = roslibpy.Service(self._ros, service.name, kind, reconnect_on_close=False)
+        ros_service.advertise(answer)
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
-        asked = {"service": service.name, "args": dict(request), "timeout": _ANSWERING}
+        # the timeout is the server's for the provider; who waits for the answer gives less
+        asked = {"service": service.name, "args": dict(request), "timeout": 3600.0}
         identifier = f"call_service:{service.name}:{self._ros.id_counter}"
         self._ros.call_async_service(
             roslibpy.Message({"op": "call_service", "id": identifier, **asked}),
@@ -283,17 +284,13 @@ class RosbridgeTransport(ListenedTransport):
         self._is_closing = True
         if self._ros.is_connected:
             self._ros.close()
-            self._closed.wait(_CLOSING)
+            self._closed.wait(6.0)  # roslibpy gives the server 5 s to agree
         if self.lost is None:
             self.lost = TransportClosed(f"the connection to {self.url} was closed")
 
     def _topic(self, topic: Topic) -> Any:
         kind = type_name(topic.type, "msg", self.ros)
         return roslibpy.Topic(self._ros, topic.name, kind, reconnect_on_close=False)
-
-    def _service(self, service: Service) -> Any:
-        kind = type_name(service.type, "srv", self.ros)
-        return roslibpy.Service(self._ros, service.name, kind, reconnect_on_close=False)
 
     def _wait_open(self, timeout: float) -> None:
         is_open = self._opened.wait(timeout)
