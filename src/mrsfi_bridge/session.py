@@ -291,8 +291,7 @@ class Session:
 
 
 Fields: TypeAlias = dict[str, Any]
-Handler: TypeAlias = Callable[[Fields], Fields | None]
-"""Answers a request; ``None`` stands for a response without fields."""
+Handler: TypeAlias = Callable[[Fields], Fields | None]  # None is a response without fields
 
 ROSOUT = "/rosout"
 _BRIDGE = "/rosbridge_websocket"

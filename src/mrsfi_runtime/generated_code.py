@@ -2,7 +2,7 @@
 
 Code flies if it was generated for this world's rules, and if no region is empty that only the team
 can fill: a check without a body would never find a violation. Both are checked without loading it
-(``require_semantics``, ``require_filled``).
+(``require_semantics``, ``unfilled_regions``).
 
 Generated code runs only within the fence of ``fence.py``. What fails in it becomes an
 ``EvaluationError`` that names file and line (``failed``). Each folder's modules are imported under
@@ -106,13 +106,6 @@ def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
     return tuple(found for path in region_files(directory) for found in _of_file(path))
 
 
-def require_filled(directory: Path) -> None:
-    """Refuse a mission with regions to be filled: an ``EvaluationError`` names each, one a line."""
-    found = unfilled_regions(directory)
-    if found:
-        raise EvaluationError("\n".join(each.words for each in found))
-
-
 def _of_file(path: Path) -> Iterator[RegionFinding]:
     text = path.read_text(encoding="utf-8", errors="replace")
     try:
@@ -155,7 +148,8 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     or with which a file cannot be imported, an ``EvaluationError``.
     """
     require_semantics(directory)
-    require_filled(directory)
+    if found := unfilled_regions(directory):
+        raise EvaluationError("\n".join(each.words for each in found))
     with fenced(lambda error: failed(error, directory, "cannot be loaded", directory)):
         collective = _module(directory, "collective_intelligence")
         siblings = ("topics", "sim_interface", "simulation")

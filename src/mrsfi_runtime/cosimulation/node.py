@@ -142,7 +142,9 @@ class Node(Mind):
             self._restarts or self._process.ended() or not self._process.pid
         ):
             self._process.stop()
-            self._await_silence()
+            gone = monotonic() + 2.0  # or somebody else hears too
+            while self._heard() and monotonic() < gone:
+                sleep(_LOOK / 2)
             self._process.start(seed)
             is_new, self._has_flown = True, False
         if not self._restarts:
@@ -364,12 +366,6 @@ class Node(Mind):
         if ended is not None:
             self.is_to_blame = self._has_flown
             raise ended
-
-    def _await_silence(self) -> None:
-        """Wait until the server knows that a node is gone, or somebody else is seen to hear too."""
-        deadline = monotonic() + 2.0
-        while self._heard() and monotonic() < deadline:
-            sleep(_LOOK / 2)
 
     def _heard(self) -> frozenset[str]:
         """Return the topics of the node to which anybody subscribed."""

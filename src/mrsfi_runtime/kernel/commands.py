@@ -67,8 +67,7 @@ def steer(ci: State, index: int, x: float, y: float) -> None:
     length = math.sqrt(x * x + y * y)
     if command.heading_claimed == 0 and length > TOLERANCE:
         command.heading_claimed = 1
-        command.heading_x = x / length
-        command.heading_y = y / length
+        command.heading_x, command.heading_y = x / length, y / length
 
 
 @kernel

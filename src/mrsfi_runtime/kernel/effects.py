@@ -43,22 +43,12 @@ from mrsfi_runtime.kernel.injections import (
 )
 from mrsfi_runtime.kernel.randomness import choice, uniform
 from mrsfi_runtime.kernel.state import CommandState, State, SwitchState, kernel
-from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Event
 
 Belief: TypeAlias = tuple[float, float, float]
 """What is believed of a property: a place, or one number and zeros."""
 
-_PURPOSES = {
-    Field.POSITION: 8,
-    Field.SPEED: 6,
-    Field.ENERGY: 4,
-    Field.COUNT: 12,
-    Field.RATE: 7,
-    Field.COST: 5,
-    Field.OBSTACLE: 10,
-}
-PURPOSES = tuple(_PURPOSES[affected] for affected in sorted(_PURPOSES))
+PURPOSES = (8, 6, 4, 12, 7, 5, 10)  # position, speed, energy, count, rate, cost, obstacle
 """Purpose under which a random value of each property is drawn, by the number of its ``Field``.
 
 Of a place it is the distance from the middle; its direction is drawn under the purpose after.
@@ -145,16 +135,13 @@ def believe(
 ) -> None:
     """Believe another value of an injection's property, and note whether it is another."""
     target = injection.target
-    a, b, c = value
+    a, b, _ = value
     if injection.affected == POSITION:
         robot = ci.robots[target]
-        robot.x = a
-        robot.y = b
-        robot.z = c
+        robot.x, robot.y, robot.z = value
     elif injection.affected == OBSTACLE:
         ci.map.is_wrong = 1
-        ci.obstacles[target].x = a
-        ci.obstacles[target].y = b
+        ci.obstacles[target].x, ci.obstacles[target].y = a, b
     elif injection.affected == SPEED:
         ci.robots[target].speed = a
     elif injection.affected == ENERGY:
@@ -356,9 +343,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     for index in range(len(ci.robots)):
         robot = ci.robots[index]
         sent = inbox.robots[index]
-        robot.x = sent.x
-        robot.y = sent.y
-        robot.z = sent.z
+        robot.x, robot.y, robot.z = sent.x, sent.y, sent.z
         robot.speed = sent.speed
         robot.energy = sent.energy
     for index in range(len(ci.sensors)):
@@ -369,8 +354,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
         sensor.rate = sensor.nominal_rate
         sensor.cost = sensor.nominal_cost
     for obstacle in ci.obstacles:
-        obstacle.x = obstacle.model_x
-        obstacle.y = obstacle.model_y
+        obstacle.x, obstacle.y = obstacle.model_x, obstacle.model_y
     ci.map.is_wrong = 0
     withhold(ci, plan)
 

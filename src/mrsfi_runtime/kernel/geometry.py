@@ -9,8 +9,7 @@ from mrsfi_runtime.kernel.state import RESERVE, State, excess, kernel
 @kernel
 def distance(x: float, y: float, to_x: float, to_y: float) -> float:
     """Return the distance of two points in the plane."""
-    dx = to_x - x
-    dy = to_y - y
+    dx, dy = to_x - x, to_y - y
     return math.sqrt(dx * dx + dy * dy)
 
 
@@ -32,8 +31,7 @@ def scattered(
 @kernel
 def inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) -> bool:
     """Return whether a point is inside a disc or at its edge."""
-    dx = x - middle_x
-    dy = y - middle_y
+    dx, dy = x - middle_x, y - middle_y
     square = dx * dx + dy * dy
     return square < radius * radius or excess(math.sqrt(square), radius) <= 0.0
 

@@ -139,8 +139,7 @@ def sort(view: State, goal: GoalState, size: float) -> None:
         lookup.heads[bucket] -= 1
         charted = lookup.charted[lookup.heads[bucket]]
         charted.robot = view.members[goal.first_member + k].robot
-        charted.x = view.robots[charted.robot].x
-        charted.y = view.robots[charted.robot].y
+        charted.x, charted.y = view.robots[charted.robot].x, view.robots[charted.robot].y
 
 
 @kernel
@@ -190,8 +189,7 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
 def gather_members(view: State, goal: GoalState, index: int, reach: float) -> int:
     """Collect neighbours among all members; as ``gather``."""
     lookup = view.lookup
-    x = view.robots[index].x
-    y = view.robots[index].y
+    x, y = view.robots[index].x, view.robots[index].y
     n = 0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         other = view.members[m].robot
@@ -233,8 +231,7 @@ def gather_strays(view: State, index: int, reach: float, n_before: int) -> int:
 def gather_listed(view: State, index: int, reach: float) -> int:
     """Collect neighbours from those that are listed; as ``gather_buckets``."""
     lookup = view.lookup
-    x = view.robots[index].x
-    y = view.robots[index].y
+    x, y = view.robots[index].x, view.robots[index].y
     first = lookup.first_listed[index]
     n = 0
     for k in range(first, first + lookup.n_listed[index]):
@@ -249,8 +246,7 @@ def gather_listed(view: State, index: int, reach: float) -> int:
 def gather_charted(view: State, index: int, reach: float) -> int:
     """Collect neighbours from the cells around a robot, or return -1 where they are too many."""
     lookup = view.lookup
-    x = view.robots[index].x
-    y = view.robots[index].y
+    x, y = view.robots[index].x, view.robots[index].y
     wide = (reach + lookup.slack) * SURE
     per_unit = lookup.cells_per_unit
     left = cell(x - wide, per_unit)
@@ -281,8 +277,7 @@ def gather_buckets(
     a branch that nobody can predict.
     """
     lookup = view.lookup
-    x = view.robots[index].x
-    y = view.robots[index].y
+    x, y = view.robots[index].x, view.robots[index].y
     n = n_before
     for k in range(lookup.heads[begin], lookup.heads[end + 1]):
         other = lookup.charted[k].robot

@@ -94,8 +94,7 @@ def hits_robot(view: State, goal: GoalState) -> bool:
         return hits_neighbour(view, goal, both)
     for m in range(goal.first_member, last):
         robot = view.robots[view.members[m].robot]
-        x = robot.x
-        y = robot.y
+        x, y = robot.x, robot.y
         for other in range(m + 1, last):
             second = view.robots[view.members[other].robot]
             if overlap(second.x - x, second.y - y, both):
@@ -154,8 +153,7 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
 def gap_to(view: State, x: float, y: float, index: int, limit: float) -> float:
     """Return the gap between a robot's disc at a point and an obstacle's, ``limit`` at most."""
     obstacle = view.obstacles[index]
-    dx = obstacle.x - x
-    dy = obstacle.y - y
+    dx, dy = obstacle.x - x, obstacle.y - y
     square = dx * dx + dy * dy
     both = obstacle.radius + ROBOT_RADIUS
     if square >= (limit + both) * (limit + both):
@@ -173,12 +171,10 @@ def gap_between_robots(world: State, goal: GoalState, limit: float) -> float:
     square = NO_MARGIN
     for m in range(goal.first_member, last):
         robot = world.robots[world.members[m].robot]
-        x = robot.x
-        y = robot.y
+        x, y = robot.x, robot.y
         for other in range(m + 1, last):
             second = world.robots[world.members[other].robot]
-            dx = second.x - x
-            dy = second.y - y
+            dx, dy = second.x - x, second.y - y
             square = min(square, dx * dx + dy * dy)
     return math.sqrt(square) - both
 
@@ -208,8 +204,7 @@ def react(ci: State, g: int) -> None:
         index = ci.members[m].robot
         command = ci.commands[index]
         n_near = gather(ci, goal, index, sight(ci, index, MARGIN, farthest))
-        x = command.heading_x
-        y = command.heading_y
+        x, y = command.heading_x, command.heading_y
         gap = clearance(ci, goal, index, n_near, x, y, MARGIN)
         if excess(gap, MARGIN) < 0.0:
             evade(ci, goal, index, farthest)
@@ -230,8 +225,7 @@ def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
     for degrees in range(0, len(ci.directions), CANDIDATE_STEP):
         heading = ci.directions[degrees]
         mission = ci.mission
-        x = robot.x + reach * heading.x
-        y = robot.y + reach * heading.y
+        x, y = robot.x + reach * heading.x, robot.y + reach * heading.y
         if well_inside(x, y, mission.x, mission.y, mission.radius):
             clear = clearance(ci, goal, index, n_near, heading.x, heading.y, limit)
             if best < 0 or clear > most + TOLERANCE:
@@ -266,8 +260,7 @@ def clearance(
     least = clearance_of_obstacles(ci, goal, index, step * x, step * y, limit)
     for k in range(n_near):
         other = ci.lookup.nearby[k]
-        dx = ci.robots[other].x - robot.x
-        dy = ci.robots[other].y - robot.y
+        dx, dy = ci.robots[other].x - robot.x, ci.robots[other].y - robot.y
         other_step = pace(ci, other)
         near = least + LOOK_AHEAD * (step + other_step) + 2.0 * ROBOT_RADIUS
         if abs(dx) < near and abs(dy) < near:
@@ -318,8 +311,7 @@ def gap_to_obstacle(
     """
     robot = ci.robots[index]
     obstacle = ci.obstacles[hazard]
-    dx = obstacle.x - robot.x
-    dy = obstacle.y - robot.y
+    dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
     near = reach + obstacle.radius
     if abs(dx) >= near or abs(dy) >= near:
         return reach
@@ -333,6 +325,5 @@ def closest(dx: float, dy: float, vx: float, vy: float) -> float:
     when = 1.0
     if square > 0.0:
         when = min(max(-(dx * vx + dy * vy) / square, 1.0), float(LOOK_AHEAD))
-    x = dx + when * vx
-    y = dy + when * vy
+    x, y = dx + when * vx, dy + when * vy
     return math.sqrt(x * x + y * y)

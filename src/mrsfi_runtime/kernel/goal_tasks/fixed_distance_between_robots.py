@@ -60,8 +60,7 @@ def react(ci: State, g: int) -> None:
         index = ci.members[m].robot
         leader = ci.robots[first]
         robot = ci.robots[index]
-        dx = leader.x - robot.x
-        dy = leader.y - robot.y
+        dx, dy = leader.x - robot.x, leader.y - robot.y
         gap = math.sqrt(dx * dx + dy * dy)
         slack = 0.5 * goal.tolerance
         if excess(gap - goal.distance, slack) > 0.0:

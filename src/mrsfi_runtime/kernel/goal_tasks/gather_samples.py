@@ -39,8 +39,7 @@ def progress(view: State, g: int) -> None:
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
-        goal.sampled_x = robot.x
-        goal.sampled_y = robot.y
+        goal.sampled_x, goal.sampled_y = robot.x, robot.y
 
 
 @kernel

@@ -36,8 +36,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     square = 0.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = world.robots[world.members[m].robot]
-        dx = robot.x - mission.x
-        dy = robot.y - mission.y
+        dx, dy = robot.x - mission.x, robot.y - mission.y
         square = max(square, dx * dx + dy * dy)
     left = mission.radius - math.sqrt(square)
     if left <= least:
@@ -55,7 +54,6 @@ def react(ci: State, g: int) -> None:
         robot = ci.robots[index]
         command = ci.commands[index]
         step = 2.0 * pace(ci, index)
-        x = robot.x + step * command.heading_x
-        y = robot.y + step * command.heading_y
+        x, y = robot.x + step * command.heading_x, robot.y + step * command.heading_y
         if not well_inside(x, y, mission.x, mission.y, mission.radius):
             steer(ci, index, mission.x - robot.x, mission.y - robot.y)
