@@ -106,7 +106,6 @@ def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
 
 
 def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
-    """Yield the values that follow each other in a text."""
     position, decoder = 0, json.JSONDecoder()
     while position < len(text):
         try:
@@ -214,10 +213,6 @@ _LONGEST_THROTTLE_MS = 1e9
 
 class Uses(dict[str, dict[UseId, V]]):
     """Topics that a client uses, each under the identifiers that it gave."""
-
-    def add(self, name: str, use_id: UseId, value: V) -> None:
-        """Note a use, in the place of one with the same identifier."""
-        self.setdefault(name, {})[use_id] = value
 
     def remove(self, name: str, use_id: UseId) -> bool:
         """Forget a use, or all of a topic without an identifier; return whether it was the last."""
@@ -343,7 +338,6 @@ class Subscription:
             self._timer = None
 
     def _keep(self, frames: bytes) -> None:
-        """Have a message wait, and lose the oldest if there are too many."""
         while len(self._queue) >= self.wish.queue_length:
             self._take()
         while not self._budget.take(len(frames)):

@@ -139,7 +139,7 @@ class Session:
         topic, use_id = absolute(operation["topic"]), operation.get("id")
         is_latched = operation.get("latch", False)
         self._hub.broker.advertise(self, topic, operation["type"], is_latched=is_latched)
-        self._adverts.add(topic, use_id, None)
+        self._adverts.setdefault(topic, {})[use_id] = None
 
     def _unadvertise(self, operation: Operation) -> None:
         topic = absolute(operation["topic"])
@@ -149,17 +149,12 @@ class Session:
             self._hub.broker.unadvertise(self, topic)
 
     def _publish(self, operation: Operation) -> None:
-        topic = self._joined(operation)
-        self._hub.broker.publish(self, topic, operation.get("msg", {}))
-
-    def _joined(self, operation: Operation) -> str:
-        """Return a topic; one in use is advertised for a client that publishes without more ado."""
         name = absolute(operation["topic"])
         topic = self._hub.broker.topics.get(name)
-        if name not in self._adverts and topic is not None:
+        if name not in self._adverts and topic is not None:  # in use: advertise it
             type_name, is_latched = topic.structure.name, operation.get("latch", False)
             self._advertise({"topic": name, "type": type_name, "latch": is_latched})
-        return name
+        self._hub.broker.publish(self, name, operation.get("msg", {}))
 
     def _subscribe(self, operation: Operation) -> None:
         topic, use_id = operation["topic"], operation.get("id")
@@ -174,7 +169,7 @@ class Session:
             (self, topic), absolute(topic), operation.get("type"), subscription
         )
         self._subscriptions[topic] = subscription
-        self._wishes.add(topic, use_id, wanted)
+        self._wishes[topic] = wishes
 
     def _unsubscribe(self, operation: Operation) -> None:
         topic = operation["topic"]
@@ -186,7 +181,6 @@ class Session:
             self._subscriptions[topic].wish = settled(self._wishes[topic].values())
 
     def _end(self, topic: str) -> None:
-        """End the subscription to a topic, as the client spells it."""
         self._subscriptions.pop(topic).close()
         self._hub.broker.unsubscribe((self, topic), absolute(topic))
 
@@ -523,7 +517,6 @@ def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
 
 
 def _value(text: str) -> Any:
-    """Return the value of a JSON text; what is no JSON is a text itself."""
     try:
         return json.loads(text)
     except (ValueError, RecursionError):

@@ -297,7 +297,6 @@ class Structure:
 
 
 def _of_ros_2(moment: Any) -> Any:
-    """Return a time with its parts named as in ROS 2."""
     moment = now() if moment == "now" else moment
     if isinstance(moment, dict):
         return {_PARTS.get(name, name): part for name, part in moment.items()}

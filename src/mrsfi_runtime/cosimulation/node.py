@@ -1,9 +1,8 @@
 """A team's own node in place of the generated reactions.
 
 The node stands between the two halves of the kernel's answer (``kernel.flight.hear`` and
-``reply``). It is told what a collective intelligence would hear: where a fault withholds a message
-there is silence, and where a fault falsifies one, the node is told the false value. It answers
-with commands.
+``reply``). It receives what a collective intelligence would hear: nothing of a message that a
+fault withholds, the false value of one that a fault falsifies. It answers with commands.
 
 What holds throughout: callbacks run in the thread of the transport's, ``begin`` and ``end`` in
 another. No call waits longer than the patience allows. What the node does wrong once it is ready

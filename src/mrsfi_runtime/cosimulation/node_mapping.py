@@ -7,7 +7,7 @@ A mapping is a table, ``[node]`` of ``mrsfi.toml``; docs/node.md says what it ma
 What holds throughout: a ``NodeMapping`` is checked when it is made. What makes no sense is a
 ``UsageError`` that names the entry, what was found and what was expected.
 
-Begin with ``QUANTITIES`` and ``COMMANDS``, all that a node can be told of a belief and all that it
+Begin with ``QUANTITIES`` and ``COMMANDS``, all that a node can receive of a belief and all that it
 can command. ``NodeMapping.of`` reads a table, and ``spread`` applies a rule to the elements of a
 mission. ``GENERATED`` is the table of nodes that speak the topics of docs/bus.md.
 """

@@ -1,13 +1,13 @@
 """What a team's own node hears and says in one mission, and which faults reach it.
 
-``Speech`` makes a ``Saying`` of each topic of which the node is told, and a ``Hearing`` of each on
+``Speech`` makes a ``Saying`` of each topic that the node receives, and a ``Hearing`` of each on
 which it commands, from the rules of a mapping. What a mapping cannot mean is a ``UsageError``, a
 message that does not fit a ``ProtocolError``.
 
 A ``Relay`` passes on commands that are no heading and speed, to the team's world and as they came.
 Faults that delay or block a message of a server to a robot hold them back (``Held``). Other
 commands are forged behind the node, which need not know. ``out_of_reach`` lists the faults of a
-pool that touch neither what the node is told nor what its robots are commanded.
+pool that touch neither what the node receives nor what its robots are commanded.
 
 Begin with ``Speech``.
 """

@@ -243,7 +243,7 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """
     key = (fault.type, fault.target)
     if key not in mission.touches:
-        mission.touches[key] = tuple(dict.fromkeys(_found(mission, fault)))
+        mission.touches[key] = tuple(dict.fromkeys(_targets(mission, fault)))
     return mission.touches[key]
 
 
@@ -267,7 +267,7 @@ def describe(mission: Mission, target: Target) -> str:
     return f"{owners[index].id} {affected.name.lower()}"
 
 
-def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+def _targets(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     kind = fault.kind
     try:
         match kind.struck:

@@ -173,7 +173,6 @@ class EmbeddedTransport(ListenedTransport):
             self.lost = TransportClosed("the embedded transport was closed")
 
     def _run(self, function: Callable[[], T]) -> T:
-        """Run a function in the bridge's thread and return what it returns."""
         self.require_open()
         try:
             return function() if get_ident() == self._thread else self._run_there(function)
