@@ -47,7 +47,7 @@ ROOMS = {
         integration/test_workers.py
     """,
     "cosimulation": """
-        unit/cosimulation unit/transport integration/test_lost_sides.py
+        unit/cosimulation unit/transport
         integration/test_mutilated_simulators.py integration/test_rosbridge.py
     """,
     "record": """

@@ -14,10 +14,9 @@ import pytest
 import mrsfi
 from mrsfi_runtime.errors import RecordError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 REFERENCE = "reference"
 
@@ -32,11 +31,6 @@ def test_every_public_name_is_there_and_no_other(refused):
     assert all(getattr(mrsfi, name) is not None for name in mrsfi.__all__)
     with refused(AttributeError):
         mrsfi.laod  # noqa: B018 - the look-up is the test
-
-
-def test_an_unknown_mission_is_refused(refused):
-    with refused(UsageError):
-        mrsfi.load("nowhere")
 
 
 def test_a_file_flies_as_by_command_and_every_tick_is_told(uuv, place):
@@ -62,15 +56,6 @@ def test_a_file_flies_as_by_command_and_every_tick_is_told(uuv, place):
         counts = dict(zip(flight.goals, violated.sum(axis=0).tolist(), strict=True))
         assert flight.violations(kind) == counts
         assert [goal[kind] for goal in told["goals"]] == [*counts.values()]
-
-
-def test_robots_move_as_fast_as_told_and_spend_energy(uuv):
-    flight = uuv.fly()
-
-    steps = np.linalg.norm(np.diff(flight.true_positions[:, :, :2], axis=0), axis=-1)
-    assert np.allclose(steps, flight.true_speeds[1:])
-    assert (np.diff(flight.true_energies, axis=0) <= 0).all()
-    assert (flight.true_positions[:, :, 2] == 1).all()
 
 
 def test_a_timed_fault_has_the_values_of_the_pool_unless_others_are_given(uuv, refused):
@@ -222,23 +207,6 @@ def test_a_weakness_is_kept_and_checked(found, tmp_path, refused):
     assert kept.name == checked.regression.name == "first"
     assert checked.counts == kept.limits
     assert checked.exceeded == ()
-
-
-@night
-def test_algorithms_are_compared_as_by_command(uuv, place):
-    given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
-    by_command = mrsfi_json(
-        "compare", MISSION, *given, "--workers", "1", "--engine", REFERENCE, "--out", "c", cwd=place
-    )
-
-    comparison = uuv.compare(
-        ["random", "drift"], 2, 6, engine=REFERENCE, workers=1, out=place / "again"
-    )
-
-    assert comparison.algorithms == ("random", "drift")
-    summary = json.loads(ComparisonFolder(place / "again").summary.read_text(encoding="utf-8"))
-    told, found = by_command["quartiles"], summary["quartiles"]
-    assert {**found, "seconds": None} == {**told, "seconds": None}
 
 
 SUITE = """

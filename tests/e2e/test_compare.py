@@ -1,9 +1,7 @@
 import csv
 import json
 import os
-import shutil
 import signal
-import sqlite3
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -152,25 +150,6 @@ def test_a_sweep_prints_what_differs_from_the_papers_setting_and_keeps_tables_an
         "heat_maps.png",
         "interactions.png",
     ]
-
-
-@night
-def test_a_run_that_was_ended_goes_on_and_takes_the_time_of_both_parts(compared, place):
-    finished = compared[0] / "runs" / "compare-uuv_sampling-b"
-    folder = shutil.copytree(finished, place / "ended")
-    for key in ("result", "mrsfi_sha256"):
-        with sqlite3.connect(folder / "runs" / "drift-2" / "campaign.sqlite") as connection:
-            connection.execute("DELETE FROM evaluation WHERE idx >= 2")
-            connection.execute("DELETE FROM generation")
-            connection.execute("INSERT OR REPLACE INTO meta VALUES ('seconds', '1000.0')")
-            connection.execute("DELETE FROM meta WHERE key = ?", (key,))
-        if key == "result":
-            again = mrsfi_json(*SMALL, "--seeds", "2", "--out", folder, cwd=place)
-
-    assert findings(again) == findings(json.loads((finished / "comparison.json").read_text()))
-    assert [run["seconds"] > 1000 for run in again["runs"]] == [False] * 5 + [True]
-    error = mrsfi(*SMALL, "--seeds", "2", "--out", folder, cwd=place, expected=9).stderr
-    assert "drift-2: found a run with other mrsfi_sha256: mrsfi_sha256 None; expected" in error
 
 
 @night

@@ -3,13 +3,11 @@ from time import monotonic
 
 import pytest
 
-from tests.support.cli import mrsfi, mrsfi_json, workspace
+from tests.support.cli import mrsfi, workspace
 from tests.support.cluster import require_dask
 from tests.support.interrupted import MISSION
-from tests.tiers import slow
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
-COMPARE = ("compare", MISSION, "--engine", "reference", "--seeds", "1", "--evaluations", "12")
 PATIENCE = 120.0  # seconds after which a command counts as hanging
 
 
@@ -18,17 +16,6 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with models and generated code of the small mission."""
     require_dask()
     return workspace(tmp_path_factory.mktemp("place"), MISSION)
-
-
-@slow
-def test_a_comparison_finds_the_same_on_a_local_cluster(place):
-    here, there = (
-        mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)
-        for number, options in enumerate([("--workers", "1"), ("--dask", "local")])
-    )
-
-    assert [run["digest"] for run in there["runs"]] == [run["digest"] for run in here["runs"]]
-    assert there["tests"] == here["tests"]
 
 
 def test_an_address_where_nobody_answers_ends_with_8_soon(place):

@@ -16,7 +16,7 @@ from tests.support.rendezvous import (
     searched,
     write_planted,
 )
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 ONE = ("--workers", "1")
 
@@ -168,28 +168,6 @@ def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
     assert before["weaknesses"] is None
     assert explained.stdout == mrsfi("weaknesses", run, cwd=run.parent).stdout
     assert rows(tmp_path / campaign) == rows(run)
-
-
-@slow
-@pytest.mark.parametrize(
-    "options",
-    [
-        ("--workers", "2"),
-        ("--dask", "local", "--workers", "2"),
-        pytest.param(("--engine", "compiled", "--workers", "1"), marks=night),
-        pytest.param(("--engine", "compiled", "--workers", "2"), marks=night),
-        pytest.param(("--engine", "rosbridge", "--workers", "2"), marks=night),
-    ],
-    ids=" ".join,
-)
-def test_whoever_flies_the_weaknesses_are_the_same(ended, campaign, tmp_path, options):
-    run, done = ended
-    execute(tmp_path / campaign, "DELETE FROM flight")
-
-    flown = mrsfi("evolve", "--resume", campaign, *options, cwd=tmp_path)
-
-    assert flown.stdout == done.stdout
-    assert is_equal(tmp_path / campaign, run)
 
 
 def test_what_the_search_never_broke_is_found_all_the_same(small):

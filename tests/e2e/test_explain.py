@@ -2,13 +2,10 @@
 
 import re
 from pathlib import Path
-from statistics import median
 
 import pytest
 
 from tests.support.cli import MISSION, execute, mrsfi, mrsfi_json, stop_specification
-from tests.support.rendezvous import NAME as RENDEZVOUS
-from tests.support.rendezvous import write_rendezvous
 from tests.tiers import night, slow
 
 FAST = ("--engine", "reference")
@@ -98,56 +95,6 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert [(fault["id"], fault["start"]) for fault in flight["faults"]] == [("h2", 100)]
 
 
-@night
-def test_chances_of_the_weather_are_those_of_twenty_flights(place):
-    path = by_hand(place, (100, 900), (950, 951))
-    arguments = ("--faults", path, *COMPILED, "--seed", "7")
-
-    (found,) = explained(MISSION, *arguments, cwd=place)
-
-    cause = path.with_name("stop-cause.xmi")
-    by_seed = [
-        flown_counts(
-            mrsfi_json("simulate", MISSION, "--faults", cause, "--seed", seed, cwd=place),
-            found["columns"],
-        )
-        for seed in map(str, range(7, 27))
-    ]
-    for firm, counts in zip(found["firmness"], zip(*by_seed, strict=True), strict=True):
-        assert (firm["least"], firm["most"]) == (min(counts), max(counts))
-        assert firm["median"] == median(counts)
-        assert firm["n_violated"] == sum(count > 0 for count in counts)
-    assert by_seed[0] == found["cause_set"]["counts"]
-
-
-def test_a_single_fault_that_breaks_a_goal_is_its_cause_set(tmp_path):
-    write_rendezvous(tmp_path)
-    path = stop_specification(tmp_path / "models" / RENDEZVOUS / "stop.xmi", [(10, 119)], "a")
-
-    (found,) = explained(RENDEZVOUS, "--faults", path, *FAST, cwd=tmp_path)
-
-    assert found["cause_set"]["faults"] == ["h1"]
-    (fault,) = found["faults"]
-    assert fault["labels"] == {"g1": "sole", "g2": "bystander", "g3": "sole"}
-    assert fault["share"] == fault["alone"] == found["counts"] == [50, 50, 0, 0, 50, 50]
-    assert fault["left_out"] == found["fault_free"] == [0] * 6
-
-
-@slow
-def test_of_a_hundred_faults_those_that_did_it_are_named(tmp_path):
-    """Robot a, stopped for 30 ticks, is 10 ticks too late; the other faults come afterwards."""
-    write_rendezvous(tmp_path)
-    did_it = [(10, 19), (21, 30), (32, 41)]
-    windows = [*((tick, tick) for tick in range(85, 182)), *did_it]
-    path = stop_specification(tmp_path / "models" / RENDEZVOUS / "stop.xmi", windows, "a")
-
-    (found,) = explained(RENDEZVOUS, "--faults", path, *FAST, cwd=tmp_path)
-
-    assert found["cause_set"]["faults"] == ["h98", "h99", "h100"]
-    labels = [fault["labels"]["g1"] for fault in found["faults"]]
-    assert labels == ["bystander"] * 97 + ["joint"] * 3
-
-
 @pytest.mark.parametrize(("windows", "n"), [([], "0 faults"), ([(100, 101)], "1 fault")])
 def test_what_violates_nothing_has_nothing_to_explain(windows, n, place):
     path = by_hand(place, *windows)
@@ -165,14 +112,6 @@ def test_the_measure_and_the_share_can_be_chosen(campaign, place):
 
     assert {column["kind"] for column in found["columns"]} == {"true"}
     assert found["keep"] == 0.5
-
-
-@night
-def test_several_specifications_are_explained_one_after_the_other(campaign, place):
-    text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
-
-    assert text.count("evaluation ") >= text.count("\nViolations; ") == 2
-    assert len([*(place / "causes").glob("evaluation_*-cause.xmi")]) == 2
 
 
 def test_a_record_that_flies_otherwise_is_not_explained(campaign, place):

@@ -79,18 +79,3 @@ def evolved_elsewhere(small, url):
     meet = ("--engine", "rosbridge", "--url", url, "--side", "ci", "--bundle")
     done = mrsfi_process(*evolve, *meet, "--out", "out", cwd=small)
     return done, json.loads((small / "out" / "summary.json").read_text(encoding="utf-8"))
-
-
-@night
-def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, small, url):
-    one = ("--evaluation", "0", "--json")
-    with external_world(url, small):
-        printed, _ = evolved_elsewhere(small, url)
-        found = mrsfi_process("explain", "out", *one, cwd=small, timeout=240)
-
-    expected = mrsfi("explain", "runs/it", *one, *ONE, cwd=ended)
-    (told,), (same,) = (json.loads(each.stdout)["explanations"] for each in (found, expected))
-    assert told["is_violated"]
-    assert "does not repeat itself" not in printed.stderr
-    assert told["columns"] == same["columns"]
-    assert told["faults"] == same["faults"]

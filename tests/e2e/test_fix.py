@@ -84,16 +84,3 @@ def test_fix_tells_when_a_file_loses_its_layout(place):
 def test_fix_options_that_make_no_sense_together_are_refused(place):
     assert "--json" in mrsfi("validate", MISSION, "--fix", "--json", cwd=place, expected=2).stderr
     assert "--fix" in mrsfi("validate", MISSION, "--yes", cwd=place, expected=2).stderr
-
-
-def test_a_reference_that_is_repeated_in_an_element_of_its_own_is_deleted(place):
-    mission = place / "models" / MISSION / "mission.xmi"
-    sound = mission.read_bytes()
-    goal = '<goals ID="g1" name="AvoidCollision"'
-    names = "".join(f'\n    <members href="#{robot}"/>' for robot in ("r2", "r3", "r1", "r3"))
-    edit(mission, f'{goal} members="r2 r3 r1">', f"{goal}>{names}")
-
-    text = mrsfi("validate", MISSION, "--fix", "--yes", cwd=place).stdout
-
-    assert "fix: Delete the repeated references [UniqueReference]" in text
-    assert mission.read_bytes() == sound

@@ -8,7 +8,7 @@ import pytest
 from tests.support.cli import MISSION, command_line, mrsfi, workspace
 from tests.support.crashes import killed
 from tests.support.rendezvous import NAME
-from tests.tiers import night, seeds, slow
+from tests.tiers import night, seeds
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -46,19 +46,6 @@ def test_a_killed_rename_is_done_or_not_at_all(tmp_path, every):
     assert n_undone * every >= 24
 
 
-@slow
-def test_a_killed_generation_is_done_or_not_at_all(tmp_path):
-    place = workspace(tmp_path / "place")
-    mission = place / "models" / MISSION / "mission.xmi"
-    mission.write_text(mission.read_text().replace('"LEN"', '"LENA"'))
-
-    n_done, n_undone = all_or_nothing(
-        place, tmp_path, ("generate", MISSION), ("validate", MISSION), 3
-    )
-
-    assert min(n_done, n_undone) > 0
-
-
 @pytest.mark.parametrize("every", [6, pytest.param(1, marks=night)])
 def test_a_killed_keep_can_be_repeated(found, tmp_path, every):
     words = ("keep", "runs/it", "--weakness", "3")
@@ -72,18 +59,6 @@ def test_a_killed_keep_can_be_repeated(found, tmp_path, every):
     folder = Path(attempts[0]["folder"])
     mrsfi(*words, cwd=folder)
     assert "1 of 1 hold" in mrsfi("check", "--engine", "reference", cwd=folder).stdout
-
-
-@pytest.mark.parametrize("every", [60, pytest.param(5, marks=night)])
-def test_a_killed_new_leaves_nothing_that_hinders_the_next(tmp_path, every):
-    (tmp_path / "place").mkdir()
-
-    attempts = killed(tmp_path / "place", tmp_path, ("new", "demo"), ("new", "demo"), every)
-
-    whole = files(tmp_path / "done")
-    for attempt in attempts:
-        assert attempt["code"] == 0 or "demo: exists" in attempt["told"]
-        assert files(Path(attempt["folder"])) == whole
 
 
 @pytest.mark.parametrize("attempt", seeds(range(8), 1, 2))

@@ -1,21 +1,17 @@
 """A project of one's own, from nothing to a regression that a build server refuses."""
 
 import json
-import os
 import re
 import subprocess
-import sys
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 import pytest
 
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, workspace
-from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.tree import ROOT
-from tests.tiers import night, slow
+from tests.tiers import slow
 
 SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
 
@@ -66,18 +62,6 @@ def begun(tmp_path_factory):
     return folder / "demo"
 
 
-def _make(folder, *words, expected=0):
-    """Run make as in a shell in which mrsfi is installed."""
-    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
-    command = ["make", f"PYTHON={sys.executable}", *words]
-    environment = {**os.environ, "PATH": path}
-    done = subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == expected, done.stdout + done.stderr
-    return done
-
-
 @slow
 def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
     validated = mrsfi("validate", "demo", cwd=begun)
@@ -87,36 +71,6 @@ def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
     assert validated.stderr == ""
     assert mrsfi("generate", "demo", "--check", cwd=begun).stdout == "fresh: generated/demo\n"
     assert all(goal["true"] == goal["believed"] == goal["missed"] == 0 for goal in flown["goals"])
-
-
-@night
-def test_its_script_builds_the_models_that_stand_beside_it(begun):
-    models = begun / "models" / "demo"
-    before = {path: path.read_bytes() for path in models.glob("*.xmi")}
-
-    _make(begun, "models")
-
-    assert {path: path.read_bytes() for path in models.glob("*.xmi")} == before
-
-
-@night
-def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
-    _make(begun, "regressions", expected=2)
-    mrsfi("keep", "runs/it", "--weakness", "1", cwd=begun)
-    code = begun / "generated" / "demo" / COLLECTIVE
-    before = code.read_bytes()
-
-    _make(begun, "regressions")
-    write_body(code, "collide.check", indented("return ci.mission.tick > 20"))
-    done = _make(begun, "regressions", expected=2)
-    root = ET.parse(begun / "regressions.xml").getroot()
-    code.write_bytes(before)
-    _make(begun, "regressions")
-
-    assert "Error 10" in done.stderr
-    (suite,) = root
-    assert (suite.get("name"), suite.get("failures")) == ("demo", "1")
-    assert "collide" in suite[0][0].get("message")
 
 
 def test_it_may_begin_with_a_mission_that_there_is(tmp_path):

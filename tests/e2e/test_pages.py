@@ -170,16 +170,3 @@ def test_a_console_fails_where_it_prints_something_else(page, wrong, tmp_path):
     with pytest.raises(AssertionError) as failure:
         run()
     assert wrong in str(failure.value)
-
-
-def test_an_edit_that_does_not_fit_fails(tmp_path):
-    folder = tmp_path / "here"
-    folder.mkdir()
-    (folder / "a.txt").write_text("one\n", encoding="utf-8")
-    terminal = Terminal(folder, {"PATH": os.environ["PATH"]})
-    change = ("--- a/a.txt", "+++ b/a.txt", "@@ -1 +1 @@", "-one", "+two")
-
-    terminal.edit(change)
-    assert (folder / "a.txt").read_text(encoding="utf-8") == "two\n"
-    with pytest.raises(AssertionError):
-        terminal.edit(change)

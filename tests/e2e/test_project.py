@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-import mrsfi as api
 from m2t.models.load import load_mission_folder, load_specification, write_specification
 from mrsfi.engines import project
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
@@ -139,16 +138,6 @@ def test_a_campaign_is_read_with_the_metamodels_it_was_made_with(place):
     mrsfi("evolve", MISSION, *SMALL, "--out", "it", cwd=place)
 
     assert mrsfi_json("report", "it", cwd=place)["n_evaluations"] == 3
-
-
-def test_a_script_reads_them_too(place, monkeypatch):
-    _own_metamodels(place)
-    monkeypatch.chdir(place)
-
-    uuv = api.load(MISSION)
-
-    assert "collective_intelligence.py" in uuv.generate()
-    assert uuv.fly().robots == ("r1", "r2", "r3")
 
 
 def test_a_script_that_loads_models_reads_them_too_from_anywhere_inside(place, monkeypatch):

@@ -2,7 +2,6 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.database import CampaignFolder, only_writer
 from tests.support.cli import MISSION, SMALL, contents, mrsfi
 
 EVOLVE = ("evolve", MISSION, "--case", "b", *SMALL)
@@ -56,13 +55,6 @@ def test_a_changed_copy_of_models_or_code_ends_with_9_and_is_named(campaign, tmp
     assert f"copy of {Path(name).name} is another one" in error
     lock = {"campaign.lock": None}
     assert {**contents(campaign), **lock} == {**before, **lock}
-
-
-def test_while_another_process_writes_a_campaign_it_is_refused_with_9(campaign, tmp_path):
-    with only_writer(CampaignFolder(campaign)):
-        error = mrsfi("evolve", "--resume", campaign, cwd=tmp_path, expected=9).stderr
-
-    assert "found another process" in error
 
 
 def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place):

@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json, mrsfi_process
-from tests.tiers import night
 
 BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"
@@ -84,17 +83,6 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
         error = mrsfi(command, MISSION, cwd=place, expected=6).stderr
         assert error.startswith(f"mrsfi: {where}")
         assert len(error.splitlines()) == 1
-    assert not (place / "runs").exists()
-
-
-@night
-def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place):
-    _, line = _edited(place, "return {1: ci} == {}")
-
-    arguments = ("evolve", MISSION, "--engine", "compiled")
-
-    error = mrsfi(*arguments, cwd=place, expected=6).stderr
-    assert f"generated/{MISSION}/collective_intelligence.py:{line}: region g1.check" in error
     assert not (place / "runs").exists()
 
 

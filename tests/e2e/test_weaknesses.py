@@ -199,28 +199,3 @@ def test_a_file_that_two_options_name_is_of_the_kind_of_both(place, tmp_path, ap
 
     approved(refused.stderr)
     assert not path.exists()
-
-
-def test_every_mildest_form_breaks_its_goal_in_as_many_seeds_as_it_says(place, told, monkeypatch):
-    monkeypatch.chdir(place)
-    of_goal = ("--mildest", "--goal", "within")
-    least = mrsfi_json("weaknesses", "runs/cover", *of_goal, *REFERENCE, cwd=place)
-    mission = api.load(MISSION)
-    goal = mission.model.goal_ids.index("within")
-    forms = [
-        tuple(TimedFault(**fault | {"values": tuple(fault["values"])}) for fault in one["witness"])
-        for one in least
-    ]
-
-    held = [0] * len(forms)
-    for seed in (1, 2, 3):
-        without, *outcomes = mission.evaluate([(), *forms], seed, engine="reference", workers=1)
-        for k, (one, outcome) in enumerate(zip(least, outcomes, strict=True)):
-            before, after = (getattr(each, one["measure"])[goal] for each in (without, outcome))
-            held[k] += after > before + 0.05 * mission.model.duration * (before > 0)
-
-    assert {tuple(one["faults"]) for one in least} == {
-        tuple(one["faults"]) for one in told if one["goal"] == "within"
-    }
-    assert all(n >= one["seeds"]["held"] for n, one in zip(held, least, strict=True))
-    assert sum(one["seeds"]["held"] == 3 for one in least) > len(least) / 2

@@ -5,10 +5,8 @@ import pytest
 import mrsfi as api
 from tests.support.cli import mrsfi
 from tests.support.edited import COLLECTIVE, indented, write_body
-from tests.support.rendezvous import NAME, searched, write_rendezvous
-from tests.tiers import night
+from tests.support.rendezvous import NAME, write_rendezvous
 
-FAST = ("--engine", "reference", "--workers", "1")
 CHECK = "os.chdir(AWAY)\nreturn goal_tasks.visit.violated(ci, G1)"
 
 
@@ -33,29 +31,6 @@ def test_files_of_a_flight_are_written_where_the_command_was_called(moving):
     mrsfi("simulate", NAME, *FILES, cwd=place)
 
     assert {path.name for path in place.iterdir()} == {"models", "generated", *FLIGHT}
-    assert [*away.iterdir()] == []
-
-
-@night
-def test_so_are_all_files_of_a_campaign(moving):
-    place, away = moving
-    mrsfi(*searched(place), "--workers", "1", "--out", "runs/it", cwd=place)
-
-    commands = {
-        ("replay", "runs/it", "--log", "again.log"): "again.log",
-        ("explain", "runs/it", "--out", "causes", *FAST): "causes",
-        ("weaknesses", "runs/it", "--fmea", "fmea.csv", "--fault-tree", "tree.xml"): "tree.xml",
-        ("report", "runs/it", "--format", "latex"): "runs/it/report.tex",
-        ("pack", "runs/it", "--out", "it.zip"): "it.zip",
-        ("check", "it.zip", "--engine", "reference"): "it.zip",
-        ("keep", "runs/it", "--weakness", "1"): f"models/{NAME}/regressions",
-        ("check", NAME, "--junit", "j.xml", "--engine", "reference"): "j.xml",
-        ("compare", "runs/it", "runs/it", "--markdown", "same.md", *FAST): "same.md",
-    }
-    for words, written in commands.items():
-        mrsfi(*words, cwd=place)
-        assert (place / written).exists(), words
-
     assert [*away.iterdir()] == []
 
 

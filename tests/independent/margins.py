@@ -3,7 +3,7 @@
 import math
 from itertools import combinations
 
-from tests.independent.simulation import Flight, Goal, View, distance, within
+from tests.independent.simulation import Flight, Goal, View, distance, off_track
 
 ARRIVALS = ("GatherSamples", "Visit")
 """Of them "the ticks that are left" are the margin when that is first known."""
@@ -76,16 +76,3 @@ def margin(goal: Goal, truth: View) -> float:
         case _:
             found = math.inf
     return found
-
-
-def off_track(goal: Goal, view: View, robot: int) -> float:
-    """Return how far off its segment a member is; -1 "before the first waypoint"."""
-    place, n = view.position[robot], view.notes[goal.index].waypoint[robot]
-    if not 0 < n < len(goal.trajectory):
-        return -1.0
-    one, two = goal.trajectory[n - 1 : n + 1]
-    dx, dy = two[0] - one[0], two[1] - one[1]
-    square = dx * dx + dy * dy
-    along = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / square if square else 0
-    along = within(along, 0, 1)
-    return distance(place, (one[0] + along * dx, one[1] + along * dy))

@@ -360,7 +360,7 @@ def is_violated(goal: Goal, view: View) -> bool:
         case "Visit":
             found = view.tick >= goal.deadline and not all(notes.reached.values())
         case "Track":
-            found = any(is_off_track(goal, view, robot) for robot in goal.members)
+            found = any(exceeds(off_track(goal, view, k), goal.tolerance) for k in goal.members)
         case "Stay":
             entered = [robot for robot in goal.members if notes.reached[robot]]
             found = not all(goal.area.has(view.position[robot]) for robot in entered)
@@ -370,17 +370,17 @@ def is_violated(goal: Goal, view: View) -> bool:
     return found
 
 
-def is_off_track(goal: Goal, view: View, robot: int) -> bool:
-    """ "a member that has passed a waypoint and not the last is farther from its segment"."""
+def off_track(goal: Goal, view: View, robot: int) -> float:
+    """Return how far "a member that has passed a waypoint and not the last" is off; else -1."""
     place, n = view.position[robot], view.notes[goal.index].waypoint[robot]
     if not 0 < n < len(goal.trajectory):
-        return False
+        return -1.0
     one, two = goal.trajectory[n - 1 : n + 1]
     dx, dy = two[0] - one[0], two[1] - one[1]
     square = dx * dx + dy * dy
     along = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / square if square else 0
     along = within(along, 0, 1)
-    return exceeds(distance(place, (one[0] + along * dx, one[1] + along * dy)), goal.tolerance)
+    return distance(place, (one[0] + along * dx, one[1] + along * dy))
 
 
 def is_missed(goal: Goal, truth: View) -> bool:

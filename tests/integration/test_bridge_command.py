@@ -6,14 +6,11 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from queue import SimpleQueue
 
 import pytest
 from websockets.sync.client import connect
 
-from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import Topic
-from tests.support.cli import command_line, mrsfi
+from tests.support.cli import command_line
 from tests.support.rosbridge import process
 
 PATIENCE_S = 30.0
@@ -87,17 +84,6 @@ def test_definitions_of_the_user_are_known(tmp_path):
         assert json.loads(peer.recv(PATIENCE_S))["msg"] == {"metres": 0.0}
 
 
-def test_a_wrong_definition_ends_it_before_it_listens(tmp_path):
-    folder = tmp_path / "defs" / "my" / "msg"
-    folder.mkdir(parents=True)
-    (folder / "Depth.msg").write_text("float64\n", encoding="utf-8")
-
-    done = mrsfi("bridge", "--types", "defs", cwd=tmp_path, expected=2)
-
-    assert "Depth.msg:1: 'float64', expected 'type name'" in done.stderr
-    assert done.stdout == ""
-
-
 @BOTH
 def test_a_port_in_use_ends_it_with_8(tmp_path, command):
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -141,19 +127,6 @@ def test_both_ways_to_run_it_have_the_same_help(tmp_path):
     assert together.returncode == alone.returncode == 0
     assert "\n    mrsfi bridge --port 0 " in together.stdout
     assert alone.stdout == together.stdout.replace("mrsfi bridge", "python -m mrsfi_bridge")
-
-
-def test_roslibpy_talks_to_it_where_the_runtime_cannot_be_imported(tmp_path):
-    heard, depth = SimpleQueue(), Topic("/depth", "std_msgs/Float64")
-    with process(cwd=tmp_path, program=ALONE) as server:
-        client = RosbridgeTransport(url_of(server), "asyncio")
-        try:
-            client.subscribe(depth, heard.put)
-            client.advertise(depth)({"data": 4.5})
-
-            assert heard.get(timeout=PATIENCE_S) == {"data": 4.5}
-        finally:
-            client.close()
 
 
 def test_a_public_server_takes_its_token_from_the_environment(tmp_path):

@@ -1,16 +1,14 @@
 """The server inside this process, with clients that need no socket."""
 
 import json
-import socket
 import threading
 from queue import Queue
 
 import pytest
 from websockets.sync.client import connect
 
-from mrsfi_bridge.embedded import EmbeddedBridge, LocalClient
-from mrsfi_bridge.errors import ListenError, NotRunningError, ProtocolError, SettingsError
-from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.errors import NotRunningError, ProtocolError
 from tests.support.bridge import FLOAT, parse_frames
 
 PATIENCE_S = 20.0
@@ -121,13 +119,6 @@ def test_the_error_of_a_service_is_kept_and_its_caller_told(server):
     assert isinstance(server.failed.error, ValueError)
 
 
-def test_the_error_of_a_function_called_soon_is_kept(server):
-    server.call_soon(lambda: fail(None))
-
-    assert server.failed.wait(PATIENCE_S)
-    assert isinstance(server.failed.error, ValueError)
-
-
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
@@ -143,21 +134,6 @@ def test_wrong_use_is_an_error_of_the_one_who_uses_it(server, wrong, reason):
     assert server.failed.wait(PATIENCE_S)
     assert isinstance(server.failed.error, ProtocolError)
     assert reason in str(server.failed.error)
-
-
-def test_a_port_in_use_is_told_where_the_server_is_started():
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        bridge = EmbeddedBridge(ServerSettings(port=port))
-
-        with pytest.raises(ListenError, match=f"127.0.0.1:{port}: cannot listen: .*choose"):
-            bridge.start()
-        bridge.close()
-
-
-def test_settings_that_open_the_server_are_refused_where_it_is_started():
-    with pytest.raises(SettingsError, match="add --public"):
-        EmbeddedBridge(ServerSettings("0.0.0.0")).start()
 
 
 def test_closing_twice_is_once_and_leaves_no_thread():
@@ -177,14 +153,3 @@ def test_closing_twice_is_once_and_leaves_no_thread():
 
 def test_a_server_that_was_never_started_can_be_closed():
     EmbeddedBridge().close()
-
-
-def test_several_servers_are_apart():
-    with EmbeddedBridge() as first, EmbeddedBridge() as second:
-        locals_: list[LocalClient] = [bridge.local_client() for bridge in (first, second)]
-        for bridge, local in zip((first, second), locals_, strict=True):
-            within(bridge, lambda local=local: local.advertise("/t", FLOAT))
-
-        assert first.url != second.url
-        assert first.failed.error is None
-        assert second.failed.error is None

@@ -1,16 +1,15 @@
 """Evaluation on schedulers and workers that are processes of their own."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 
 import pytest
 
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
+from mrsfi_runtime.errors import EvaluationError, TransportError
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record.engine_settings import COMPILED, REFERENCE, EngineSettings
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
@@ -23,7 +22,7 @@ require_dask()
 import dask  # noqa: E402 - needs dask
 import distributed  # noqa: E402 - needs dask
 
-from mrsfi_runtime.engine.cluster import Cluster, ClusterPool, Shipment  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: E402 - needs dask
 
 MISSION = "tight_margins"
 GENERATED = ROOT / "generated" / MISSION
@@ -117,15 +116,6 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
     line = file.read_text(encoding="utf-8").splitlines().index("from only_here import HIGHEST") + 1
     assert f"{file}:{line}: cannot be imported" in str(refused.value)
     assert "has to be installed on every worker" in str(refused.value)
-
-
-def test_conflicting_faults_are_refused_as_they_are_here(two_workers):
-    conflicting = (TimedFault("f4", 0, 9, (1.0,)), TimedFault("f4", 5, 9, (1.0,)))
-
-    with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
-        with pytest.raises(SpecificationError, match="overlap"):
-            list(pool.evaluate_many([conflicting]))
 
 
 def test_a_search_that_stops_asking_leaves_the_workers_free(two_workers, specifications, expected):
@@ -224,18 +214,6 @@ def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, exp
         assert cluster.n_workers() == 2
         assert all("://127.0.0.1:" in address for address in cluster._client.nthreads())
         assert list(pool.evaluate_many(specifications)) == expected
-
-
-@slow
-def test_another_python_is_refused(two_workers):
-    shipment = Shipment.of(GENERATED)
-    other = replace(shipment, environment={**shipment.environment, "Python": "2.7"})
-
-    with (
-        Cluster(two_workers.address) as cluster,
-        pytest.raises(TransportError, match=r"it has Python \S+ where this command has 2\.7;"),
-    ):
-        cluster.ship(other)
 
 
 @slow

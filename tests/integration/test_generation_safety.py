@@ -41,22 +41,6 @@ def test_code_survives_renaming_a_robot(models, target):
     assert "R2 = 1  # 'Jenny the second'\n" in (target / COLLECTIVE).read_text()
 
 
-def test_code_survives_adding_a_goal_before_it(models, target):
-    write_code(target)
-    path = models / "mission.xmi"
-    text = path.read_text()
-    new = goal_text(text, "g2").replace('"g2"', '"g0"').replace('"a2"', '"a20"')
-    for message in ("m4", "m5", "m6"):
-        new = new.replace(f'"{message}"', f'"{message}0"')
-    path.write_text(text.replace('  <goals ID="g1"', new + '  <goals ID="g1"'))
-
-    generate(models, target)
-
-    assert body(target, "g4.check") == CODE
-    assert "G4 = 4\n" in (target / COLLECTIVE).read_text()
-    assert [goal.id for goal in load_code(target).mission.goals][:2] == ["g0", "g1"]
-
-
 def test_code_survives_reordering_goals(models, target):
     write_code(target)
     path = models / "mission.xmi"

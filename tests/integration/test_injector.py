@@ -2,7 +2,7 @@
 
 import shlex
 import sys
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from itertools import product
 
@@ -18,13 +18,8 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import RESTART, SERVICE, EngineSettings
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
-from tests.support.cli import mrsfi
-from tests.support.interrupted import digest
-from tests.support.rosbridge import process
-from tests.support.tree import ROOT, UNDRAWN
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
-from tests.tiers import night
 
 CODE = paper_code()
 REACHED = replace(
@@ -105,45 +100,3 @@ def test_what_does_not_reach_the_node_is_refused_before_the_flight():
         SpecificationError, match="fault 'f9' cannot be injected: it touches o5 obstacle, of which"
     ):
         flown(EMBEDDED, 1, [(TimedFault("f9", 1, 2, (0.0, 0.0, 0.0)),)], code=CODE)
-
-
-def words_of(url, folder):
-    """Return the words that search on a server with the node of the tests."""
-    node = [sys.executable, "-m", "tests.support.standin_node", str(CODE.directory)]
-    return (
-        *("evolve", "uuv_sampling", "--side", "injector", "--url", url, "--node-reset", "service"),
-        *("--node", f"{shlex.join(node)} {{url}} 1 {{seed}} /node"),
-        *("--node-prefix", "/node", "--world-prefix", "/world", "--out", str(folder)),
-        *("--evaluations", "12", "--population", "4", "--no-explain"),
-    )
-
-
-@contextmanager
-def served(port="0"):
-    """Yield a server and a world on it, and the URL."""
-    with process("bridge", "--port", port) as server:
-        url = server.stdout.readline().strip()
-        bus = ("--engine", "rosbridge", "--url", url, "--world-prefix", "/world")
-        with process("simulate", "uuv_sampling", *bus, "--side", "simulation") as world:
-            assert "serves at" in world.stderr.readline()
-            yield server, world, url
-
-
-@night
-@pytest.mark.parametrize("killed", ["server", "world"])
-def test_what_is_killed_is_started_again_and_the_campaign_goes_on(killed, tmp_path):
-    with served() as (server, world, url):
-        mrsfi(*words_of(url, tmp_path / "whole"), cwd=ROOT)
-        with process(*words_of(url, tmp_path / "killed"), PYTHONPATH=str(UNDRAWN)) as command:
-            for line in command.stderr:
-                if line.startswith("generation 0"):
-                    break
-            (server if killed == "server" else world).kill()
-            _, errors = command.communicate(timeout=60)
-        port = url.rpartition(":")[2]
-    assert (command.returncode, "Traceback" in errors) == (8, False)
-
-    with served(port) as (_, _, url):
-        mrsfi("evolve", "--resume", tmp_path / "killed", cwd=ROOT)
-
-    assert digest(tmp_path / "killed") == digest(tmp_path / "whole")

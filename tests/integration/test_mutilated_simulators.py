@@ -8,16 +8,12 @@ from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.bus_topics import Patience
-from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.record.engine_settings import CI, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
-from tests.support.page_simulator import join_page_simulator, page_simulator
-from tests.support.rosbridge import Relay, digests
+from tests.support.page_simulator import join_page_simulator
 from tests.support.two_sides import BusEngine
 from tests.support.world import paper_code
-from tests.tiers import slow
 
 CODE = paper_code(36)
 PATIENCE = Patience(tick=3.0, handshake=10.0)
@@ -98,19 +94,3 @@ def test_what_a_tick_has_to_bring_and_does_not_is_told_with_topic_and_tick(ros, 
 @pytest.mark.parametrize("told_again", ["not tick", "tick % 3 == 0"])
 def test_what_need_not_be_said_again_changes_nothing(ros, told_again):
     assert flown(ros, ACTIVE, f"if {told_again}: {ACTIVE}") == flown(ros)
-
-
-@slow
-def test_it_flies_the_same_on_a_server_that_keeps_order_within_a_topic_only(tmp_path):
-    found = []
-    for scatter in (0.0, 0.02):
-        with (
-            EmbeddedBridge() as server,
-            Relay(server.url, scatter=scatter) as relay,
-            page_simulator(tmp_path, relay.url),
-        ):
-            settings = EngineSettings(url=server.url, side=CI, timeout=PATIENCE.tick)
-            with RosbridgeEngine(CODE, 1, settings) as engine:
-                found.append(digests(engine, range(2)))
-
-    assert found[0] == found[1]

@@ -13,7 +13,6 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.engine.flights import ReferenceEngine
-from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout
 from mrsfi_runtime.record.engine_settings import EngineSettings
@@ -24,7 +23,6 @@ from tests.support.rosbridge import (
     code_of,
     digests,
     reference_digests,
-    specification,
 )
 from tests.tiers import slow
 
@@ -92,17 +90,6 @@ def test_on_ros_2_types_and_times_are_named_as_there():
     assert clocks[:2] == [{"sec": 0, "nanosec": 0}, {"sec": 1, "nanosec": 0}]
 
 
-@slow
-def test_engines_open_and_close_one_after_the_other_in_one_process():
-    found = set()
-    for _ in range(3):
-        with engine(SHORT) as opened:
-            found.add(opened.evaluate(()).digest)
-        assert not is_running(opened.simulation.pid)
-
-    assert found == {ReferenceEngine(SHORT, FLIGHT_SEED).evaluate(()).digest}
-
-
 def test_strangers_cannot_join_an_embedded_server():
     simulation = simulation_on(None)
     url, _, token = simulation.url.partition("/?token=")
@@ -114,17 +101,6 @@ def test_strangers_cannot_join_an_embedded_server():
     finally:
         simulation.close()
     assert len(token) > 30
-
-
-@slow
-def test_workers_have_a_server_each():
-    specifications = [specification(SHORT, seed) for seed in range(6)]
-    results = []
-    for settings in (EngineSettings(), EngineSettings("rosbridge", timeout=3.0)):
-        with WorkerPool(SHORT, 1, 2, settings) as pool:
-            results.append(list(pool.evaluate_many(specifications)))
-
-    assert results[0] == results[1]
 
 
 def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):

@@ -21,7 +21,7 @@ from m2t.read import Spelling
 from mrsfi_runtime.errors import ModelError
 from tests.integration.metamodels import HOSTILE, load_generated, metaclass, odd_package, package
 from tests.support.models.copies import MODELS, copy_models, edit
-from tests.support.models.generation import ROOT, contents, run_module
+from tests.support.models.generation import ROOT, contents
 from tests.support.models.random_models import draw
 from tests.tiers import slow
 
@@ -59,15 +59,6 @@ def test_committed_classes_are_those_of_the_metamodels():
     assert contents(STATIC) == class_files(load_metamodels().packages)
 
 
-@slow
-def test_classes_are_the_same_for_every_hash_seed(tmp_path):
-    for seed in ("0", "1", "2", "77"):
-        environment = {**os.environ, "PYTHONHASHSEED": seed}  # which distributed may have set
-        run_module("m2t.classes", tmp_path / seed, **environment)
-
-        assert contents(tmp_path / seed) == contents(STATIC)
-
-
 @pytest.mark.parametrize("module", [mission, faults], ids=["mission", "faults"])
 def test_classes_keep_all_that_the_metamodel_says(module):
     package = getattr(load_metamodels(), module.name)
@@ -103,21 +94,6 @@ def test_build_script_writes_the_committed_models(tmp_path, mission):
 
     for name in ("mission.xmi", "faults.xmi"):
         assert (tmp_path / name).read_bytes() == (models / name).read_bytes()
-
-
-def test_build_script_writes_beside_itself_by_default(tmp_path):
-    script = tmp_path / "build.py"
-    script.write_bytes((MODELS / "build.py").read_bytes())
-
-    subprocess.run(
-        [sys.executable, script], check=True, env={**os.environ, "PYTHONPATH": str(ROOT)}
-    )
-
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "build.py",
-        "faults.xmi",
-        "mission.xmi",
-    ]
 
 
 @pytest.mark.parametrize("name", ["uuv_sampling", "tight_margins"])
@@ -235,18 +211,6 @@ def test_a_literal_may_be_given_by_its_name():
 def test_abstract_classes_have_no_objects(refused):
     with refused(TypeError):
         mission.GoalTask()
-
-
-def test_classes_load_from_a_folder_of_any_name(tmp_path):
-    folder = tmp_path / "other" / "place"
-    write_classes(folder, class_files(load_metamodels().packages))
-
-    code = "from other.place import faults, mission; print(mission.Robot.eClass.name)"
-    found = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, check=True, capture_output=True, text=True
-    )
-
-    assert found.stdout == "Robot\n"
 
 
 def test_stub_of_lists_promises_what_lists_have():

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
@@ -15,20 +15,15 @@ from xml.sax.saxutils import escape
 import pytest
 
 from benchmarks.fleets import write_fleet
-from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.model.fault_types import Struck
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import TOLD
-from mrsfi_runtime.record.observers import named_faults
-from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
 from tests.support.missing import skip
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
-from tests.support.world import paper_code, specifications
 
 try:
     from axe_playwright_python.sync_playwright import Axe
@@ -226,55 +221,6 @@ def test_it_is_drawn_in_every_setting(chromium, campaign, tmp_path, options):
 
     assert inked
     assert (tmp_path / "page.png").stat().st_size > 20_000
-
-
-def test_a_model_of_hostile_texts_is_shown_and_does_nothing(chromium, tmp_path):
-    code = paper_code(60)
-    (specification,) = specifications(code, 1)
-    engine = ReferenceEngine(code, 1)
-    faults = named_faults(code.mission, code.pool, specification)
-    recording, outcome = engine.record(specification), engine.evaluate(specification)
-    mission = replace(
-        code.mission,
-        name=HOSTILE[0],
-        robots=tuple(
-            replace(robot, id=text, name=text)
-            for robot, text in zip(code.mission.robots, HOSTILE, strict=False)
-        ),
-        goals=tuple(
-            replace(goal, id=text, name=text)
-            for goal, text in zip(code.mission.goals, HOSTILE[1:], strict=True)
-        ),
-        obstacles=tuple(
-            replace(obstacle, id=HOSTILE[k % len(HOSTILE)])
-            for k, obstacle in enumerate(code.mission.obstacles)
-        ),
-    )
-    renamed = dict(zip(code.mission.robot_index, HOSTILE, strict=False))
-    hostile = [
-        replace(
-            fault,
-            name=HOSTILE[k % len(HOSTILE)],
-            fault=replace(fault.fault, target=renamed.get(fault.fault.target, fault.fault.target)),
-        )
-        for k, fault in enumerate(faults)
-        if fault.fault.kind.struck is not Struck.OBSTACLE
-    ]
-    sentences = [HOSTILE[k % len(HOSTILE)] for k in range(len(hostile))]
-    told = PageEntry(HOSTILE[0], HOSTILE[1], hostile, sentences, outcome, HOSTILE, HOSTILE[2])
-    path = tmp_path / "hostile.html"
-    page_text = document(flight_page(mission, told, recording, [(HOSTILE[3], HOSTILE[4])]))
-    path.write_text(page_text, encoding="utf-8")
-
-    with opened(chromium, path) as page:
-        text = page.shown.locator("body").evaluate("element => element.textContent")
-        for each in HOSTILE:
-            assert each in text
-        assert page.shown.locator("img").count() == 0
-        assert page.shown.locator("script").count() == 2
-        assert page.shown.title() == HOSTILE[0]
-        page.seek(30)
-        page.shown.locator("body").press("n")
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])

@@ -1,6 +1,5 @@
 """Other simulators behind the topics, the CI unchanged: the worlds of ``examples/worlds``."""
 
-import csv
 import importlib.util
 import os
 import re
@@ -26,7 +25,6 @@ from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from tests.support.bags import read_bag
 from tests.support.cli import (
     MISSION,
     ROOT,
@@ -37,7 +35,6 @@ from tests.support.cli import (
     workspace,
 )
 from tests.support.missing import skip
-from tests.support.page_simulator import page_simulator
 from tests.support.pages import Terminal, at_free_ports, run_page
 from tests.support.rosbridge import Relay, code_of, digests, process
 from tests.support.world import paper_code, specification
@@ -253,22 +250,6 @@ def test_a_stopped_vehicle_misses_its_samples(flight, options, place):
     assert of_task(stopped, SAMPLES, "true")[2] > 300
 
 
-def test_a_flight_on_it_is_written_as_a_bag(options, place):
-    mrsfi("simulate", MISSION, *options, "--mcap", "m.mcap", "--trace", "m.csv", cwd=place)
-
-    told = read_bag(place / "m.mcap")
-    rows = list(csv.DictReader((place / "m.csv").read_text(encoding="ascii").splitlines()))
-    for robot in ("r1", "r2", "r3"):
-        for prefix, side in (("", "true"), ("/belief", "believed")):
-            for name in ("speed", "energy"):
-                values = [message.data for _, message in told[f"{prefix}/{robot}/{name}"]]
-                assert values == [float(row[f"{robot}.{name}.{side}"]) for row in rows]
-        spots = [message.data[:2].tolist() for _, message in told[f"/truth/{robot}"]]
-        assert spots == [[float(row[f"{robot}.{axis}.true"]) for axis in "xy"] for row in rows]
-        assert len(told[f"/{robot}/command/heading"]) > 1
-    assert len({row["r1.speed.true"] for row in rows}) > 100  # thrusters, not mrsfi's own motion
-
-
 def test_a_campaign_searches_on_it_over_one_connection(options, place):
     search = ("--population", "3", "--generations", "1", "--out", "campaign")
 
@@ -323,14 +304,3 @@ def test_their_mission_is_that_of_the_model():
         known.id: {"center": place(known.area.center), "radius": known.area.radius}
         for known in mission.obstacles
     }
-
-
-def test_the_minimal_simulator_of_the_page_flies(place):
-    with process("bridge", "--port", "0") as server:
-        url = server.stdout.readline().strip()
-        with page_simulator(place, url):
-            options = ("--engine", "rosbridge", "--url", url, "--side", "ci")
-            flight = mrsfi_json("simulate", MISSION, *options, cwd=place)
-
-    assert of_task(flight, SAMPLES, "samples") == [1000, 1000, 1000]
-    assert of_task(flight, AREA, "true") == of_task(flight, ENERGY, "true") == [0]

@@ -57,23 +57,9 @@ Digests: TypeAlias = Mapping[str, Mapping[str, str]]
 
 @dataclass(frozen=True, slots=True)
 class Performed:
-    """A recipe that was performed.
+    """A recipe that was performed: files of the tool edited by hand, and digests of flights."""
 
-    Attributes
-    ----------
-    edited
-        Files of the tool that were edited by hand: added or changed, regions included.
-    using
-        Files under ``models/`` that were edited to use what is new.
-    generated
-        Files that ``mrsfi generate`` and ``m2t.classes`` wrote and nobody edited.
-    digests
-        Of what was flown.
-    """
-
-    edited: tuple[str, ...]
-    using: tuple[str, ...]
-    generated: tuple[str, ...]
+    edited: list[str]
     digests: Digests
 
 
@@ -81,10 +67,8 @@ def perform(name: str, folder: Path) -> Performed:
     """Perform a recipe in a copy of the tree below a folder that does not exist yet."""
     tree = Tree(folder)
     digests = RECIPES[name](tree)
-    using = {path for path in tree.edited if path.startswith("models/")}
-    return Performed(
-        tuple(sorted(tree.edited - using)), tuple(sorted(using)), tree.generated, digests
-    )
+    edited = sorted(path for path in tree.edited if not path.startswith("models/"))
+    return Performed(edited, digests)
 
 
 def fault_type(tree: Tree) -> Digests:

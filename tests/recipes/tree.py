@@ -19,20 +19,7 @@ LEFT_OUT = shutil.ignore_patterns("*.mrsfi-*", "__pycache__", ".*")
 
 
 class Tree:
-    """A copy of the tree, whose own code runs in it.
-
-    Attributes
-    ----------
-    root
-        The copy.
-    edited
-        Files that were added or changed by hand until now, however often.
-
-    Parameters
-    ----------
-    root
-        Takes the copy; made if need be.
-    """
+    """A copy of the tree, whose own code runs in it; ``edited`` are files changed by hand."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -42,23 +29,18 @@ class Tree:
                 shutil.copytree(ROOT / name, root / name, ignore=LEFT_OUT)
             else:
                 shutil.copy(ROOT / name, root / name)
-        self._begin = self._contents()
         self._require_own_code()
 
     def __truediv__(self, name: str) -> Path:
         return self.root / name
-
-    @property
-    def generated(self) -> tuple[str, ...]:
-        """Return the files that differ from the tree's although nobody edited them."""
-        return tuple(sorted(_changed(self._begin, self._contents()) - self.edited))
 
     @contextmanager
     def by_hand(self) -> Iterator[None]:
         """Count what changes meanwhile as edited by hand."""
         before = self._contents()
         yield
-        self.edited |= _changed(before, self._contents())
+        after = self._contents()
+        self.edited |= {name for name in before | after if before.get(name) != after.get(name)}
 
     def python(self, *words: str, expected: int = 0) -> str:
         """Run Python in the copy, on the copy's code; return what it prints."""
@@ -105,7 +87,3 @@ class Tree:
             if not Path(path).is_relative_to(self.root):
                 message = f"{path} runs in place of the copy in {self.root}"
                 raise RuntimeError(message)
-
-
-def _changed(before: Mapping[str, str], after: Mapping[str, str]) -> set[str]:
-    return {name for name in {*before, *after} if before.get(name) != after.get(name)}

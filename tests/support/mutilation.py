@@ -142,27 +142,13 @@ def _several(text: bytes, draw: random.Random) -> bytes:
 _SMALL: list[Mutilation] = [_retype_value, _exchange_values, _drop_attribute, _swap_lines]
 
 MUTILATIONS: Mapping[str, Mutilation] = {
-    "cut": _cut,
-    "drop_span": _drop_span,
-    "double_span": _double_span,
-    "flip_byte": _flip_byte,
-    "drop_line": _drop_line,
-    "double_line": _double_line,
-    "swap_lines": _swap_lines,
-    "retype_value": _retype_value,
-    "exchange_values": _exchange_values,
-    "rename_attribute": _rename_attribute,
-    "rename_element": _rename_element,
-    "drop_attribute": _drop_attribute,
-    "wrong_namespace": _wrong_namespace,
-    "entity_bomb": _entity_bomb,
-    "deep_nesting": _deep_nesting,
-    "wrong_encoding": _wrong_encoding,
-    "other_bytes": _other_bytes,
-    "insert_noise": _insert_noise,
-    "empty": _empty,
-    "doubled": _doubled,
-    "several": _several,
+    way.__name__.removeprefix("_"): way
+    for way in (
+        *(_cut, _drop_span, _double_span, _flip_byte, _drop_line, _double_line, _swap_lines),
+        *(_retype_value, _exchange_values, _rename_attribute, _rename_element, _drop_attribute),
+        *(_wrong_namespace, _entity_bomb, _deep_nesting, _wrong_encoding, _other_bytes),
+        *(_insert_noise, _empty, _doubled, _several),
+    )
 }
 """All ways to break a file; each takes its bytes and a source of random draws."""
 

@@ -155,15 +155,6 @@ def test_a_legend_says_how_many_points_are_not_drawn(tmp_path):
     assert "evaluated (7 points not drawn)" in texts(svg)
 
 
-def test_the_pick_says_how_far_from_the_ratio_it_is(tmp_path):
-    far = plots.Pick(PICK.ratio, FRONT.points[1], FRONT.goals)
-
-    _, svg = save(plots.whole_front(FRONT, CLOUD, far), tmp_path / "front")
-
-    assert "nearest to it: evaluation 1, which is 8.9:1" in texts(svg)
-    assert "g3:g1=2:1" in texts(svg)
-
-
 @pytest.mark.parametrize(
     ("violations", "expected"),
     [

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.documents import report_text
-from mrsfi_runtime.analysis.report import campaign_page, specification_rows
+from mrsfi_runtime.analysis.report import campaign_page
 from mrsfi_runtime.analysis.summary import (
     DrawingProcess,
     Drawings,
@@ -16,7 +16,7 @@ from mrsfi_runtime.analysis.summary import (
     summarise,
 )
 from mrsfi_runtime.analysis.tables import fault_table
-from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.observers import named_faults
@@ -29,7 +29,6 @@ from tests.support.campaigns import (
     write_campaign,
 )
 from tests.support.drawing import table, write_report
-from tests.support.search import pool_of
 from tests.support.world import paper_code
 from tests.tiers import slow
 
@@ -115,17 +114,6 @@ def test_the_ten_most_critical_specifications_are_written(focused):
         assert [tuple(row[3].values()) for row in rows] == [t.values for t in best.specification]
 
 
-def test_values_are_written_by_the_names_of_their_parameters():
-    rows = specification_rows(
-        pool_of(), (TimedFault("f8", 0, 5, (7.0,)), TimedFault("f9", 1, 2, (1.0, 2.0, 3.0)))
-    )
-
-    assert rows == (
-        ("f8", 0, 5, {"DELAY": 7.0}, ""),
-        ("f9", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}, ""),
-    )
-
-
 def test_the_summary_says_what_was_found(focused):
     evaluations = evaluations_of(focused)
     best = max(evaluations, key=lambda e: e.fitness[0])
@@ -197,18 +185,13 @@ def test_the_tables_hold_the_numbers_of_the_figures(focused):
     assert ["robot", "r1", "LEN", "250.0", "-250.0", "1.0"] in places
 
 
-def test_the_report_warns_that_popular_is_not_guilty(focused):
+def test_the_report_warns_that_popular_is_not_guilty_and_tests_no_trend(focused):
     report = (focused / "report.md").read_text()
 
     assert "Popular is not guilty" in report
     assert "The specification nearest to g3:g1=2:1: evaluation " in report
     assert "critical/10.xmi" in report
     assert "missed from" in report
-
-
-def test_the_report_tests_no_trend_because_generations_depend_on_each_other(focused):
-    report = (focused / "report.md").read_text()
-
     assert " per generation (least squares). This describes one run and tests nothing" in report
     assert not re.search(r"\bp [<=] ", report)
 
@@ -245,19 +228,6 @@ def test_report_and_summary_name_every_fault_of_the_most_critical(focused):
         rows = [line.strip("| ").split(" | ") for line in lines[: 1 + len(faults)]]
         table = fault_table("", faults, best.outcome)
         assert rows == [[str(cell) for cell in row] for row in table.lines]
-
-
-@slow
-def test_a_second_report_writes_the_same_bytes(tmp_path):
-    folder = tmp_path / "run"
-    with CampaignStore.create(folder, CampaignSettings(), Manifest()) as store:
-        store.append([evaluation(0, (1, 0, 1, 0, 0, 0))])
-
-    def written() -> dict[str, bytes]:
-        write_report(folder, CODE.mission, CODE.pool, write, ratio="g1:g3=1:1")
-        return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
-
-    assert written() == written()
 
 
 @slow
@@ -312,16 +282,6 @@ def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path):
     assert of_other.front.goals == ("g1", "g3")
     assert of_single.pick is not None
     assert of_single.pick == of_other.pick
-
-
-@pytest.mark.parametrize("ratio", ["2:1", "g1:g9=1:1"])
-def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio, tmp_path):
-    folder = write_campaign(tmp_path / "run", n_generations=1)
-
-    with pytest.raises(UsageError):
-        write_report(folder, CODE.mission, CODE.pool, write, ratio=ratio)
-
-    assert [path.name for path in folder.iterdir()] == ["campaign.sqlite"]
 
 
 @slow

@@ -1,19 +1,16 @@
 """Chains of first differences, held to ticks worked out by hand and to whole traces."""
 
 import csv
-import re
 from io import StringIO
 
 import pytest
 
 from mrsfi_runtime.causes.chain import FirstVerdict, chains, sentence
 from mrsfi_runtime.engine.flights import ReferenceEngine
-from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.observers import TraceTable, named_faults
 from tests.support.world import code_of, paper_code, specification
-from tests.tiers import seeds, slow
+from tests.tiers import seeds
 
 
 def linked(code, drawn):
@@ -125,18 +122,6 @@ def test_chains_are_the_first_differences_of_two_traces(case):
                 assert expected is None or (first is not None and first.tick < expected)
 
 
-@slow
-@pytest.mark.parametrize("case", CASES, ids=str)
-def test_chains_are_the_same_compiled(case):
-    code = code_of(case[0])
-    drawn = specification(code, case[1], 5)
-
-    with open_engine(EngineSettings("compiled"), code, 1) as engine:
-        found = chains(engine.record, code.mission, drawn)
-
-    assert repr(found) == repr(linked(code, drawn))  # 1 is not 1.0 in words
-
-
 def _first(whole, rest, columns):
     ticks = (
         tick
@@ -144,27 +129,3 @@ def _first(whole, rest, columns):
         if any(one[name] != other[name] for name in columns)
     )
     return next(ticks, None)
-
-
-@slow
-def test_every_number_of_a_sentence_about_belief_and_truth_stands_in_the_trace():
-    code, fault, timed, chain = alone("FixedRobotCoordinates", 60, 90, 1000)
-    with_it, without = trace(code, (timed,)), trace(code, ())
-
-    said = sentence(named(code, timed, "f.1"), chain)
-
-    sender = code.mission.message_goal[fault.target][0].sender
-    for words, side, tick in (("the CI believed", "believed", 60), ("truly was", "true", 61)):
-        shown = re.search(rf"{words} {sender} position \((.*?)\), not \((.*?)\)", said)
-        assert shown is not None, said
-        for numbers, rows in zip(shown.groups(), (with_it, without), strict=True):
-            x, y, _ = map(float, numbers.split(", "))
-            row = rows[tick]
-            assert x == round(float(row[f"{sender}.x.{side}"]), 2)
-            assert y == round(float(row[f"{sender}.y.{side}"]), 2)
-    assert chain.verdicts
-    for each in chain.verdicts:
-        for kind, words in (("believed", "believed violated"), ("true", "truly violated")):
-            verdict = getattr(each, kind)
-            if verdict is not None:
-                assert f"{words} at tick {verdict.tick}" in said

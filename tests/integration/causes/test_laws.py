@@ -1,7 +1,6 @@
 """Laws of causes, by brute force: every subset of a drawn specification is flown."""
 
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import cache
 from itertools import chain, combinations
 from math import comb
@@ -9,7 +8,7 @@ from math import comb
 import pytest
 
 from mrsfi_runtime.causes.cause_set import Flights
-from mrsfi_runtime.causes.explanation import attribute, explain
+from mrsfi_runtime.causes.explanation import explain
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -122,38 +121,3 @@ def _require_shares(of, found):
             assert float(share) == pytest.approx(expected / n, abs=1e-9)
     for column, total in enumerate(map(sum, zip(*found.attribution.shares, strict=True))):
         assert total == found.cause.kept[column] - found.cause.fault_free[column]
-
-
-@pytest.mark.parametrize("mission", MISSIONS)
-def test_the_order_of_faults_and_what_was_explained_before_change_no_share(mission, engines):
-    engine = engines(mission)
-    drawn = specification(engine.code, 3, 6)
-    flown = flights(engine)
-    explain(flown, engine, specification(engine.code, 4, 6), KEEP)
-
-    shares = attribute(flown, drawn).shares
-
-    backwards = attribute(flights(engine), drawn[::-1]).shares
-    assert shares == backwards[::-1]
-    after, alone = (
-        explain(flown, engine, drawn, KEEP),
-        explain(flights(engine), engine, drawn, KEEP),
-    )
-    assert _found(after) == _found(alone)
-
-
-def _found(explanation):
-    return replace(explanation, n_flown={})
-
-
-def test_counts_over_mission_seeds_are_sums(engines):
-    engine = engines("tight_energy")
-    drawn = specification(engine.code, 1, 4)
-    flown = flights(engine, 3, goals=engine.code.mission.goal_ids[:1], violations="masked")
-
-    counts = flown.counts(drawn)
-
-    outcomes = [engine.evaluate(drawn, seed) for seed in (1, 2, 3)]
-    assert counts == tuple(
-        sum(getattr(outcome, kind)[0] for outcome in outcomes) for kind in ("masked", "true")
-    )

@@ -9,7 +9,6 @@ import pytest
 from mrsfi_runtime.study.comparison import as_json
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.comparisons import compared, new_folder
-from tests.tiers import slow
 
 
 @pytest.fixture
@@ -41,23 +40,3 @@ def test_tables_have_every_run_quartile_and_test(folder):
     assert len(tests) == len(comparison.tests)
     assert float(tests[0]["p_value"]) == comparison.tests[0].ranks.p_value
     assert json.loads(folder.summary.read_text()) == json.loads(json.dumps(as_json(comparison)))
-
-
-@slow
-def test_figures_are_drawn_and_nothing_else_is_left(folder):
-    comparison = compared()
-
-    folder.write(comparison, as_json(comparison))
-    folder.write(comparison, as_json(comparison))
-
-    assert sorted(file.name for file in folder.figures.iterdir()) == [
-        f"{name}.{suffix}" for name in ("course", "goals", "results") for suffix in ("png", "svg")
-    ]
-    assert sorted(file.name for file in folder.path.iterdir()) == [
-        "comparison.json",
-        "figures",
-        "quartiles.csv",
-        "runs",
-        "runs.csv",
-        "tests.csv",
-    ]

@@ -7,7 +7,6 @@ from mrsfi_runtime.study import folder as study_plots
 from mrsfi_runtime.study.comparison import Comparison, RunResult, Sweep, compare
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
-from tests.tiers import slow
 
 
 def run(algorithm: str, seed: int, best: float, volume: float | None = 0.2) -> RunResult:
@@ -118,20 +117,6 @@ def test_a_sweep_draws_every_two_settings(text, words, tmp_path):
         require_inside(figure)
 
 
-@slow
-def test_the_same_comparison_gives_the_same_bytes(tmp_path):
-    first, second = (
-        [
-            path.read_bytes()
-            for name, figure in study_plots.illustrate(compared())
-            for path in save(figure, tmp_path / f"{name}{number}")
-        ]
-        for number in (1, 2)
-    )
-
-    assert first == second
-
-
 def test_without_a_hypervolume_the_fitness_stands_alone():
     figure = study_plots.results(compared(volume=None))
 
@@ -145,13 +130,3 @@ def test_where_no_run_broke_a_goal_no_goals_are_drawn():
     names = [name for name, _ in study_plots.illustrate(compare(("paper",), [nothing]))]
 
     assert names == ["results", "course"]
-
-
-def test_the_course_ends_at_the_median_of_the_best():
-    comparison = compared()
-
-    (axes,) = study_plots.course(comparison).axes
-
-    ends = {line.get_label(): line.get_ydata()[-1] for line in axes.get_lines()}
-    expected = comparison.quartiles["fitness"]
-    assert ends == {name: found.median for name, found in expected.items()}
