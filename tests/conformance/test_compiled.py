@@ -18,7 +18,7 @@ from tests.conformance.regions import compiled
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.edited import edited as edited_code
-from tests.support.edits import EDITS, NUMBA_REFUSES, REFUSED, write_team
+from tests.support.edits import EDITS, NUMBA_REFUSES, write_team
 from tests.support.models.shapes import small_mission
 from tests.support.trace import traced
 from tests.support.tree import ROOT
@@ -196,7 +196,7 @@ def test_a_region_that_runs_on_no_engine_is_refused_by_auto_too(tmp_path, body, 
         tried(EngineSettings("auto"), code, SEED, print)
 
 
-FLOWN = [kind for kind in EDITS if kind not in (*REFUSED, *NUMBA_REFUSES)]
+FLOWN = [kind for kind in EDITS if kind not in NUMBA_REFUSES]
 
 
 @night

@@ -22,13 +22,25 @@ OTHER = KERNEL + TWO
 COLORS = "import enum\nclass Low(enum.IntEnum):\n    A = 1\nclass High(enum.IntEnum):\n    A = 2\n"
 
 
+_COMPUTED = """def __getattr__(name):
+    if name != 'LIMIT':
+        raise AttributeError(name)
+    return 1.0
+"""
+
+
 def _edit(
     body: str, names: str, old: str, new: str, other: str = "", arguments: str = "x"
 ) -> tuple[Mapping[str, str], str, str]:
-    """Return a function in one file, what its names stand for in others, and an edit of them."""
+    """Return the files of a function, and an edit of them."""
+    return _files(body, names, other, arguments), old, new
+
+
+def _files(body: str, names: str, other: str = "", arguments: str = "x") -> Mapping[str, str]:
+    """Return a function in one file, and what its names stand for in others."""
     verdict = f"{KERNEL}from edit_names import *\n@kernel\ndef verdict({arguments}):\n"
     files = {"edit_team": f"{verdict}    return {body}\n", "edit_names": f"{KERNEL}{names}\n"}
-    return files | ({"edit_other": other} if other else {}), old, new
+    return files | ({"edit_other": other} if other else {})
 
 
 def _extended(how: str, arguments: str = "x", mark: str = "") -> str:
@@ -125,14 +137,6 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         f"{KERNEL}@kernel\ndef inner(x):\n    return x * 2.0\n",
     ),
     "a marked lambda": _edit("by(x)", "by = kernel(lambda x: x + 1.0)", "x + 1.0", "x + 2.0"),
-    "a partial function": _edit(
-        "by(x)",
-        "from functools import partial\nfrom edit_other import careful, bold\n"
-        "by = partial(careful)",
-        "partial(careful)",
-        "partial(bold)",
-        OTHER,
-    ),
     "what a module's name stands for": _edit(
         "edit_other.policy(x)",
         "import edit_other",
@@ -184,116 +188,74 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         "IS_BOLD = True",
         OTHER,
     ),
-    "an attribute that a module computes": _edit(
+}
+
+REFUSED: Mapping[str, Mapping[str, str]] = {
+    "a partial function": _files(
+        "by(x)",
+        (
+            "from functools import partial\nfrom edit_other import careful, bold\n"
+            "by = partial(careful)"
+        ),
+        OTHER,
+    ),
+    "an object": _files("LIMIT.value + x", "class Limit:\n    value = 1.0\nLIMIT = Limit()"),
+    "an attribute that a module computes": _files(
+        "x + edit_other.LIMIT", "import edit_other", _COMPUTED
+    ),
+    "an attribute that the class of a module computes": _files(
         "x + edit_other.LIMIT",
         "import edit_other",
-        "1.0",
-        "2.0",
-        "def __getattr__(name):\n    if name != 'LIMIT':\n        raise AttributeError(name)\n"
-        "    return 1.0\n",
+        (
+            "import sys, types\nclass Limits(types.ModuleType):\n"
+            "    LIMIT = property(lambda self: 1.0)\nsys.modules[__name__].__class__ = Limits\n"
+        ),
     ),
-    "an attribute that the class of a module computes": _edit(
-        "x + edit_other.LIMIT",
-        "import edit_other",
-        "1.0",
-        "2.0",
-        "import sys, types\nclass Limits(types.ModuleType):\n"
-        "    LIMIT = property(lambda self: 1.0)\nsys.modules[__name__].__class__ = Limits\n",
-    ),
-    "an attribute that a module of a module computes": _edit(
+    "an attribute that a module of a module computes": _files(
         "x + names.edit_other.LIMIT",
         "import sys, edit_other\nnames = sys.modules[__name__]\n",
-        "1.0",
-        "2.0",
-        "def __getattr__(name):\n    if name != 'LIMIT':\n        raise AttributeError(name)\n"
-        "    return 1.0\n",
+        _COMPUTED,
     ),
-    "an overload of a function": _edit(
-        "near(x)", _extended("@overload(near)"), "overloaded = 1.0", "overloaded = 2.0"
+    "an overload of a function": _files("near(x)", _extended("@overload(near)")),
+    "an overload of a function behind another name": _files(
+        "by(x)", _extended("@overload(near)") + "by = near\n"
     ),
-    "an overload of a function behind another name": _edit(
-        "by(x)",
-        _extended("@overload(near)") + "by = near\n",
-        "overloaded = 1.0",
-        "overloaded = 2.0",
+    "an overload of a marked function": _files(
+        "near(x)", _extended("@overload(near)", mark="@kernel")
     ),
-    "an overload of a marked function": _edit(
+    "an overload of a library's function": _files(
+        "floor(x)", "from math import floor\n" + _extended("@overload(floor)")
+    ),
+    "an overload of a function of numpy": _files(
+        "numpy.hypot(x, 1.0)", "import numpy\n" + _extended("@overload(numpy.hypot)", "x, y")
+    ),
+    "a function that numba is to compile": _files(
         "near(x)",
-        _extended("@overload(near)", mark="@kernel"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
+        (
+            "from numba.extending import register_jitable\nLIMIT = 1.0\n"
+            "@register_jitable\ndef near(x):\n    return x + LIMIT\n"
+        ),
     ),
-    "an overload of a library's function": _edit(
-        "floor(x)",
-        "from math import floor\n" + _extended("@overload(floor)"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
-    ),
-    "an overload of a function of numpy": _edit(
-        "numpy.hypot(x, 1.0)",
-        "import numpy\n" + _extended("@overload(numpy.hypot)", "x, y"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
-    ),
-    "a function that numba is to compile": _edit(
+    "an intrinsic": _files(
         "near(x)",
-        "from numba.extending import register_jitable\nLIMIT = 1.0\n"
-        "@register_jitable\ndef near(x):\n    return x + LIMIT\n",
-        "LIMIT = 1.0",
-        "LIMIT = 2.0",
+        (
+            "from numba import types\nfrom numba.extending import intrinsic\n@intrinsic\n"
+            "def near(context, x):\n    def made(context, builder, signature, values):\n"
+            "        return context.get_constant(types.float64, 1.0)\n"
+            "    return types.float64(x), made\n"
+        ),
     ),
-    "an intrinsic": _edit(
-        "near(x)",
-        "from numba import types\nfrom numba.extending import intrinsic\n@intrinsic\n"
-        "def near(context, x):\n    def made(context, builder, signature, values):\n"
-        "        return context.get_constant(types.float64, 1.0)\n"
-        "    return types.float64(x), made\n",
-        "1.0",
-        "2.0",
+    "an overload of a method": _files(
+        "x.conjugate()", _extended("@overload_method(types.Float, 'conjugate')")
     ),
-    "an overload of a method": _edit(
-        "x.conjugate()",
-        _extended("@overload_method(types.Float, 'conjugate')"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
+    "an overload of an attribute": _files(
+        "x.real", _extended("@overload_attribute(types.Float, 'real')")
     ),
-    "an overload of an attribute": _edit(
-        "x.real",
-        _extended("@overload_attribute(types.Float, 'real')"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
-    ),
-    "an overload of an operator": _edit(
-        "x % 2.0",
-        "import operator\n" + _extended("@overload(operator.mod)", "x, y"),
-        "overloaded = 1.0",
-        "overloaded = 2.0",
-    ),
-    "an object": _edit(
-        "LIMIT.value + x",
-        "class Limit:\n    value = 1.0\nLIMIT = Limit()",
-        "value = 1.0",
-        "value = 2.0",
+    "an overload of an operator": _files(
+        "x % 2.0", "import operator\n" + _extended("@overload(operator.mod)", "x, y")
     ),
 }
-REFUSED = (
-    "a partial function",
-    "an object",
-    "an attribute that a module computes",
-    "an attribute that the class of a module computes",
-    "an attribute that a module of a module computes",
-    "an overload of a function",
-    "an overload of a function behind another name",
-    "an overload of a marked function",
-    "an overload of a library's function",
-    "an overload of a function of numpy",
-    "a function that numba is to compile",
-    "an intrinsic",
-    "an overload of a method",
-    "an overload of an attribute",
-    "an overload of an operator",
-)
-"""Kinds of which no text tells the value."""
+"""Kinds of which no text tells the value: they are never edited."""
 
 NUMBA_REFUSES = ("default of a keyword", "a tuple of functions", "an attribute of a function")
 
@@ -306,8 +268,8 @@ def write_team(folder: Path, kind: str, *, is_edited: bool, number: str = "") ->
 
     Returns the name of the module of ``verdict``; all have a number, if any.
     """
-    files, old, new = EDITS[kind]
-    assert sum(text.count(old) for text in files.values()) == 1, f"{kind}: what is edited?"
+    files, old, new = EDITS[kind] if kind in EDITS else (REFUSED[kind], "\0", "")
+    assert kind in REFUSED or sum(text.count(old) for text in files.values()) == 1
     for name, text in files.items():
         written = text.replace(old, new) if is_edited else text
         for module in MODULES:
