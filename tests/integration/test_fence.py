@@ -12,7 +12,6 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 from tests.support.edited import edited
 from tests.tiers import night, slow
@@ -82,15 +81,3 @@ def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on
         pytest.raises(WorkerLost, match=r":\d+: the mission failed at tick 0: TimeLimitReached"),
     ):
         engine.evaluate(())
-
-
-@slow
-def test_what_machine_code_raises_is_told_by_the_reference_engine(tmp_path):
-    body = "    if ci.map.is_wrong:\n        raise RuntimeError\n    return False\n"
-    code = load_code(edited(tmp_path, "g1.check", body))
-
-    with closing(open_engine(EngineSettings(COMPILED), code, 1)) as engine:
-        plain, moved = engine.evaluate_many([(), MOVED])
-
-    assert not isinstance(plain, FailedFlight)
-    assert "at tick 5: RuntimeError" in moved.traceback

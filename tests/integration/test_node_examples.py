@@ -1,6 +1,5 @@
 """The example of nodes of a team's own, in Python: flown, searched, killed and resumed."""
 
-import json
 import os
 import signal
 from pathlib import Path
@@ -49,23 +48,6 @@ def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path,
     assert flight.outcome == best.outcome
     with pytest.raises(RecordError, match="this campaign was flown with another node; its "):
         mrsfi.Campaign(place / "runs/it").fly(best.index)
-    require_silence(place)
-
-
-@night
-def test_a_search_finds_weaknesses_and_its_worst_flies_again(place):
-    few = ("--evaluations", "24", "--population", "8")
-    mrsfi_process(*SEARCH, *few, "--out", "runs/it", cwd=place, timeout=300)
-
-    summary = json.loads((place / "runs/it/summary.json").read_text(encoding="utf-8"))
-    worst = ("--faults", "runs/it/critical/01.xmi")
-    again = mrsfi_json(*FLY, *worst, cwd=place)
-    weakest = mrsfi_json("weaknesses", "runs/it", cwd=place)[0]
-    least = mrsfi_json(*FLY, "--faults", "runs/it/weaknesses/01.xmi", cwd=place)
-    assert again["digest"] == summary["best"]["digest"]
-    assert sum(goal["true"] for goal in again["goals"]) > 0
-    (broken,) = [goal for goal in least["goals"] if goal["id"] == weakest["goal"]]
-    assert broken[weakest["measure"]] > 0
     require_silence(place)
 
 

@@ -1,7 +1,5 @@
 """Evaluation in several processes."""
 
-from multiprocessing import active_children
-
 import pytest
 
 from mrsfi_runtime.engine.flights import ReferenceEngine
@@ -11,7 +9,6 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import FailedFlight
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
-from tests.tiers import slow
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 SPECIFICATIONS = [
@@ -29,24 +26,6 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
     assert results[0] == results[1]
     engine = ReferenceEngine(load_code(GENERATED), 1)
     assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
-
-
-@slow
-def test_the_same_workers_serve_several_mission_seeds():
-    code = load_code(GENERATED)
-
-    with WorkerPool(code, 1, 2) as pool:
-        results = list(
-            zip(*(pool.evaluate_many(SPECIFICATIONS[:3], seed) for seed in (1, 2)), strict=True)
-        )
-        workers = {child.pid for child in active_children()}
-
-    engine = ReferenceEngine(code, 1)
-    assert len(workers) == 2
-    assert results == [
-        tuple(engine.evaluate(specification, seed) for seed in (1, 2))
-        for specification in SPECIFICATIONS[:3]
-    ]
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.cli import mrsfi_json, mrsfi_process, require_program
+from tests.support.cli import mrsfi_json, require_program
 from tests.support.missing import skip
-from tests.support.nodes import JAVASCRIPT, MISSION, processes_in, yard
-from tests.tiers import night
+from tests.support.nodes import JAVASCRIPT, MISSION, yard
 
 
 @pytest.fixture(scope="module")
@@ -28,18 +27,3 @@ def test_it_flies_without_faults_and_repeats_itself(place):
 
     assert flights[0] == flights[1]
     assert all(goal["true"] == goal["believed"] == 0 for goal in flights[0]["goals"])
-
-
-@night
-def test_what_a_search_finds_flies_again(place):
-    found = mrsfi_process(
-        "evolve", MISSION, *JAVASCRIPT, "--out", "runs/it", "--json", cwd=place, timeout=600
-    )
-
-    again = mrsfi_json(
-        "simulate", MISSION, *JAVASCRIPT, "--faults", "runs/it/critical/01.xmi", cwd=place
-    )
-    assert "your node repeats itself" in found.stderr
-    assert again["digest"] in found.stdout
-    assert sum(goal["true"] for goal in again["goals"]) > 0
-    assert processes_in(place) == {}

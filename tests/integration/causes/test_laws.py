@@ -16,7 +16,6 @@ from mrsfi_runtime.record.store import Measure
 from tests.support.world import code_of, specification
 from tests.tiers import seeds, slow
 
-MISSIONS = seeds(["tight_energy", "tight_margins"], 1)  # each has to be compiled
 DRAWN = seeds(
     [(mission, seed) for seed in range(10) for mission in ("tight_energy", "tight_margins")], 3, 4
 )
@@ -34,9 +33,9 @@ def engines(request):
         )
 
 
-def flights(engine, n_seeds=1, **settings):
-    measure = Measure.of(CampaignSettings(replications=n_seeds, **settings), engine.code.mission)
-    return Flights(engine.evaluate_many, measure, tuple(range(1, n_seeds + 1)))
+def flights(engine):
+    measure = Measure.of(CampaignSettings(), engine.code.mission)
+    return Flights(engine.evaluate_many, measure, (1,))
 
 
 def subsets(n):
