@@ -17,8 +17,7 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bus_topics import GO, RESET, SETUP
-from mrsfi_runtime.cosimulation.node_mapping import ANSWER
+from mrsfi_runtime.cosimulation.bus_topics import ANSWER, GO, RESET, SETUP
 from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
