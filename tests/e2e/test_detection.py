@@ -8,14 +8,18 @@ import sqlite3
 from collections import defaultdict
 from contextlib import closing, contextmanager
 from itertools import pairwise
+from random import Random
 
 import pytest
 
+from m2t.generate import generate
 from mrsfi.engines import AS_RECORDED
 from mrsfi.explaining import flying_again
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import Workers
+from tests.independent.crowd import draw_crowd
 from tests.support.cli import mrsfi, mrsfi_json, workspace
+from tests.support.models import builder
 from tests.support.nodes import PYTHON, SERVICE, yard
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
@@ -38,6 +42,17 @@ def of_the_tree(name):
     return write
 
 
+def drawn(seed, n_robots):
+    def write(place):
+        models = builder.write(
+            place / "models" / "crowd", *draw_crowd(Random(seed), n_robots, 12.0)
+        )
+        generate(models, place / "generated" / "crowd")
+        return "crowd", ("--evaluations", "100")
+
+    return write
+
+
 def node(place):
     yard(place)
     return "yard", ("--evaluations", "30", *PYTHON, *SERVICE)
@@ -47,6 +62,9 @@ CAMPAIGNS = {
     "rendezvous": planted,
     "uuv_sampling": of_the_tree("uuv_sampling"),
     "tight_margins": of_the_tree("tight_margins"),
+    "undersea": of_the_tree("undersea"),
+    "crowd of 9": drawn(1, 9),
+    "crowd of 16": drawn(2, 16),
     "node": node,
 }
 """What writes a mission into a folder, and returns its name and how it is searched on."""
