@@ -1,13 +1,10 @@
-"""The folder and the SQLite file of a campaign.
+"""The folder of a campaign, the texts that it stores, and its SQLite file.
 
-The folder of a campaign: every file and subfolder it may hold, and one writer at a time.
-
-Canonical JSON text of what a campaign stores: same value, same bytes, and back bit for bit.
-
-The SQLite file of a campaign: its layout, its version, and errors that name the file.
-
-Nothing of ``sqlite3`` leaves this module but the connection: what goes wrong in it becomes
-a ``RecordError`` with the path, what was found and what was expected.
+``CampaignFolder`` names every file that a campaign may have; ``only_writer`` lets one process
+write it at a time. ``canonical`` and its neighbours write values as JSON: one value has one text,
+which reads back bit for bit. The rest is the SQLite file: layout, version and errors. Nothing of
+``sqlite3`` but the connection leaves this module: an error becomes a ``RecordError`` with the path,
+what was found and what was expected. ``store.py`` reads and writes the rows.
 
 Every record from mrsfi 0.3.0 on, which began with version 4, stays readable. A later version only
 adds columns. Where a record lacks one, its values are ``None`` and print as *not recorded*. Records

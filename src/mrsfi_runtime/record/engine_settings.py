@@ -1,14 +1,11 @@
-"""The engine as one value, and the manifest of a campaign.
+"""The engine as one value, its workers, and the manifest of what a campaign runs on.
 
-The engine and its workers: one value for the options, the record and the words of messages.
-
-Each field of ``EngineSettings`` is one fact. The command line gives those that ``option`` makes:
-``cli/options.py`` loops over them, ``as_json`` and ``from_json`` over all. ``mrsfi/engines.py``
-merges options, record and project; ``engine/opening.py`` opens the engine. So a new option of
-every command that flies is a field here, and a change in the code that acts on it. A field that
-makes sense without a rosbridge server also stands in ``OF_ANY_ENGINE``.
-
-What a campaign runs on: mission, engine, versions, and the hash of every file it copied.
+Each field of ``EngineSettings`` is one fact, which options, record and messages share. The command
+line gives the fields that ``option`` makes: ``cli/options.py`` loops over them, ``as_json`` and
+``from_json`` over all. ``mrsfi/engines.py`` merges options, record and project;
+``engine/opening.py`` opens the engine. So a new option of every command that flies is a field
+here, and a change in the code that acts on it. A field that makes sense without a rosbridge server
+also stands in ``OF_ANY_ENGINE``.
 """
 
 import re

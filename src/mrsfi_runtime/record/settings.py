@@ -1,13 +1,13 @@
-"""The settings of a campaign, and what is kept of one, in TOML files.
+"""What people write of campaigns in TOML: their settings, and the limits of kept weaknesses.
 
-The settings of a campaign, read strictly from its TOML file.
+A campaign file has one table, ``[search]``, which ``CampaignSettings`` reads strictly: an unknown
+key or a wrong value is a ``UsageError`` that names the file. A key that the file leaves out has
+the paper's value. Each setting is one field with a ``_Rule`` that checks and converts its value,
+wherever that comes from: file, option, record or script.
 
-A campaign file has one table, ``[search]``. What it leaves out has the paper's value.
-
-Weaknesses that a team keeps beside its models, with what each goal may be violated at most.
-
-Each is two files in ``models/<mission>/regressions/``: a fault specification, ``NAME.xmi``, and
-its limits, ``NAME.toml``.
+A ``Regression`` is a weakness that a team keeps beside its models. It is two files in
+``models/<mission>/regressions/``: a fault specification, ``NAME.xmi``, and ``NAME.toml`` with the
+most ticks for which each goal may be violated.
 """
 
 import json

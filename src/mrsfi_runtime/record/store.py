@@ -1,12 +1,12 @@
-"""The campaign store.
+"""The store of a campaign: evaluations, failures, generations and later flights in one file.
 
-The store of a campaign: evaluations, failures, generations, later flights, in one SQLite file.
+Each append is one transaction with a rollback journal. So a run that is killed at any moment loses
+at most the append that it was in, and the next reader finds every earlier one. Indexes of
+evaluations and generations count from 0 without gaps. A row that makes no sense is a
+``RecordError`` that names the file.
 
-Each append is one transaction with a rollback journal, so a run that is killed at any
-moment loses at most the append it was in, and whoever opens the folder next finds every
-earlier one.
-
-Which violations a campaign counts: its own measure, as its record keeps it.
+``CampaignStore`` reads and appends; the values above it are what it returns; the functions below it
+turn rows into values and back. ``Measure`` says which violations a campaign counts.
 """
 
 import hashlib

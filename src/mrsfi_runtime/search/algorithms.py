@@ -1,26 +1,18 @@
-"""The search algorithms.
+"""The search algorithms: the paper's, DEAP's, one of our own, and two controls.
 
-Our own search: long windows and values that mean something, improved by small steps.
+Each factory in ``ALGORITHMS`` returns an ``Algorithm`` of ``search.loop``; read that table first.
+DEAP's own loops evaluate and record by themselves, so here ``Breeder`` and ``GenerationalLoop``
+take one turn of them at a time, with the operators that the campaign file names.
 
-The paper's loop forgets its best, cannot choose other faults than it began with, and draws
-every value anew. This one begins with faults that are active as long as they may, at
-landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
-
-A model of good fault specifications, to be drawn from and learned: which faults, and when.
-
-References
-----------
-Larrañaga and Lozano, *Estimation of Distribution Algorithms*, 2002: univariate models.
-
-The search algorithms: the paper's, DEAP's, one of our own, and two controls.
-
-DEAP's own loops evaluate and record by themselves; here one of their turns at a time is
-asked for and told. Variation is ``varAnd`` and ``varOr``, and operators are those that the
-campaign file names.
+``guided`` is our own search. The paper's loop forgets its best, keeps the faults that it began
+with, and draws every value anew. ``guided`` begins with faults that are active as long as they may
+be, at landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
+``FaultModel`` is the distribution that ``eaGenerateUpdate`` learns: which faults, and when.
 
 References
 ----------
-Source paper, section III-E.
+Source paper, section III-E. Larrañaga and Lozano, *Estimation of Distribution Algorithms*, 2002:
+univariate models.
 """
 
 from array import array

@@ -1,11 +1,9 @@
-"""Fitness.
+"""How critical an outcome is: fitness functions, and how a campaign file names its functions.
 
-Functions that a team wrote for its search, named ``module:function`` in a campaign file.
-
-Modules are found where Python looks, and in the current folder. What goes wrong in them is
-told by file and line, as a mistake in what was given, not as a defect of mrsfi.
-
-How critical an outcome is: the paper's fitness functions, on the violations a campaign chose.
+``chosen`` returns the function that a setting names: one of a table of mrsfi's own, or the user's
+``module:function``. Python searches the current folder for user modules, too. An error in such a
+function becomes a ``UsageError`` with file and line. ``Judge`` scores outcomes with the campaign's
+fitness function, on the violations that the campaign chose. More is always more critical.
 
 References
 ----------

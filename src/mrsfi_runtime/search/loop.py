@@ -1,25 +1,18 @@
-"""Individuals and the generational loop.
+"""The loop of generations that most searches are, its individuals, and steps that vary them.
 
-Individuals as DEAP sees them, and which of them become parents.
+An ``Algorithm`` asks for the scores of fault specifications and receives them; it neither
+evaluates nor records. With the same seed and scores it asks the same, so a run is repeated or
+resumed by giving it the recorded scores. ``GenerationalLoop`` is the usual algorithm.
 
-Individuals are lists of immutable timed faults with a fitness. The classes are plain ones:
-``deap.creator`` would keep them in a global registry. DEAP draws from Python's global random
-generator; here it is lent the search's own state for the time of a selection.
+An individual is a list of immutable timed faults with a fitness. Its classes are plain ones,
+because ``deap.creator`` keeps classes in a global registry. DEAP draws from Python's global
+random generator, so ``lent_to_deap`` lends that the search's own state for a selection.
+
+A step takes a specification and returns another one that keeps the restriction.
 
 References
 ----------
 Source paper, sections III-E a) and d).
-
-The interface of a search algorithm, and the loop that most of them are.
-
-An algorithm asks for the scores of fault specifications and is told them; it neither
-evaluates nor records. Asking and telling again from the same seed gives the same, so a
-run is repeated, or resumed, by telling it what was recorded.
-
-Small changes of a fault specification: Gaussian steps, jumps to landmarks, longer windows.
-
-Each takes a specification and returns another one that keeps the restriction; what went in
-stays as it was. ``guided`` chooses among them; ``creep`` is a mutation of all three.
 """
 
 import json

@@ -1,7 +1,9 @@
-"""Runs a campaign: asks an algorithm, evaluates, records, and tells it the fitness.
+"""Runs a campaign: an algorithm asks, engines evaluate, and the algorithm receives the fitness.
 
-What is recorded already is told from the record instead, so that an interrupted campaign
-goes on as if nothing had happened.
+Throughout, the record leads: a result that it holds already is not flown again but read, and has
+to be the one that the same search asks for. So an interrupted campaign goes on as if nothing had
+happened. ``run_campaign`` is the loop; ``_Assessment`` scores one generation; ``ResumableRecord``
+reads and writes in the order in which the search asks.
 
 References
 ----------

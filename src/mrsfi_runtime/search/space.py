@@ -1,26 +1,15 @@
-"""What may be searched, and how specifications vary.
+"""All that a search may choose from, and the operators that draw and vary fault specifications.
 
-What search may choose from: faults, windows, values and their landmarks; what excludes what.
+``SearchSpace`` knows the faults of a pool, their bounds and landmarks, and which of them exclude
+each other. Operators are functions of their arguments and the random generator: they return other
+specifications and change none. Each keeps the restriction that conflicting faults never overlap.
+The paper's operators keep it at every step; the free ones draw anything and repair the result.
 
-References
-----------
-Source paper, sections III-C b) and III-E a) to c).
-
-Mutation and crossover of fault specifications under the no-overlap restriction.
-
-All are functions of their arguments and the random generator: a specification goes in,
-another comes out, and what went in stays as it was. The paper's keep the restriction at every
-step; the free ones ask for whatever they draw, and have it repaired.
+Read ``SearchSpace`` first, then mutation, crossover, repair, and the random specifications.
 
 References
 ----------
-Source paper, sections III-E b) and c), VI a); of the free ones, section VII.
-
-Random fault specifications, and how many faults they have.
-
-References
-----------
-Source paper, section III-E a).
+Source paper, sections III-C b) and III-E a) to c), VI a); of the free ones, section VII.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
