@@ -260,17 +260,14 @@ def specification(rows: Iterable[Any]) -> Specification:
         raise ValueError(f"{error}") from error
 
 
-_BEGINNING = re.compile(r'\["([^"\\]*)",')  # of a timed fault, unless its ID is an odd one
-_OPENING, _CLOSING = len("[["), len("]]]")  # around all of its timed faults
-
-
 def fault_texts(text: str) -> tuple[list[str], list[str]]:
     """Return the pool fault of each timed fault, and texts that tell timed faults apart.
 
     They are found in the text of a specification without making its timed faults, which takes
     six times as long. Equal timed faults have equal texts.
     """
-    faults, texts = _BEGINNING.findall(text), text[_OPENING:-_CLOSING].split("]],[")
+    faults = re.findall(r'\["([^"\\]*)",', text)  # unless their IDs are odd ones
+    texts = text.removeprefix("[[")[:-3].split("]],[")
     is_plain = text.endswith("]]]") and "-0.0" not in text and '"]' not in text  # no triggers
     if is_plain and len(faults) == len(texts):
         return faults, texts
@@ -279,8 +276,7 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
         timed._replace(values=tuple(value + 0.0 for value in timed.values))  # 0 equals -0
         for timed in specification(rows)
     ]
-    texts = [specification_text((timed,))[_OPENING:-_CLOSING] for timed in plain]
-    return [timed.fault for timed in plain], texts
+    return [timed.fault for timed in plain], [specification_text((one,))[2:-3] for one in plain]
 
 
 def lists(texts: Sequence[str]) -> list[list[Any]]:
@@ -325,9 +321,7 @@ SCHEMA = 4
 """Version of the layout that is written; a file of a newer one is refused."""
 
 _FIRST = 4  # oldest version that is read
-
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
-
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
 
@@ -473,8 +467,8 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
 
 
 def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
-    ((application,),) = connection.execute("PRAGMA application_id").fetchall()
-    ((version,),) = connection.execute("PRAGMA user_version").fetchall()
+    names = ("application_id", "user_version")
+    (application,), (version,) = (connection.execute(f"PRAGMA {each}").fetchone() for each in names)
     if application != _APPLICATION:
         raise RecordError(
             f"{path}: found a SQLite file that is not a campaign; expected the record of "

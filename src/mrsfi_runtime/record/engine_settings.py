@@ -324,16 +324,11 @@ class Manifest:
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""
-        return {
-            "mission": self.mission,
-            "place": self.place,
-            "case": self.case,
-            **self.engine.as_json(),
-            "versions": self.versions,
-            "machine": self.machine,
-            "sha256": self.sha256,
-            "semantics": self.semantics,
-        }
+        found: dict[str, Any] = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            found |= value.as_json() if each.name == "engine" else {each.name: value}
+        return found
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Self:

@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from numbers import Integral
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError, expected
@@ -30,23 +29,13 @@ from mrsfi_runtime.record.engine_settings import BOTH, CI, INJECTOR
 _LARGEST_SEED = 2**63 - 1
 
 ALGORITHM_NAMES = (
-    "paper",
-    "eaSimple",
-    "eaMuPlusLambda",
-    "eaMuCommaLambda",
-    "eaGenerateUpdate",
-    "nsga2",
-    "guided",
-    "random",
-    "drift",
-    "cover",
-)
+    "paper", "eaSimple", "eaMuPlusLambda", "eaMuCommaLambda", "eaGenerateUpdate", "nsga2", "guided",
+    "random", "drift", "cover",
+)  # fmt: skip
 """The algorithms of ours and of DEAP, as a campaign file names them."""
 
 COVERING = "cover"
 """The one that knows neither populations nor generations."""
-
-_ENOUGH, _ENDLESS = 909, 100_000  # evaluations, if it is not told; the last beside ``until``
 
 MINIMISING = ("nsga2", "guided")
 """Those that keep a front, and so can minimise one thing beside many violations."""
@@ -85,15 +74,11 @@ def _one_of(names: Iterable[str]) -> _Rule:
     return _Rule("", lambda value: value in known, str, known)
 
 
-_GOALS = _Rule(
-    "a list of different goal IDs",
-    lambda value: (
-        isinstance(value, list | tuple)
-        and all(isinstance(goal, str) for goal in value)
-        and len(set(value)) == len(value)
-    ),
-    tuple,
-)
+def _are_goals(value: Any) -> bool:
+    is_texts = isinstance(value, list | tuple) and all(isinstance(goal, str) for goal in value)
+    return is_texts and len(set(value)) == len(value)
+
+
 _SEED = _whole(0, _LARGEST_SEED)
 
 
@@ -136,7 +121,7 @@ class CampaignSettings:
     # Mission seeds, from ``mission_seed`` on, over which fitness and goal vector are averaged
     replications: int = _setting(1, _whole(1, 1000))
     # IDs of those that ``focused`` and the Pareto front look at; none means all
-    goals: tuple[str, ...] = _setting((), _GOALS)
+    goals: tuple[str, ...] = _setting((), _Rule("a list of different goal IDs", _are_goals, tuple))
     seed: int = _setting(1, _SEED)  # of the search
     mission_seed: int = _setting(1, _SEED)
     # After exactly so many the run ends, in place of ``generations``: so controls are given as
@@ -172,7 +157,7 @@ class CampaignSettings:
             _require_no_generations("option", given)
             if "algorithm" not in given:  # else they are settings of another one
                 _require_no_generations(source, table)
-            values = {"evaluations": _ENDLESS if "until" in values else _ENOUGH} | values
+            values = {"evaluations": 100_000 if "until" in values else 909} | values
         elif "until" in values:
             raise UsageError(
                 f"{'option' if 'until' in given else source}: found until with an algorithm that "
@@ -222,9 +207,9 @@ def following(seed: int, n: int) -> tuple[int, ...]:
     return tuple((seed + number) % (_LARGEST_SEED + 1) for number in range(n))
 
 
-_RULES: Mapping[str, _Rule] = MappingProxyType(
-    {each.name: each.metadata["rule"] for each in fields(CampaignSettings) if each.metadata}
-)
+_RULES: Mapping[str, _Rule] = {
+    each.name: each.metadata["rule"] for each in fields(CampaignSettings) if each.metadata
+}
 
 
 def _search_table(text: str, source: str) -> dict[str, Any]:
@@ -277,9 +262,6 @@ def require_whole(name: str, value: object) -> int:
 def require_seed(value: object) -> int:
     """Return a mission seed that a script gives; refuse anything else."""
     return int(_kept(_SEED, "seed", value))
-
-
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,16 +321,19 @@ class Regression:
 
     def text(self) -> str:
         """Return what ``load`` reads."""
-        limits = "".join(f"{_key(goal)} = {most}\n" for goal, most in self.limits.items())
         accepted = f"accepted = {_quoted(self.accepted)}\n" if self.accepted else ""
         side = "" if self.side == BOTH else f'side = "{self.side}"\n'
-        return (
+        text = (
             f"found = {_quoted(self.found)}\n{accepted}"
             f"{side}violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
             f"goals = {len(self.limits)}\n"
-            f"\n[max]\n{limits}"
+            "\n[max]\n"
         )
+        for goal, most in self.limits.items():
+            is_bare = re.fullmatch(r"[A-Za-z0-9_-]+", goal)
+            text += f"{goal if is_bare else _quoted(goal)} = {most}\n"
+        return text
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -393,11 +378,10 @@ def kept(models: Path) -> tuple[Regression, ...]:
 
 
 def _read(path: Path) -> Regression:
-    """Return what is kept in two files; a pipe among them would let whoever reads it wait."""
     specification = path.with_suffix(".xmi")
     try:
         for file in (specification, path):
-            if file.exists() and not file.is_file():
+            if file.exists() and not file.is_file():  # reading a pipe would wait
                 raise SpecificationError(f"{file}: found no plain file; expected a kept weakness")
         if not path.exists():
             raise UsageError(f"{specification}: found no limits; expected {path.name} beside it")
@@ -411,10 +395,6 @@ def folder_of(models: Path) -> Path:
     return models / "regressions"
 
 
-def _key(name: str) -> str:
-    return name if _BARE.fullmatch(name) else _quoted(name)
-
-
 def _quoted(text: str) -> str:
     """Return a text as TOML writes it: as JSON does, but for one character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
@@ -424,20 +404,18 @@ def _is_count(value: Any) -> bool:
     return type(value) is int and value >= 0
 
 
-_KEPT_RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
+_KEPT_RULES: Mapping[str, tuple[str, Callable[[Any], object]]] = {
     "found": ("a text", lambda value: isinstance(value, str)),
     "accepted": ("a text", lambda value: value is None or isinstance(value, str)),
     "side": (f"{CI} or {INJECTOR}", lambda value: value in (None, CI, INJECTOR)),
     "violations": (f"one of {', '.join(VIOLATIONS)}", lambda value: value in VIOLATIONS),
     "mission_seeds": (
         "a list of whole numbers >= 0, at least one",
-        lambda value: isinstance(value, list) and bool(value) and all(map(_is_count, value)),
+        lambda value: isinstance(value, list) and value and all(map(_is_count, value)),
     ),
     "goals": ("a whole number >= 0, that of the limits, kept from mrsfi 0.3.0 on", _is_count),
     "max": (
         "a table with a whole number >= 0 for at least one goal",
-        lambda value: (
-            isinstance(value, dict) and bool(value) and all(map(_is_count, value.values()))
-        ),
+        lambda value: isinstance(value, dict) and value and all(map(_is_count, value.values())),
     ),
 }

@@ -30,7 +30,6 @@ from mrsfi_runtime.record.settings import CampaignSettings
 T = TypeVar("T")
 
 _BATCH = 2000  # evaluations whose texts are held at once
-_FEW = 256  # generations that are: the state of a random generator is a long text
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,19 +165,24 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
         Their indexes follow those stored; if one does not, nothing is stored (ValueError).
         """
-        text = database.canonical
+        text, faults = database.canonical, database.specification_text
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
-            "failure": [_failure_row(failure) for failure in failures],
+            "failure": [
+                (int(each.number), int(each.generation), faults(each.specification), each.traceback)
+                for each in failures
+            ],
             "generation": [
                 (each.index, text(each.statistics), text(each.population), each.random_state)
                 for each in generations
             ],
         }
         with database.transaction(self.path, self._connection) as connection:
-            _require_next("evaluation", rows["evaluation"], self.n_evaluations)
-            _require_next("generation", rows["generation"], self.n_generations)
             for table, new in rows.items():
+                next_index = self._next(table)
+                for index, row in enumerate(new, next_index):
+                    if table != "failure" and row[0] != index:
+                        raise ValueError(f"found {table} {row[0]}; expected {index} next")
                 if new:
                     marks = ", ".join("?" * len(new[0]))
                     connection.executemany(f"INSERT INTO {table} VALUES ({marks})", new)
@@ -242,9 +246,10 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def generations(self) -> Iterator[Generation]:
         """Yield all finished generations in order."""
-        for first in range(0, self.n_generations, _FEW):
+        n = 256  # are read at once: the state of a random generator is a long text
+        for first in range(0, self.n_generations, n):
             query = "SELECT * FROM generation WHERE idx >= ? AND idx < ? ORDER BY idx"
-            for row in self._select(query, (first, first + _FEW)):
+            for row in self._select(query, (first, first + n)):
                 yield self._decoded(_generation, row)
 
     def populated(self) -> tuple[int, ...]:
@@ -265,8 +270,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     @property
     def n_failures(self) -> int:
         """How many failed evaluations are stored."""
-        ((n_rows,),) = self._select("SELECT count(*) FROM failure")
-        return int(n_rows)
+        return int(self._select("SELECT count(*) FROM failure")[0][0])
 
     def next_indexes(self) -> tuple[int, int, int]:
         """Undo what an interrupt left half done; return what is next, failures by their number."""
@@ -337,8 +341,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def _next(self, table: str) -> int:
         """Return the index that comes next: how many rows there are, as they have no gaps."""
-        ((index,),) = self._select(f"SELECT coalesce(max(idx) + 1, 0) FROM {table}")
-        return int(index)
+        return int(self._select(f"SELECT coalesce(max(idx) + 1, 0) FROM {table}")[0][0])
 
     def _batches(self, query: str, indexes: range) -> Iterator[list[tuple[Any, ...]]]:
         """Yield rows of some thousand evaluations at a time; in between nobody has to wait."""
@@ -389,21 +392,10 @@ def _flown(row: Sequence[Any]) -> tuple[int, int, Outcome, tuple[float, ...], in
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
-def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:
-    for index, row in enumerate(rows, first):
-        if row[0] != index:
-            raise ValueError(f"found {what} {row[0]}; expected {index} next")
-
-
 def _generation(row: tuple[Any, ...]) -> Generation:
     index, statistics, population, random_state = row
     (individuals,) = database.integers(database.lists([population]))
     return Generation(index, database.object_from_text(statistics), individuals, random_state)
-
-
-def _failure_row(failure: FailedEvaluation) -> tuple[Any, ...]:
-    specification = database.specification_text(failure.specification)
-    return int(failure.number), int(failure.generation), specification, failure.traceback
 
 
 def _failure(row: tuple[Any, ...]) -> FailedEvaluation:

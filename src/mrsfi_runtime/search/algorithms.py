@@ -59,18 +59,10 @@ from mrsfi_runtime.search.space import (
     crossed,
     first_size,
     random_specification,
+    widest,
 )
 
-_TOURNAMENT = 3
-_ARCHIVE_SHARE = 0.3  # of parents: from the niches and the front
-_CROSSOVER = 0.25  # of children: from two parents
-_MORE_STEPS = 0.5  # chance of a further step, again and again
 _MEMORY = 0.95  # of a step's credit, at each use
-_LEAST = 0.05  # credit that keeps a step in use
-_TWINS = 2  # individuals of one goal vector in a population
-_MOST_GOALS = 3  # of a front: of more, hardly anything dominates anything
-_HALF = 0.5
-_ATTEMPTS = 10  # to breed what was not asked for yet
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -95,7 +87,8 @@ class _Guide:
         self._rng = rng
         self._asked: set[bytes] = set()
         self._niches: dict[tuple[object, ...], tuple[tuple[float, ...], Individual]] = {}
-        self._has_few_goals = 0 < len(settings.goals) <= _MOST_GOALS
+        # Of more, hardly anything dominates anything
+        self._has_few_goals = 0 < len(settings.goals) <= 3
         self._front: dict[Criticality, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
@@ -124,31 +117,28 @@ class _Guide:
                 self._enter_front(individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
-                is_better = self._has_succeeded(individual, parent_fitness)
+                is_better = individual.score.fitness > parent_fitness
+                if self._minimises:
+                    is_better = self._front.get(self._aims(individual)) is individual
                 for step in steps:
                     kept = _MEMORY * self._credit[step]
                     self._credit[step] = kept + (1.0 - _MEMORY) * is_better
-        ranked = sorted([*offspring, *population], key=_fitness, reverse=True)  # new ones first
-        first, twins = self._twins_apart(ranked)
+        first, twins = self._twins_apart([*offspring, *population])
         if self._minimises:
             first = foremost(first, min(self._size, len(first)), self._aims)
         return [*first, *twins][: self._size]
 
     def _twins_apart(
-        self, ranked: Sequence[Individual]
+        self, individuals: Sequence[Individual]
     ) -> tuple[list[Individual], list[Individual]]:
-        n_seen: Counter[tuple[float, ...]] = Counter()
+        """Return the fittest, of equals the first, two of each goal vector; and the others."""
+        n_known: Counter[tuple[float, ...]] = Counter()
         first, rest = list[Individual](), list[Individual]()
-        for individual in ranked:
+        for individual in sorted(individuals, key=_fitness, reverse=True):
             kind = (*individual.score.goals, *self._costs(individual.specification))
-            n_seen[kind] += 1
-            (first if n_seen[kind] <= _TWINS else rest).append(individual)
+            n_known[kind] += 1
+            (first if n_known[kind] <= 2 else rest).append(individual)
         return first, rest
-
-    def _has_succeeded(self, individual: Individual, parent_fitness: float) -> bool:
-        if self._minimises:
-            return self._front.get(self._aims(individual)) is individual
-        return individual.score.fitness > parent_fitness
 
     def _aims(self, individual: Individual) -> Criticality:
         goals = individual.score.goals
@@ -177,7 +167,7 @@ class _Guide:
 
     def _child(self, population: Sequence[Individual]) -> Individual:
         """Return a child that was not asked for yet, if that is not hard to find."""
-        for _ in range(_ATTEMPTS):
+        for _ in range(10):
             parent = self._parent(population)
             specification, steps = self._varied(parent)
             if self._key(specification) not in self._asked:
@@ -197,13 +187,12 @@ class _Guide:
         return blake2b(numbers, digest_size=16).digest()
 
     def _parent(self, population: Sequence[Individual]) -> Individual:
-        if self._niches and self._rng.random() < _ARCHIVE_SHARE:
+        if self._niches and self._rng.random() < 0.3:
             best = (individual for _, individual in self._niches.values())
             return self._rng.choice((*best, *self._front.values()))
         if self._minimises:
             return self._rng.choice(population)
-        drawn = [self._rng.choice(population) for _ in range(_TOURNAMENT)]
-        return max(drawn, key=_fitness)
+        return max((self._rng.choice(population) for _ in range(3)), key=_fitness)  # a tournament
 
     def _donor(self, parent: Individual) -> Individual:
         """Draw from the front; without one, the best of a goal that the parent violates less."""
@@ -217,17 +206,17 @@ class _Guide:
     def _varied(self, parent: Individual) -> tuple[Specification, list[Step]]:
         rng, space = self._rng, self._space
         specification = parent.specification
-        if rng.random() < _CROSSOVER:
+        if rng.random() < 0.25:
             donor = self._donor(parent).specification
             if rng.choice(("exchange", "graft")) == "graft":
                 specification = grafted(space, specification, donor, rng)
             else:
                 specification, _ = crossed(space, specification, donor, rng)
-        if len(specification) < self._n_faults and rng.random() < _HALF:
+        if len(specification) < self._n_faults and rng.random() < 0.5:
             specification = filled(space, specification, len(specification) + 1, rng)
         steps: list[Step] = []
-        while not steps or rng.random() < _MORE_STEPS:
-            weights = [max(_LEAST, credit) for credit in self._credit.values()]
+        while not steps or rng.random() < 0.5:
+            weights = [max(0.05, credit) for credit in self._credit.values()]  # none dies out
             (step,) = rng.choices(STEPS, weights)
             steps.append(step)
             specification = step(space, specification, rng)
@@ -239,9 +228,6 @@ def _fitness(individual: Individual) -> float:
 
 
 _RATE = 0.3  # of learning: the share of what is new
-_ELITE = 0.25  # share of a generation that is learned from
-_LEAST_SPREAD = 0.02  # of a Gaussian, as a share of its range, so that no model freezes
-_LEAST_CHANCE = 0.1  # of a fault, as a share of what it would have if all were alike
 
 _Gauss = tuple[float, float]
 
@@ -278,12 +264,8 @@ class FaultModel:
         return self._space.ordered(placed)
 
     def _timed(self, fault: str, placed: Sequence[TimedFault]) -> TimedFault | None:
-        drawn = [
-            min(high, max(low, self._rng.gauss(*gaussian)))
-            for gaussian, (low, high) in zip(
-                self._gaussians[fault], self._ranges[fault], strict=True
-            )
-        ]
+        model = zip(self._gaussians[fault], self._ranges[fault], strict=True)
+        drawn = [min(b, max(a, self._rng.gauss(*gaussian))) for gaussian, (a, b) in model]
         start, finish = sorted(map(round, drawn[:2]))
         overlaps = [
             (max(start, first), min(finish, last))
@@ -292,13 +274,11 @@ class FaultModel:
         ]
         if not overlaps:
             return None
-        start, finish = max(overlaps, key=lambda window: window[1] - window[0])
         values = self._space.candidates[fault].changed(
             drawn[2:],
             lambda value, _low, _high, is_whole: float(round(value)) if is_whole else value,
         )
-        trigger = self._space.candidates[fault].drawn_trigger(self._rng)
-        return TimedFault(fault, start, finish, values, trigger)
+        return self._space.timed(fault, widest(overlaps), values, self._rng)
 
     def update(self, population: Sequence[Individual]) -> None:
         """Learn from how the best of a generation differ from all.
@@ -306,14 +286,14 @@ class FaultModel:
         From the difference, because faults that are placed early cut the windows of later ones: a
         model of the best alone would take that for success and make all windows short.
         """
-        ranked = sorted(population, key=lambda individual: individual.score.fitness, reverse=True)
-        elite = ranked[: max(1, round(_ELITE * len(ranked)))]
+        ranked = sorted(population, key=_fitness, reverse=True)
+        elite = ranked[: max(1, round(0.25 * len(ranked)))]
         n_elite = sum(map(len, elite))
         for fault, gaussians in self._gaussians.items():
             among_all, among_best = _rows(fault, ranked), _rows(fault, elite)
             share = len(among_best) * len(self._chances) / n_elite
             chance = (1.0 - _RATE) * self._chances[fault] + _RATE * share
-            self._chances[fault] = max(_LEAST_CHANCE, chance)
+            self._chances[fault] = max(0.1, chance)  # 1 is that of faults that are all alike
             if among_best:
                 best, every = zip(*among_best, strict=True), zip(*among_all, strict=True)
                 moved = map(_moved, gaussians, best, every, self._ranges[fault])
@@ -336,7 +316,7 @@ def _moved(
     middle += _RATE * (fmean(best) - fmean(every))
     ratio = pstdev(best) / pstdev(every) if pstdev(every) > 0.0 else 1.0
     spread *= 1.0 + _RATE * (min(1.0, ratio) - 1.0)
-    return min(high, max(low, middle)), max(_LEAST_SPREAD * (high - low), spread)
+    return min(high, max(low, middle)), max(0.02 * (high - low), spread)  # it never freezes
 
 
 class Breeder:
@@ -419,12 +399,11 @@ class Breeder:
         self, breed: Breeding, survive: Survival = lambda _, offspring: offspring
     ) -> Algorithm:
         """Return the algorithm that breeds from every population but the first."""
-        return GenerationalLoop(
-            self._settings,
-            self.rng,
-            lambda parents: breed(parents) if parents else self.first(),
-            survive,
-        )
+
+        def breed_any(parents: Sequence[Individual]) -> list[Individual]:
+            return breed(parents) if parents else self.first()
+
+        return GenerationalLoop(self._settings, self.rng, breed_any, survive)
 
 
 def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -467,16 +446,14 @@ def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algori
     rng = Random(settings.seed)
     model = FaultModel(space, settings.faults, rng)
 
+    def breed(_: Sequence[Individual]) -> list[Individual]:
+        return [Individual(model.generate()) for _ in range(settings.population)]
+
     def survive(_: Sequence[Individual], offspring: list[Individual]) -> list[Individual]:
         model.update(offspring)
         return offspring
 
-    return GenerationalLoop(
-        settings,
-        rng,
-        lambda _: [Individual(model.generate()) for _ in range(settings.population)],
-        survive,
-    )
+    return GenerationalLoop(settings, rng, breed, survive)
 
 
 def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -547,9 +524,6 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 """Algorithms that vary and select, by their name in a campaign file."""
 
 
-_MADE_BY_TEAMS = ("algorithm", "selection", "crossover_operator", "mutation_operator")
-
-
 def begin_search(
     space: SearchSpace,
     settings: CampaignSettings,
@@ -557,8 +531,9 @@ def begin_search(
 ) -> Algorithm:
     """Begin the search that settings name; check what it makes if a team wrote a part of it."""
     algorithm = chosen(settings, "algorithm", algorithms)(space, settings)
-    named = {key: getattr(settings, key) for key in _MADE_BY_TEAMS}
-    written = [f"{settings.where(key)} {name!r}" for key, name in named.items() if ":" in name]
+    keys = ("algorithm", "selection", "crossover_operator", "mutation_operator")
+    named = ((key, getattr(settings, key)) for key in keys)
+    written = [f"{settings.where(key)} {name!r}" for key, name in named if ":" in name]
     return _UserAlgorithm(algorithm, space, " or ".join(written)) if written else algorithm
 
 

@@ -21,7 +21,7 @@ from numbers import Real
 from pathlib import Path
 from statistics import fmean
 from types import MappingProxyType, ModuleType
-from typing import Any, NamedTuple, TypeAlias, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
 from mrsfi_runtime.fence import fenced, words
@@ -30,14 +30,6 @@ from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
-
-_NOT_WRITTEN_HERE = (
-    str(Path(__file__).parents[1]),
-    str(Path(importlib.__file__).parents[1]),
-    sys.prefix,
-    "<",
-)
-"""Where code lies that no team wrote: this package, Python's library, installed packages."""
 
 
 def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
@@ -108,8 +100,9 @@ def _place(error: BaseException) -> str:
     if isinstance(error, SyntaxError) and error.filename:
         return f"{error.filename}:{error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)
-    written = [frame for frame in frames if not frame.filename.startswith(_NOT_WRITTEN_HERE)]
-    frame = (written or frames)[-1]
+    ours, pythons = (str(Path(str(file)).parents[1]) for file in (__file__, importlib.__file__))
+    others = (ours, pythons, sys.prefix, "<")  # the code that no user wrote
+    frame = ([each for each in frames if not each.filename.startswith(others)] or frames)[-1]
     return f"{frame.filename}:{frame.lineno}"
 
 
@@ -139,9 +132,6 @@ class Score(NamedTuple):
     goals: tuple[float, ...]
     outcome: Outcome | None = None
 
-
-FitnessFunction: TypeAlias = Callable[[FitnessInput], float]
-"""From findings to a number >= 0; more is more critical."""
 
 _GREATEST = 1e100
 """The greatest fitness: its square and the sum over a population are floats, too."""
@@ -201,15 +191,10 @@ def nearest(findings: FitnessInput) -> float:
     return focused(findings) + near / max(len(findings.goals), 1)
 
 
-FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(
-    {
-        "weighted": weighted,
-        "weighted_normalised": weighted_normalised,
-        "focused": focused,
-        "nearest": nearest,
-    }
+FITNESS_FUNCTIONS: Mapping[str, Callable[[FitnessInput], float]] = MappingProxyType(
+    {each.__name__: each for each in (weighted, weighted_normalised, focused, nearest)}
 )
-"""Fitness functions by their name in a campaign file."""
+"""Fitness functions by their name in a campaign file: each returns a number >= 0."""
 
 
 class Judge:
@@ -225,10 +210,8 @@ class Judge:
 
     def score(self, outcome: Outcome, specification: Specification = ()) -> Score:
         """Return the fitness and the goal vector of one outcome, under a specification."""
-        findings = FitnessInput(
-            outcome, getattr(outcome, self._measure), self._goals, self._duration
-        )
-        fitness = self._fitness(findings)
+        violations = getattr(outcome, self._measure)
+        fitness = self._fitness(FitnessInput(outcome, violations, self._goals, self._duration))
         if not isinstance(fitness, Real):
             found = type(fitness).__name__
             raise EvaluationError(f"the fitness function returned {found}; expected a number")

@@ -43,6 +43,7 @@ from mrsfi_runtime.search.space import (
     mutated,
     random_window,
     transformed,
+    widest,
     within,
 )
 
@@ -305,8 +306,6 @@ Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
 """From a specification another one of at most the same size."""
 
 _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
-_MOST_TAKEN = 3  # faults of a donor
-_IN_PLACE = 0.5  # chance of a jump to where another fault of the specification puts something
 
 
 def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
@@ -322,8 +321,7 @@ def forced(space: SearchSpace, specification: Specification, rng: Random) -> Spe
     """Have a fault of the pool active all the time; what conflicts with it leaves."""
     fault = rng.choice(tuple(space.candidates))
     values = _landmark(space, fault, specification, rng)
-    trigger = space.candidates[fault].drawn_trigger(rng)
-    timed = TimedFault(fault, 0, space.duration - 1, values, trigger)
+    timed = space.timed(fault, (0, space.duration - 1), values, rng)
     kept = [other for other in specification if not space.clash(timed, other)]
     if len(kept) == len(specification) and kept:
         kept.pop(rng.randrange(len(kept)))
@@ -368,10 +366,8 @@ def grafted(
 
     What comes out is at most of the size of the larger one.
     """
-    taken = rng.sample(donor, min(len(donor), rng.randint(1, _MOST_TAKEN)))
-    kept = [
-        timed for timed in specification if not any(space.clash(timed, graft) for graft in taken)
-    ]
+    taken = rng.sample(donor, min(len(donor), rng.randint(1, 3)))
+    kept = [each for each in specification if not any(space.clash(each, one) for one in taken)]
     while len(kept) + len(taken) > max(len(specification), len(donor)):
         kept.pop(rng.randrange(len(kept)))
     return space.ordered([*taken, *kept])
@@ -387,10 +383,8 @@ def filled(
         fault = candidates.pop(rng.randrange(len(candidates)))
         free = space.free_windows(fault, placed)
         if free:
-            start, finish = max(free, key=lambda window: window[1] - window[0])
             values = _landmark(space, fault, tuple(placed), rng)
-            trigger = space.candidates[fault].drawn_trigger(rng)
-            placed.append(TimedFault(fault, start, finish, values, trigger))
+            placed.append(space.timed(fault, widest(free), values, rng))
     return space.ordered(placed)
 
 
@@ -426,12 +420,7 @@ def _room(space: SearchSpace, timed: TimedFault, others: Specification) -> Windo
     return next(window for window in free if window[0] <= timed.start <= window[1])
 
 
-def _wide(
-    space: SearchSpace,
-    timed: TimedFault,
-    others: Specification,
-    rng: Random,  # noqa: ARG001 - _Change
-) -> TimedFault:
+def _wide(space: SearchSpace, timed: TimedFault, others: Specification, _: Random) -> TimedFault:
     start, finish = _room(space, timed, others)
     return timed._replace(start=start, finish=finish)
 
@@ -457,16 +446,15 @@ def _shifted(
 def _redrawn(
     space: SearchSpace, timed: TimedFault, others: Specification, rng: Random
 ) -> TimedFault:
-    start, finish = random_window(space.free_windows(timed.fault, others), rng)
-    trigger = space.candidates[timed.fault].drawn_trigger(rng)
-    return timed._replace(start=start, finish=finish, trigger=trigger)
+    window = random_window(space.free_windows(timed.fault, others), rng)
+    return space.timed(timed.fault, window, timed.values, rng)
 
 
 def _jumped(
     space: SearchSpace, timed: TimedFault, others: Specification, rng: Random
 ) -> TimedFault:
     values = _landmark(space, timed.fault, others, rng)
-    return timed._replace(values=values, trigger=space.candidates[timed.fault].drawn_trigger(rng))
+    return space.timed(timed.fault, (timed.start, timed.finish), values, rng)
 
 
 def _landmark(
@@ -474,7 +462,7 @@ def _landmark(
 ) -> tuple[float, ...]:
     """Draw values that mean something in the mission, or in the specification."""
     candidate = space.candidates[fault]
-    if candidate.is_place and rng.random() < _IN_PLACE:
+    if candidate.is_place and rng.random() < 0.5:
         places = [
             (*other.values[:2], *candidate.values[2:])
             for other in others

@@ -26,21 +26,12 @@ from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
-from mrsfi_runtime.search.fitness import (
-    FITNESS_FUNCTIONS,
-    Judge,
-    Score,
-    averaged,
-    chosen,
-)
+from mrsfi_runtime.search.fitness import FITNESS_FUNCTIONS, Judge, Score, averaged, chosen
 from mrsfi_runtime.search.loop import MUTATIONS, SELECTIONS, AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.space import CROSSOVERS, SearchSpace
 
 WORST_FITNESS = 0.0
 """Fitness of a specification whose evaluation failed; that of one without a violation."""
-
-_PATIENCE = 20  # a write comes no sooner than so many times as long as the last one took
-_MOST_WAITING = 1000  # results that wait for it: of more, a write takes no smaller share of time
 
 Result: TypeAlias = Evaluation | FailedEvaluation
 """What became of one specification that the search asked for."""
@@ -48,7 +39,6 @@ Result: TypeAlias = Evaluation | FailedEvaluation
 EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated]]
 """Evaluates fault specifications; one result each, in the same order, best as soon as known."""
 
-_CHUNK = 100  # specifications that are handed out together, and after which failures are counted
 _FAILED = -1  # in the place of an index
 
 
@@ -165,13 +155,19 @@ class _Assessment:
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
         scores: list[Score] = []
-        for first in range(0, len(specifications), _CHUNK):
-            chunk = specifications[first : first + _CHUNK]
+        n = 100  # are handed out together; after them failures are counted
+        for first in range(0, len(specifications), n):
+            chunk = specifications[first : first + n]
             n_failures = self._n_failures
             with closing(self._results(chunk, generation)) as results:
                 scores += [self._counted(result) for result in results]
-            if self._n_failures > n_failures:
-                self._require_few_failures()
+            n_most = self._settings.max_failures
+            if self._n_failures > n_failures and self._n_failures >= n_most:
+                reason = self._last_failure.rstrip().rpartition("\n")[2].partition(": ")[2]
+                raise EvaluationError(
+                    f"{self._n_failures} evaluations failed; max_failures is {n_most}. All are "
+                    f"recorded with their tracebacks; the last one: {reason}"
+                )
         return scores
 
     def _results(
@@ -193,17 +189,13 @@ class _Assessment:
             self._record.keep(result)
 
     def _result(
-        self,
-        specification: Specification,
-        found: Sequence[Evaluated],
-        generation: int,
+        self, specification: Specification, found: Sequence[Evaluated], generation: int
     ) -> Result:
-        outcomes = []
-        for flown in found:
-            if not isinstance(flown, Outcome):
+        outcomes = [each for each in found if isinstance(each, Outcome)]
+        for each in found:
+            if not isinstance(each, Outcome):
                 number = len(self._indexes)
-                return FailedEvaluation(number, generation, specification, flown.traceback)
-            outcomes.append(flown)
+                return FailedEvaluation(number, generation, specification, each.traceback)
         score = averaged([self._judge.score(each, specification) for each in outcomes])
         means = () if len(outcomes) == 1 else score.goals  # one outcome has them itself
         return Evaluation(
@@ -238,15 +230,6 @@ class _Assessment:
         score = Score(fitness, goals, result.outcome)
         self._best = score.fitness if result.index == 0 else max(self._best, score.fitness)
         return score
-
-    def _require_few_failures(self) -> None:
-        if self._n_failures >= self._settings.max_failures:
-            reason = self._last_failure.rstrip().rpartition("\n")[2].partition(": ")[2]
-            raise EvaluationError(
-                f"{self._n_failures} evaluations failed; max_failures is "
-                f"{self._settings.max_failures}. All are recorded with their tracebacks; "
-                f"the last one: {reason}"
-            )
 
     @property
     def _n_failures(self) -> int:
@@ -315,15 +298,15 @@ class ResumableRecord:
     def keep(self, result: Result | Generation) -> None:
         """Write a new result or a finished generation, at once or with later ones.
 
-        At once, unless writing would then take more than a small share of the time; those that
+        At once, unless writing would then take more than a 20th of the time; those that
         wait, a thousand at most, are lost if the process is killed.
         """
         self._pending.append(result)
         begin = self._clock()
-        if begin >= self._due or len(self._pending) >= _MOST_WAITING:
+        if begin >= self._due or len(self._pending) >= 1000:
             self.write()
             end = self._clock()
-            self._due = end + _PATIENCE * (end - begin)
+            self._due = end + 20 * (end - begin)
 
     def write(self) -> None:
         """Write what waits, but for what was written when an interrupt kept it waiting."""

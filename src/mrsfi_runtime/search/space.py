@@ -37,9 +37,6 @@ Window: TypeAlias = tuple[int, int]
 """First and last tick, both included."""
 
 
-_OUTSIDE = 1.2  # mission radii: surely outside, within the default bounds
-
-
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     """Return the landmarks of a pool fault within its bounds, each once, its own values first.
 
@@ -66,7 +63,8 @@ def within(value: float, bounds: tuple[float, float]) -> bool:
 
 
 def _points(mission: Mission) -> Iterator[Coordinates]:
-    center, far = mission.area.center, _OUTSIDE * mission.area.radius
+    center = mission.area.center
+    far = 1.2 * mission.area.radius  # surely outside, within the default bounds
     yield from (robot.position for robot in mission.robots)
     yield from (obstacle.area.center for obstacle in mission.obstacles)
     for goal in mission.goals:
@@ -178,12 +176,14 @@ class SearchSpace:
         One set of timed faults has one order, hence one record and one outcome. No two of
         a valid specification are equal in all three.
         """
-        return tuple(
-            sorted(
-                faults,
-                key=lambda timed: (timed.start, timed.finish, self.candidates[timed.fault].index),
-            )
-        )
+        ordered = sorted(faults, key=lambda f: (f.start, f.finish, self.candidates[f.fault].index))
+        return tuple(ordered)
+
+    def timed(
+        self, fault: str, window: Window, values: tuple[float, ...], rng: Random
+    ) -> TimedFault:
+        """Return a timed fault whose trigger is drawn."""
+        return TimedFault(fault, *window, values, self.candidates[fault].drawn_trigger(rng))
 
     def free_windows(self, fault: str, others: Iterable[TimedFault]) -> list[Window]:
         """Return the longest windows in which a fault conflicts with no other, in order."""
@@ -198,6 +198,11 @@ class SearchSpace:
         if tick < self.duration:
             free.append((tick, self.duration - 1))
         return free
+
+
+def widest(free: Sequence[Window]) -> Window:
+    """Return the longest of some windows, of equal ones the first."""
+    return max(free, key=lambda window: window[1] - window[0])
 
 
 def random_window(free: Sequence[Window], rng: Random) -> Window:
@@ -236,11 +241,9 @@ def mutated(
     for place, timed in enumerate(faults):
         if rng.random() < share:
             free = space.free_windows(timed.fault, faults[:place] + faults[place + 1 :])
-            start, finish = random_window(free, rng)
-            candidate = space.candidates[timed.fault]
-            values = random_values(candidate, timed.values, rng)
-            trigger = candidate.drawn_trigger(rng)
-            faults[place] = TimedFault(timed.fault, start, finish, values, trigger)
+            window = random_window(free, rng)
+            values = random_values(space.candidates[timed.fault], timed.values, rng)
+            faults[place] = space.timed(timed.fault, window, values, rng)
     return space.ordered(faults)
 
 
@@ -375,7 +378,8 @@ def repaired(space: SearchSpace, faults: Iterable[TimedFault], rng: Random) -> S
     if not any(space.clash(one, other) for one, other in combinations(ordered, 2)):
         return ordered
     kept: list[tuple[int, TimedFault]] = []
-    for place in sorted(range(len(ordered)), key=lambda place: _length(ordered[place])):
+    lengths = [timed.finish - timed.start for timed in ordered]
+    for place in sorted(range(len(ordered)), key=lengths.__getitem__):
         timed = ordered[place]
         conflicts = space.candidates[timed.fault].conflicts
         taken = {tick for tick, other in kept if other.fault in conflicts}
@@ -393,10 +397,6 @@ def repaired(space: SearchSpace, faults: Iterable[TimedFault], rng: Random) -> S
             kept[i] = before, one._replace(finish=last)
             kept[j] = after, other._replace(start=last + 1)
     return space.ordered(timed for _, timed in kept)
-
-
-def _length(timed: TimedFault) -> int:
-    return timed.finish - timed.start
 
 
 def _tick_to_keep(
@@ -439,15 +439,14 @@ def freely_mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
     """Draw any window, values and trigger of timed faults anew, and repair what overlaps."""
-    return _freely(space, specification, rng, share, lambda timed: timed.fault)
+    return _freely(space, specification, rng, share, None)
 
 
 def transformed(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
     """Put any fault of the pool, at any time, in the place of timed faults, and repair."""
-    pool = tuple(space.candidates)
-    return _freely(space, specification, rng, share, lambda _: rng.choice(pool))
+    return _freely(space, specification, rng, share, tuple(space.candidates))
 
 
 def _freely(
@@ -455,14 +454,15 @@ def _freely(
     specification: Specification,
     rng: Random,
     share: float,
-    chosen: Callable[[TimedFault], str],
+    pool: Sequence[str] | None,
 ) -> Specification:
+    """Draw timed faults anew, of a pool if there is one."""
+
     def anew(timed: TimedFault) -> TimedFault:
-        fault = chosen(timed)
+        fault = rng.choice(pool) if pool else timed.fault
         window = random_window([(0, space.duration - 1)], rng)
         candidate = space.candidates[fault]
-        values = random_values(candidate, candidate.values, rng)
-        return TimedFault(fault, *window, values, candidate.drawn_trigger(rng))
+        return space.timed(fault, window, random_values(candidate, candidate.values, rng), rng)
 
     drawn = [anew(timed) if rng.random() < share else timed for timed in specification]
     found = repaired(space, drawn, rng)
@@ -502,41 +502,32 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
         fault = rng.choice(candidates)
         free = space.free_windows(fault, placed)
         if free:
-            start, finish = random_window(free, rng)
-            candidate = space.candidates[fault]
-            trigger = candidate.drawn_trigger(rng)
-            placed.append(TimedFault(fault, start, finish, candidate.values, trigger))
+            values = space.candidates[fault].values
+            placed.append(space.timed(fault, random_window(free, rng), values, rng))
         else:
             candidates.remove(fault)
     return space.ordered(placed)
 
 
 def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Random) -> TimedFault:
-    """Draw a form of a fault: values of one of three kinds, in the widest or a random window.
+    """Draw a variant of a fault: values of one of three kinds, in the widest or a random window.
 
     What it waits for is drawn last, if the pool has triggers.
     """
     candidate = space.candidates[fault]
-    values = rng.choice(_VALUES)(candidate, rng)
-    is_wide = rng.random() < 0.5
-    window = max(free, key=lambda each: each[1] - each[0]) if is_wide else random_window(free, rng)
-    return TimedFault(fault, *window, values, candidate.drawn_trigger(rng))
-
-
-_VALUES: tuple[Callable[[Candidate, Random], tuple[float, ...]], ...] = (
-    lambda candidate, _: candidate.values,
-    lambda candidate, rng: rng.choice(candidate.landmarks),
-    lambda candidate, rng: random_values(candidate, candidate.values, rng),
-)
+    values, kind = candidate.values, rng.choice(("own", "landmark", "random"))
+    if kind == "landmark":
+        values = rng.choice(candidate.landmarks)
+    elif kind == "random":
+        values = random_values(candidate, values, rng)
+    window = widest(free) if rng.random() < 0.5 else random_window(free, rng)
+    return space.timed(fault, window, values, rng)
 
 
 def varied_specification(
-    space: SearchSpace,
-    n_faults: int,
-    rng: Random,
-    is_allowed: Callable[[frozenset[str]], bool],
+    space: SearchSpace, n_faults: int, rng: Random, is_allowed: Callable[[frozenset[str]], bool]
 ) -> Specification:
-    """Draw different faults of the pool, each in one of its forms, as long as others may join."""
+    """Draw different faults of the pool, a variant of each, as long as others may join."""
     placed: list[TimedFault] = []
     for fault in rng.sample([*space.candidates], len(space.candidates)):
         if len(placed) == n_faults:
@@ -550,9 +541,7 @@ def varied_specification(
 def _cut_one_short(placed: list[TimedFault], rng: Random) -> bool:
     """Shorten one window of more than one tick; return whether there was any."""
     long = [place for place, timed in enumerate(placed) if timed.finish > timed.start]
-    if not long:
-        return False
-    place = rng.choice(long)
-    timed = placed[place]
-    placed[place] = timed._replace(finish=rng.randint(timed.start, timed.finish - 1))
-    return True
+    if long:
+        timed = placed[place := rng.choice(long)]
+        placed[place] = timed._replace(finish=rng.randint(timed.start, timed.finish - 1))
+    return bool(long)
