@@ -1,10 +1,11 @@
 """What an engine is, and the reference engine.
 
-What engines share: what they offer and check, and flights with plain Python objects.
+An ``Evaluator`` evaluates fault specifications. An ``Engine`` also flies single missions, and
+checks what it is given before it does: overlaps, unknown faults, effects without a region. Every
+engine gives the same outcome and the same digest for the same specification and mission seed.
 
-Evaluates fault specifications with plain Python objects and the in-process bus.
-
-The messages of every tick pass through the generated interface.
+A ``PlainEngine`` flies on plain Python objects; its subclasses bring the messages of every tick
+over some bus. ``ReferenceEngine`` takes the in-process bus and the generated interface.
 
 References
 ----------

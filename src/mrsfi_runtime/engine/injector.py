@@ -1,18 +1,13 @@
-"""The engine that injects faults into a team's own node.
+"""The engine that injects faults into an external node, which is the collective intelligence.
 
-Starts and ends a team's node, in a process between it and the engine that both die with.
+The node receives on topics of its own what it would believe, and the engine flies its commands.
+Either the world is ours, in this process, and the node joins a server that is embedded here; or the
+world is external, and world, injector and node are on one server.
 
-Run as ``python -m mrsfi_runtime.engine.injector`` it finds a connection to the engine's process,
-starts and ends nodes as that says, and says there how they ended. When the other end of the
-connection is gone, however its process came to that, so is the node, with all that it started.
-
-A team's node in a process of its own, started and ended as flights need it.
-
-Evaluates fault specifications with a team's own node as the collective intelligence.
-
-The node is told on topics of its own what would be believed, and its commands are flown. The world
-is ours, in this process, and the node joins a server that is embedded here; or the world is the
-team's, and world, injector and node are on one server.
+A keeper process stands between engine and node: run as ``python -m mrsfi_runtime.engine.injector``,
+``Keeper`` reads from a connection which node to start or end, and answers how nodes ended. When
+the other end of the connection is gone, for whatever reason, the keeper ends the node with all that
+it started. ``NodeProcess`` is the engine's side of it. Begin with ``InjectorEngine``, at the end.
 """
 
 import os

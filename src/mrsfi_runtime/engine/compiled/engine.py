@@ -1,13 +1,12 @@
-"""The compiled engine.
+"""The compiled engine: many flights in one call of machine code.
 
-The flight of a mission: the kernel, compiled once, and the regions that a team wrote.
+``CompiledFlight`` is that code: the kernel, compiled once for an installation, and a mission's
+regions. ``require_same`` compares its flights with those of the reference engine before anything
+relies on them. Every process does so, on as many first ticks as the time allows, with every fault
+of the pool active: code that compiles to something else mostly differs at once. A compiled flight
+that fails is repeated on the reference engine, whose errors name the line.
 
-Holds compiled flights to those of the reference engine, before anything relies on them.
-
-Every process does so, on as many first ticks as the time allows, with every fault of the pool at
-work: what compiles to something else mostly does so at once.
-
-Evaluates fault specifications with the kernel and the regions compiled, many in one call.
+Begin with ``CompiledEngine``, at the end.
 
 References
 ----------
