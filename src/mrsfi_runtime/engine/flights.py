@@ -16,7 +16,7 @@ import hashlib
 import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer, SimInterface, guarded
 from mrsfi_runtime.engine.compiled.regions import measured_goals
@@ -59,6 +59,16 @@ class Evaluator(ABC):
         """Give up what it holds, if anything; a second time does no harm."""
 
 
+class Request(NamedTuple):
+    """What an engine is to fly: a specification without overlaps, and who observes the flight."""
+
+    specification: Specification
+    seed: int
+    pool: FaultPool
+    observer: Observer | None
+    tallies: list[FaultTally]
+
+
 class Engine(Evaluator):
     """Flies the mission itself, with its own mission seed where none is named."""
 
@@ -86,8 +96,8 @@ class Engine(Evaluator):
         require_effects(self.code.pool, pool)
         specification = Gate(self.code.mission, pool).admitted(specification)
         seed = self.seed if seed is None else seed
-        received: list[FaultTally] = [] if tallies is None else tallies
-        return self._evaluate(specification, seed, pool, observer, received)
+        tallies = [] if tallies is None else tallies
+        return self._evaluate(Request(specification, seed, pool, observer, tallies))
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
         """Fly the mission under a specification of its own pool, and return every tick."""
@@ -110,24 +120,17 @@ class Engine(Evaluator):
         return (self.attempt(specification, seed) for specification in specifications)
 
     @abstractmethod
-    def _evaluate(
-        self,
-        specification: Specification,
-        seed: int,
-        pool: FaultPool,
-        observer: Observer | None,
-        tallies: list[FaultTally],
-    ) -> Outcome:
-        """Fly under a specification without overlaps."""
+    def _evaluate(self, request: Request) -> Outcome:
+        """Fly once."""
 
     def _record(self, specification: Specification, seed: int) -> "Recording":
         """Return every tick of a flight under a specification without overlaps."""
         from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415 - brings numpy
 
         recorder = Recorder(initial_state(self.code.mission, seed))
-        tallies: list[FaultTally] = []
-        self._evaluate(specification, seed, self.code.pool, recorder, tallies)
-        return recorder.recording(tallies)
+        request = Request(specification, seed, self.code.pool, recorder, [])
+        self._evaluate(request)
+        return recorder.recording(request.tallies)
 
 
 class PlainEngine(Engine):
@@ -142,15 +145,8 @@ class PlainEngine(Engine):
     def _fly(self, flight: Flight, seed: int) -> None:
         """Begin a flight, and fly it to its last tick."""
 
-    def _evaluate(
-        self,
-        specification: Specification,
-        seed: int,
-        pool: FaultPool,
-        observer: Observer | None,
-        tallies: list[FaultTally],
-    ) -> Outcome:
-        code = self.code
+    def _evaluate(self, request: Request) -> Outcome:
+        code, (specification, seed, pool, observer, tallies) = self.code, request
         laid_out = plan(code.mission, pool, specification)
         tallies[:] = laid_out.tallies
         own = {fault.kind.effect: fault.kind for fault in pool if fault.kind.effect >= 0}
@@ -173,9 +169,9 @@ class PlainEngine(Engine):
                 [tally.applied for tally in laid_out.tallies],
                 [tally.changed for tally in laid_out.tallies],
             )
-            nearest = flight.verdicts.margin, flight.verdicts.nearest
-            margins = zip(*nearest, self.measured, strict=True)
-            detection = zip(flight.verdicts.broken, flight.verdicts.undetected, strict=True)
+            found = flight.verdicts
+            margins = zip(found.margin, found.nearest, self.measured, strict=True)
+            detection = zip(found.broken, found.undetected, strict=True)
             states = state_bytes(flight.world), state_bytes(flight.belief)
             return digested(counts, margins, detection, *states)
 

@@ -28,10 +28,10 @@ from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport, Pace
-from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
+from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.cosimulation.node import Node
 from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
-from mrsfi_runtime.engine.flights import PlainEngine
+from mrsfi_runtime.engine.flights import PlainEngine, Request
 from mrsfi_runtime.errors import (
     EvaluationError,
     SpecificationError,
@@ -40,8 +40,6 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.engine_settings import RESTART, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
@@ -52,10 +50,7 @@ if TYPE_CHECKING:
 
 
 _GRACE = 1.0
-"""Seconds that a node has to end when it is told to."""
-
-_LOOK_S = 0.05
-_LAST_LINES = 5
+"""Seconds that a node has to end after a signal."""
 
 
 class _Child:
@@ -65,7 +60,7 @@ class _Child:
         self.process = Popen(
             words, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, start_new_session=True
         )
-        self._lines: deque[bytes] = deque(maxlen=_LAST_LINES)
+        self._lines: deque[bytes] = deque(maxlen=5)
         self._reader = Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -103,17 +98,13 @@ class Keeper:
         """Start what words name that come, or end what runs if none do; until nobody speaks."""
         with suppress(EOFError, OSError):
             while True:
-                self._look()
-                if wait([self._connection], None if self._child is None else _LOOK_S):
+                child = self._child
+                if child is not None and child.process.poll() is not None:
+                    self._end()  # what it started, too
+                    self._connection.send(("ended", child.last_words()))
+                if wait([self._connection], None if self._child is None else 0.05):
                     self._change(self._connection.recv())
         self._end()
-
-    def _look(self) -> None:
-        """Tell how the node ended, if it has."""
-        child = self._child
-        if child is not None and child.process.poll() is not None:
-            self._end()  # what it started, too
-            self._connection.send(("ended", child.last_words()))
 
     def _change(self, words: list[str]) -> None:
         self._end()
@@ -133,9 +124,6 @@ class Keeper:
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Keeper(Connection(int(sys.argv[1]))).serve()
-
-
-_ENDING_S = 4.0
 
 
 class NodeProcess:
@@ -192,7 +180,7 @@ class NodeProcess:
         """End the node, and wait for that."""
         self._connection.close()
         try:
-            self._keeper.wait(_ENDING_S)
+            self._keeper.wait(4.0)
         except TimeoutExpired:
             self._keeper.kill()
             self._keeper.wait()
@@ -232,42 +220,33 @@ class InjectorEngine(PlainEngine):
             if settings.node is not None:
                 self._process = NodeProcess(settings.node, self._url)
                 opened.callback(self._process.close)
+            embedded = self._embedded
+            pace = Pace(settings.node_pace, embedded.barrier if embedded else None)
+            is_restarted = settings.node_reset == RESTART
             self.node = Node(
-                transport,
-                speech,
-                Pace(
-                    settings.node_pace,
-                    self._embedded.barrier if self._embedded is not None else None,
-                ),
-                patience,
-                self._process,
-                restarts=settings.node_reset == RESTART,
+                transport, speech, pace, patience, self._process, restarts=is_restarted
             )
             self._lockstep = BusLockstep(
                 self._world, code.mission, code.interface, code.truth, patience, self.node
             )
             transport.watch(self._lockstep.fail)
-            if self._embedded is not None:
-                self._embedded.on_refusal(
+            if embedded is not None:
+                embedded.on_refusal(
                     lambda topic, why: self.node.refuse(transport.unnamed(topic), why)
                 )
-            self._pass_on()
+            for each in speech.relayed:
+                if settings.url is None:
+                    raise UsageError(
+                        f"[node] {each.topic.name}: is passed on to the world, and ours knows no "
+                        f"{each.world.name}; expected --url, or fields"
+                    )
+            self.node.pass_on(self._lockstep.advertise)
             self._opened = opened.pop_all()
         self.interface = self._lockstep.interface
 
     def close(self) -> None:
         """End the node and the connection."""
         self._opened.close()
-
-    def _pass_on(self) -> None:
-        """Have what our world does not understand passed on to somebody else's."""
-        for each in self.node.speech.relayed:
-            if self._settings.url is None:
-                raise UsageError(
-                    f"[node] {each.topic.name}: is passed on to the world, and ours knows no "
-                    f"{each.world.name}; expected --url, or fields"
-                )
-        self.node.pass_on(self._lockstep.advertise)
 
     def _join(self, types: TypeTable, opened: ExitStack) -> PrefixedTransport:
         """Return the transport of the node, after that of the world was made."""
@@ -278,9 +257,9 @@ class InjectorEngine(PlainEngine):
             opened.callback(joined.close)
             self._url = settings.url
             world = PrefixedTransport(joined, settings.world_prefix)
-            self._world: Transport = (
-                BundlingTransport.of_ci(world) if settings.is_bundled else world
-            )
+            self._world: Transport = world
+            if settings.is_bundled:
+                self._world = BundlingTransport.of_ci(world)
             return PrefixedTransport(joined, settings.node_prefix)
         # other users of this machine are no part of the mission
         token = secrets.token_urlsafe() if "{url}" in (settings.node or "") else None
@@ -294,16 +273,9 @@ class InjectorEngine(PlainEngine):
         self._host = SimulationHost(self._world, code.simulation, code.mission, settings.patience)
         return PrefixedTransport(embedded, settings.node_prefix)
 
-    def _evaluate(
-        self,
-        specification: Specification,
-        seed: int,
-        pool: FaultPool,
-        observer: Observer | None,
-        tallies: list[FaultTally],
-    ) -> Outcome:
-        beyond = out_of_reach(self.code.mission, pool, self.node.speech)
-        for timed in specification:
+    def _evaluate(self, request: Request) -> Outcome:
+        beyond = out_of_reach(self.code.mission, request.pool, self.node.speech)
+        for timed in request.specification:
             if timed.fault in beyond:
                 raise SpecificationError(
                     f"fault '{timed.fault}' cannot be injected: it touches {beyond[timed.fault]}, "
@@ -311,25 +283,19 @@ class InjectorEngine(PlainEngine):
                     "the fault out (docs/node.md)",
                     (timed.fault,),
                 )
-        self.node.held = [*held_commands(self.code.mission, pool, specification)]
-        flights = [self._flown_well(specification, seed, pool, observer, tallies)]
+        held = held_commands(self.code.mission, request.pool, request.specification)
+        self.node.held = [*held]
+        flights = [self._flown_well(request)]
         while len(flights) < self._settings.node_repeats:
-            flights.append(self._flown_well(specification, seed, pool, None, []))
+            flights.append(self._flown_well(request._replace(observer=None, tallies=[])))
         flights.sort(key=lambda each: (sum(each.believed), sum(each.true), each.digest))
         return flights[len(flights) // 2]
 
-    def _flown_well(
-        self,
-        specification: Specification,
-        seed: int,
-        pool: FaultPool,
-        observer: Observer | None,
-        tallies: list[FaultTally],
-    ) -> Outcome:
+    def _flown_well(self, request: Request) -> Outcome:
         """Fly; what the node does wrong twice belongs to the specification."""
-        for is_last in (observer is not None, True):
+        for is_last in (request.observer is not None, True):
             try:
-                return super()._evaluate(specification, seed, pool, observer, tallies)
+                return super()._evaluate(request)
             except TransportError as error:
                 if self._process is None or not self.node.is_to_blame:
                     raise

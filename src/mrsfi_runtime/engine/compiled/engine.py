@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from mrsfi_runtime.cosimulation.lockstep import Observer, allowed_columns
+from mrsfi_runtime.cosimulation.lockstep import allowed_columns
 from mrsfi_runtime.engine.compiled.layout import Batch, Frame, laid_out, packed, read_recorded
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
@@ -38,13 +38,13 @@ from mrsfi_runtime.engine.compiled.machine_code import (
     sources_key,
 )
 from mrsfi_runtime.engine.compiled.regions import ROLES, Reached, Region, own_regions
-from mrsfi_runtime.engine.flights import Engine, ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine, ReferenceEngine, Request
 from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, ReplayMismatch, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, in_thread, words
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.kernel.flight import Verdicts, initial_state
-from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
+from mrsfi_runtime.kernel.injections import FaultShapes, OwnRow, plan_rows
 from mrsfi_runtime.kernel.state import COLUMNS, State, state_bytes
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault
 from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
@@ -126,13 +126,9 @@ def _compiled_kernel() -> MachineCode:
 SECONDS = 0.05
 """How long the reference engine flies for it."""
 
-_WINDOWS = ((0, 7), (16, None))
-"""First and last ticks at which a fault acts; ``None`` is the mission's last."""
-
 _HINT = (
     "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
 )
-
 _UNREPEATED = (
     "expected the same: look for a region that keeps state from flight to flight, reads a clock or "
     "draws unseeded random numbers"
@@ -147,8 +143,8 @@ def trials(gate: Gate) -> list[Specification]:
     others, last = gate.conflicts(), gate.mission.duration - 1
     flown: list[Specification] = [()]
     for fault in gate.pool:
-        windows = [(a, last if b is None else min(b, last)) for a, b in _WINDOWS if a <= last]
-        timed = tuple(TimedFault(fault.id, *window, fault.values) for window in windows)
+        windows = [(0, min(7, last)), (16, last)]
+        timed = tuple(TimedFault(fault.id, a, b, fault.values) for a, b in windows if a <= b)
         for k, before in enumerate(flown):
             if others[fault.id].isdisjoint(each.fault for each in before):
                 flown[k] += timed
@@ -207,7 +203,7 @@ def differing(code: MissionCode, specification: Specification, seed: int) -> str
 
 
 class _EnoughError(MrsfiError):
-    """Ends a flight of which enough was seen."""
+    """Ends a flight of which enough was recorded."""
 
 
 def _seen(
@@ -265,11 +261,8 @@ def _difference(
     return (tick, *next(differing, ("what goals remember", "something", "nothing")))
 
 
-CHUNK = 64
-"""Specifications that are laid out and flown in one call, at most."""
-
 _TRUSTED: set[tuple[str, str]] = set()
-"""What this process has held to the reference engine: compiled code by its key, and missions."""
+"""What this process has compared with the reference engine: compiled code by key, and missions."""
 
 
 class CompiledEngine(Engine):
@@ -334,24 +327,23 @@ class CompiledEngine(Engine):
         recording.tallies = batch.tallies_of(0)
         return recording
 
-    def _evaluate(
-        self,
-        specification: Specification,
-        seed: int,
-        pool: FaultPool,
-        observer: Observer | None,
-        tallies: list[FaultTally],
-    ) -> Outcome:
+    def _evaluate(self, request: Request) -> Outcome:
+        specification, seed, pool, observer, tallies = request
         self.require_same()
         batch = self._batch([specification], pool)
         recording = self._recorded(batch, seed, self.code.mission.duration if observer else 0)
         if recording is None:
-            return self._reference.evaluate(
-                specification, seed, pool=pool, observer=observer, tallies=tallies
-            )
+            watched: dict[str, Any] = {"observer": observer, "tallies": tallies}
+            return self._reference.evaluate(specification, seed, pool=pool, **watched)
         tallies[:] = batch.tallies_of(0)
         if observer is not None:
-            self._tell(observer, seed, recording)
+            world = initial_state(self.code.mission, seed)
+            belief = initial_state(self.code.mission, seed)
+            for tick, moment in enumerate(chain.from_iterable(recording.moments())):
+                world.mission.tick = belief.mission.tick = tick
+                read_recorded(world, moment["world"])
+                read_recorded(belief, moment["belief"])
+                observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
         return batch.outcome(0, self.measured)
 
     def _record(self, specification: Specification, seed: int) -> Recording:
@@ -364,9 +356,9 @@ class CompiledEngine(Engine):
     ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order."""
         self.require_same()
-        seed = self.seed if seed is None else seed
-        for first in range(0, len(specifications), CHUNK):
-            yield from self._evaluate_chunk(specifications[first : first + CHUNK], seed)
+        seed, n_most = self.seed if seed is None else seed, 64  # are laid out in one call
+        for first in range(0, len(specifications), n_most):
+            yield from self._evaluate_chunk(specifications[first : first + n_most], seed)
 
     def _evaluate_chunk(
         self, specifications: Sequence[Specification], seed: int
@@ -376,9 +368,12 @@ class CompiledEngine(Engine):
         batch = self._batch(specifications, self.code.pool)
         size = -(-n // self._n_threads)
         spans = [(first, min(first + size, n)) for first in range(0, n, size)]
-        self._fresh(seed)  # once, and not on every thread
-        failed = self._threads.map(partial(self._fly_some, batch, seed), spans)
-        again = {k for some in failed for k in some}
+        fresh = self._fresh(seed)  # once, and not on every thread
+
+        def fly(span: tuple[int, int]) -> list[int]:
+            return self._fly(Frame(fresh, self._fly_many.calls, batch, span), *span)
+
+        again = {k for failed in self._threads.map(fly, spans) for k in failed}
         return [
             self._reference.attempt(each, seed) if k in again else batch.outcome(k, self.measured)
             for k, each in enumerate(specifications)
@@ -398,9 +393,6 @@ class CompiledEngine(Engine):
 
         return Batch(plans, self._moment_type, allowed)
 
-    def _fly_some(self, batch: Batch, seed: int, span: tuple[int, int]) -> list[int]:
-        return self._fly(Frame(self._fresh(seed), self._fly_many.calls, batch, span), *span)
-
     def _fly(self, frame: Frame, first: int, last: int) -> list[int]:
         """Fly some specifications of a frame, and return which of them failed.
 
@@ -419,12 +411,3 @@ class CompiledEngine(Engine):
             else:
                 first = last
         return everyone if frame.has_written_to_tables else failed
-
-    def _tell(self, observer: Observer, seed: int, recording: Recording) -> None:
-        world = initial_state(self.code.mission, seed)
-        belief = initial_state(self.code.mission, seed)
-        for tick, moment in enumerate(chain.from_iterable(recording.moments())):
-            world.mission.tick = belief.mission.tick = tick
-            read_recorded(world, moment["world"])
-            read_recorded(belief, moment["belief"])
-            observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
