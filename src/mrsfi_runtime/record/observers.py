@@ -1,14 +1,9 @@
-"""What is written of a flight: log, trace, bag.
+"""What is written of a flight: a log for people, a trace as CSV, a bag for viewers of ROS 2.
 
-What a flight writes.
-
-How timed faults are named wherever people and scripts read of them.
-
-What happens in a flight, and its being written down: a trace, and a log for people.
-
-Writes a flight as a bag that viewers of ROS 2 open: topics of the bus, events, map and robots.
-
-docs/bags.md says what is on which topic. The same flight gives the same bytes.
+``NamedFault`` is how messages, tables and JSON name a timed fault. ``Events`` yields what happens
+at each tick, in words. ``TraceTable``, ``SimulationLog`` and ``Bag`` are observers: an engine calls
+them with truth, belief and verdicts of every tick, and they change none of these. The same flight
+writes the same bytes. docs/bags.md lists the topics of a bag.
 
 References
 ----------

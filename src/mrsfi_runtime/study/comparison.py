@@ -1,23 +1,20 @@
-"""A study.
+"""Compares searches: algorithms, or the settings of one, by the numbers of their runs.
 
-What a comparison compares: variants of a search, algorithms or the settings of one.
-
-References
-----------
-Source paper, section VII.
-
-Searches, each in numbers, and compared: the same seeds and as many evaluations each.
+Each variant runs with the same seeds and the same number of evaluations. ``variants_of`` and
+``Sweep`` say what is compared, ``measure_run`` turns a campaign into a ``RunResult``, and
+``compare`` returns quartiles and tests of every criterion. A test of ranks assumes no distribution;
+p-values are adjusted, because there are several; a run that never reached a number ranks last.
 
 References
 ----------
-Source paper, section V, RQ1. A. Arcuri and L. Briand, "A Hitchhiker's Guide to Statistical Tests
-for Assessing Randomized Algorithms in Software Engineering", Software Testing, Verification and
-Reliability 24, 2014. H. B. Mann and D. R. Whitney, "On a Test of Whether one of Two Random
+Source paper, section V, RQ1, and VII. A. Arcuri and L. Briand, "A Hitchhiker's Guide to Statistical
+Tests for Assessing Randomized Algorithms in Software Engineering", Software Testing, Verification
+and Reliability 24, 2014. H. B. Mann and D. R. Whitney, "On a Test of Whether one of Two Random
 Variables is Stochastically Larger than the Other", Annals of Mathematical Statistics 18, 1947;
 A. Vargha and H. D. Delaney, "A Critique and Improvement of the CL Common Language Effect Size
-Statistics of McGraw and Wong", Journal of Educational and Behavioral Statistics 25, 2000;
-S. Holm, "A Simple Sequentially Rejective Multiple Test Procedure", Scandinavian Journal of
-Statistics 6, 1979.
+Statistics of McGraw and Wong", Journal of Educational and Behavioral Statistics 25, 2000; S. Holm,
+"A Simple Sequentially Rejective Multiple Test Procedure", Scandinavian Journal of Statistics 6,
+1979.
 """
 
 from collections.abc import Callable, Mapping, Sequence

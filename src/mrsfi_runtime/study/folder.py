@@ -1,8 +1,8 @@
-"""The folder of a study.
+"""The folder of a comparison: a campaign for each run, tables, figures and a summary.
 
-Draws comparisons of searches, in the style of ``plots``.
-
-The folder of a comparison: a campaign for each run, and what is concluded from them.
+``ComparisonFolder.write`` replaces what an earlier comparison concluded and keeps the runs. The
+figures are drawn in the style of ``analysis/plots.py``; a sweep has other figures than a comparison
+of algorithms. Tables leave a cell empty where a run never reached a number.
 """
 
 import json
