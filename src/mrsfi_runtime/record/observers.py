@@ -13,11 +13,11 @@ https://docs.ros.org/en/humble/p/visualization_msgs/msg/Marker.html.
 
 import csv
 import math
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import combinations, groupby
+from itertools import combinations, count, groupby
 from types import MappingProxyType
 from typing import IO, TYPE_CHECKING, Any, TextIO, TypeAlias
 
@@ -92,8 +92,7 @@ class NamedFault:
     @property
     def told(self) -> str:
         """Its values, and what it waits for; empty if it has neither."""
-        waits = "" if self.trigger is None else self.trigger.words
-        return "; ".join(filter(None, (self.values, waits)))
+        return "; ".join(filter(None, (self.values, self.trigger.words if self.trigger else "")))
 
     def active(self, tally: FaultTally) -> Window | None:
         """Return when it is active in a flight, as far as that is known from what it did until now.
@@ -127,19 +126,25 @@ def named_faults(
     names: Sequence[str] | None = None,
 ) -> tuple[NamedFault, ...]:
     """Return the faults of a specification; ``names`` are IDs of the pool if left out."""
+
+    def named(name: str, timed: TimedFault) -> NamedFault:
+        fault, trigger = pool[timed.fault], pool.triggers_by_id.get(timed.trigger)
+        targets = touched(mission, fault)
+        return NamedFault(
+            name,
+            timed,
+            fault,
+            touched=tuple(describe(mission, target) for target in targets),
+            robots=robots_of(mission, targets),
+            window=active_window(mission, pool, timed),
+            units=mission.units,
+            trigger=trigger,
+            most=LAST if trigger is None else longest(fault.kind, timed.values, trigger),
+        )
+
     if names is None:
         names = [timed.fault for timed in specification]
-    found = []
-    for name, timed in zip(names, specification, strict=True):
-        fault = pool[timed.fault]
-        targets = touched(mission, fault)
-        words = tuple(describe(mission, target) for target in targets)
-        window = active_window(mission, pool, timed)
-        robots, trigger = robots_of(mission, targets), pool.triggers_by_id.get(timed.trigger)
-        most = LAST if trigger is None else longest(fault.kind, timed.values, trigger)
-        told = (window, mission.units, trigger, most)
-        found.append(NamedFault(name, timed, fault, words, robots, *told))
-    return tuple(found)
+    return tuple(named(*pair) for pair in zip(names, specification, strict=True))
 
 
 class Events:
@@ -229,44 +234,36 @@ class TraceTable:
     each goal, whether it is certain to be missed: ``g3.missed.true``.
     """
 
-    _ROBOT_FIELDS = ("x", "y", "speed", "energy")
-    _SENSOR_FIELDS = ("count", "active", "rate", "cost")
+    _FIELDS: Mapping[str, Sequence[str]] = MappingProxyType(
+        {"robots": ("x", "y", "speed", "energy"), "sensors": ("count", "active", "rate", "cost")}
+    )
 
     def __init__(self, mission: Mission, stream: TextIO) -> None:
         self._writer = csv.writer(stream, lineterminator="\n")
-        names = [f"{robot.id}.{name}" for robot in mission.robots for name in self._ROBOT_FIELDS]
-        names += [
-            f"{sensor.id}.{name}" for sensor in mission.sensors for name in self._SENSOR_FIELDS
+        names = [
+            f"{each.id}.{name}"
+            for listed, fields in self._FIELDS.items()
+            for each in getattr(mission, listed)
+            for name in fields
         ]
         names += [f"{goal}.{name}" for goal in mission.goal_ids for name in ("count", "violated")]
-        self._writer.writerow(
-            [
-                "tick",
-                *(f"{name}.{side}" for side in ("true", "believed") for name in names),
-                *(f"{goal}.missed.true" for goal in mission.goal_ids),
-            ]
-        )
+        sides = [f"{name}.{side}" for side in ("true", "believed") for name in names]
+        missed = (f"{goal}.missed.true" for goal in mission.goal_ids)
+        self._writer.writerow(["tick", *sides, *missed])
 
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
-        self._writer.writerow(
-            [
-                world.mission.tick,
-                *self._values(world, verdicts.is_true),
-                *self._values(belief, verdicts.is_believed),
-                *(int(missed > 0) for missed in verdicts.missed),
-            ]
-        )
+        true = self._values(world, verdicts.is_true)
+        believed = self._values(belief, verdicts.is_believed)
+        missed = (int(missed > 0) for missed in verdicts.missed)
+        self._writer.writerow([world.mission.tick, *true, *believed, *missed])
 
-    def _values(self, state: State, violated: Sequence[int]) -> list[str]:
-        robots = [repr(getattr(r, name)) for r in state.robots for name in self._ROBOT_FIELDS]
-        sensors = [repr(getattr(s, name)) for s in state.sensors for name in self._SENSOR_FIELDS]
-        goals = [
-            text
-            for goal, flag in zip(state.goals, violated, strict=True)
-            for text in (repr(goal.count), repr(int(flag)))
-        ]
-        return robots + sensors + goals
+    def _values(self, state: State, violated: Sequence[int]) -> Iterator[str]:
+        for listed, fields in self._FIELDS.items():
+            for each in getattr(state, listed):
+                yield from (repr(getattr(each, name)) for name in fields)
+        for goal, flag in zip(state.goals, violated, strict=True):
+            yield from (repr(goal.count), repr(int(flag)))
 
 
 class SimulationLog:
@@ -280,23 +277,18 @@ class SimulationLog:
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
         lines = [f"tick {world.mission.tick}"]
-        for index, robot in enumerate(self._mission.robots):
-            lines.append(f"  {robot.id} {self._robot(world, index)}")
+        for each, robot in zip(self._mission.robots, world.robots, strict=True):
+            samples = "".join(
+                f" {self._mission.sensors[k].id}={world.sensors[k].count}"
+                for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors)
+            )
+            lines.append(
+                f"  {each.id} x={robot.x:.2f} y={robot.y:.2f} speed={robot.speed:g} "
+                f"energy={robot.energy:.1f} samples{samples}"
+            )
         lines += self._mistaken(world, belief)
         lines += (f"  event {said}" for _, said in self._events.at(world, verdicts))
         self._stream.write("\n".join(lines) + "\n")
-
-    def _robot(self, world: State, index: int) -> str:
-        robot = world.robots[index]
-        sensors = self._mission.sensors
-        samples = " ".join(
-            f"{sensors[k].id}={world.sensors[k].count}"
-            for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors)
-        )
-        return (
-            f"x={robot.x:.2f} y={robot.y:.2f} speed={robot.speed:g} "
-            f"energy={robot.energy:.1f} samples {samples}"
-        ).rstrip()
 
     def _mistaken(self, world: State, belief: State) -> Iterator[str]:
         for listed, some in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
@@ -334,15 +326,11 @@ TRANSFORMS = Topic("/tf", "tf2_msgs/TFMessage")
 MAP = Topic("/mission_map", "visualization_msgs/MarkerArray")
 ROBOTS = Topic("/markers", "visualization_msgs/MarkerArray")
 
-_LEVELS: Mapping[str, int] = MappingProxyType(
-    {"command": 10, "fault": 30, "collision": 40, "verdict": 40}
-)
+_LEVELS = {"command": 10, "fault": 30, "collision": 40, "verdict": 40}
 """Severities of ``rcl_interfaces/Log``: DEBUG, WARN and ERROR."""
 
-_SECOND = 1_000_000_000  # nanoseconds
 _CYLINDER, _LINE_STRIP, _LINE_LIST, _SPHERES, _TEXT = 3, 4, 5, 7, 9
-_DELETE_ALL = 3
-_FLAT, _LETTER, _THIN = 0.1, 2.0, 0.3  # height of a disc, of a letter, width of a line
+_THIN = 0.3  # width of a line
 _ORIGIN = (0.0, 0.0, 0.0)
 
 _TRUE, _BELIEVED, _STRUCK = (0.1, 0.4, 0.7, 1.0), (0.1, 0.4, 0.7, 0.35), (0.85, 0.4, 0.15, 1.0)
@@ -381,9 +369,8 @@ class Bag:
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
         for topic, message in self._said(world, belief, verdicts):
-            schema = self._schema(topic.type)
-            time = world.mission.tick * _SECOND
-            self._writer.write_message(topic.name, schema, message, time)
+            nanoseconds = world.mission.tick * 1_000_000_000
+            self._writer.write_message(topic.name, self._schema(topic.type), message, nanoseconds)
 
     def finish(self) -> None:
         """Write what belongs to the end of the file."""
@@ -445,11 +432,8 @@ class Bag:
             yield of_sensor.active_command, {"data": bool(switch.active)}
 
     def _judged(self, verdicts: Verdicts) -> Iterator[Said]:
-        for what, flags in (
-            ("believed", verdicts.is_believed),
-            ("true", verdicts.is_true),
-            ("missed", verdicts.missed),
-        ):
+        lists = (verdicts.is_believed, verdicts.is_true, verdicts.missed)
+        for what, flags in zip(("believed", "true", "missed"), lists, strict=True):
             for name, flag in zip(self._goals, flags, strict=True):
                 yield Topic(f"{name}/{what}", "std_msgs/Bool"), {"data": flag > 0}
 
@@ -513,11 +497,10 @@ def robot_markers(
     struck = {each for robots, (first, last) in windows if first <= tick <= last for each in robots}
     true, believed = ([_of(robot) for robot in side.robots] for side in (world, belief))
     colours = [_STRUCK if index in struck else _TRUE for index in range(len(true))]
-    errors = [
-        spot for pair in zip(true, believed, strict=True) if pair[0] != pair[1] for spot in pair
-    ]
+    pairs = zip(true, believed, strict=True)
+    errors = [spot for pair in pairs if pair[0] != pair[1] for spot in pair]
     markers: list[Message] = [
-        {"action": _DELETE_ALL},
+        {"action": 3},  # deletes all
         _points("robots", _SPHERES, wide, true, colours),
         _points("believed robots", _SPHERES, wide, believed, [_BELIEVED] * len(true)),
     ]
@@ -525,11 +508,10 @@ def robot_markers(
         markers.append(_points("errors", _LINE_LIST, _THIN, errors))
     obstacles = zip(mission.obstacles, world.obstacles, belief.obstacles, strict=True)
     for obstacle, is_at, is_believed_at in obstacles:
-        said = (is_believed_at.x, is_believed_at.y, 0.0)
-        if said != (is_at.x, is_at.y, 0.0):
-            radius, namespace = obstacle.area.radius, "believed obstacles"
-            markers.append(_disc(namespace, said, radius, _BELIEVED))
-            markers.append(_text(namespace, said, obstacle.id))
+        spot, namespace = (is_believed_at.x, is_believed_at.y, 0.0), "believed obstacles"
+        if spot != (is_at.x, is_at.y, 0.0):
+            markers.append(_disc(namespace, spot, obstacle.area.radius, _BELIEVED))
+            markers.append(_text(namespace, spot, obstacle.id))
     return _array(tick, markers)
 
 
@@ -540,23 +522,22 @@ def point(place: Place) -> Message:
 
 def _array(tick: int, markers: Iterable[Message]) -> Message:
     """Return an array of markers with the header of a tick, numbered within their namespaces."""
+    numbers: dict[str, Iterator[int]] = defaultdict(count)
     header = stamped(tick)
-    numbers: Counter[str] = Counter()
-    numbered = []
-    for marker in markers:
-        namespace = marker.get("ns", "")
-        numbered.append({"header": header, "id": numbers[namespace], **marker})
-        numbers[namespace] += 1
-    return {"markers": numbered}
+    return {
+        "markers": [
+            {"header": header, "id": next(numbers[marker.get("ns", "")]), **marker}
+            for marker in markers
+        ]
+    }
 
 
 def _disc(namespace: str, spot: Place, radius: float, colour: Colour) -> Message:
-    wide = 2.0 * radius
-    return _marker(namespace, _CYLINDER, spot, (wide, wide, _FLAT), colour)
+    return _marker(namespace, _CYLINDER, spot, (2.0 * radius, 2.0 * radius, 0.1), colour)
 
 
 def _text(namespace: str, spot: Place, text: str) -> Message:
-    return {**_marker(f"{namespace}: names", _TEXT, spot, (0.0, 0.0, _LETTER), _INK), "text": text}
+    return {**_marker(f"{namespace}: names", _TEXT, spot, (0.0, 0.0, 2.0), _INK), "text": text}
 
 
 def _points(

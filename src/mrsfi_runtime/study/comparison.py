@@ -41,7 +41,6 @@ from mrsfi_runtime.record.store import CampaignStore, Measure
 
 Value: TypeAlias = int | float
 
-_COMPARISONS = ("seed", "generations", "max_failures")  # are not varied: seeds, what ends a run
 _MOST = 100  # values of a setting between two
 _SYNTAX = f"KEY=LOW:HIGH:N, N from 2 to {_MOST}, or KEY=A,B,C, several with commas between"
 
@@ -49,10 +48,11 @@ PAPERS: Mapping[str, Value] = MappingProxyType(
     {
         key: value
         for key, value in asdict(CampaignSettings()).items()
-        if type(value) in (int, float) and key not in _COMPARISONS
+        if type(value) in (int, float) and key not in ("seed", "generations", "max_failures")
     }
 )
-"""Settings in numbers that a sweep can vary, with the values of the paper."""
+"""Settings in numbers that a sweep can vary, with the values of the paper: neither seeds nor what
+ends a run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,6 @@ MOST_OBJECTIVES = 7
 
 _MOST_EXACT = 20_000  # divisions of the pooled values that are enumerated to be exact
 _SIGNIFICANT = 0.05
-_MAGNITUDES = ((0.71, "large"), (0.64, "medium"), (0.56, "small"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,22 +284,20 @@ class RankTest:
     def magnitude(self) -> str:
         """Size of the effect in the words of Vargha and Delaney."""
         distance = max(self.a12, 1.0 - self.a12)
-        return next((word for least, word in _MAGNITUDES if distance >= least), "negligible")
+        words = {0.71: "large", 0.64: "medium", 0.56: "small"}
+        return next((word for least, word in words.items() if distance >= least), "negligible")
 
 
 def quartiles(values: Sequence[float]) -> Quartiles:
     """Return the quartiles of at least one value, between neighbours by straight line."""
     ordered = sorted(values)
-    return Quartiles(*(_quantile(ordered, share) for share in (0.25, 0.5, 0.75)))
 
+    def quantile(share: float) -> float:
+        below, rest = divmod(share * (len(ordered) - 1), 1.0)
+        low, high = ordered[int(below)], ordered[min(int(below) + 1, len(ordered) - 1)]
+        return low if rest == 0.0 or low == high else low + rest * (high - low)
 
-def _quantile(ordered: Sequence[float], share: float) -> float:
-    place = share * (len(ordered) - 1)
-    below = int(place)
-    rest = place - below
-    if rest == 0.0 or ordered[below] == ordered[below + 1]:
-        return ordered[below]
-    return ordered[below] + rest * (ordered[below + 1] - ordered[below])
+    return Quartiles(*map(quantile, (0.25, 0.5, 0.75)))
 
 
 def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
@@ -363,14 +360,9 @@ class PairTest:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as values of JSON."""
-        return {
-            "measure": self.measure,
-            "first": self.first,
-            "second": self.second,
-            **asdict(self.ranks),
-            "magnitude": self.ranks.magnitude,
-            "holm_p_value": self.holm_p_value,
-        }
+        names = {"measure": self.measure, "first": self.first, "second": self.second}
+        ranks = {**asdict(self.ranks), "magnitude": self.ranks.magnitude}
+        return names | ranks | {"holm_p_value": self.holm_p_value}
 
 
 @dataclass(frozen=True, slots=True)
@@ -461,16 +453,11 @@ def _tests(
     values: Mapping[str, Sequence[float]],
     pairs: Sequence[tuple[str, str]],
 ) -> list[PairTest]:
-    found = [
-        compare_ranks(*([criterion.sign * v for v in values[name]] for name in pair))
-        for pair in pairs
-    ]
-    return [
-        PairTest(criterion.name, *pair, ranks, adjusted)
-        for pair, ranks, adjusted in zip(
-            pairs, found, holm([ranks.p_value for ranks in found]), strict=True
-        )
-    ]
+    signed = {name: [criterion.sign * value for value in each] for name, each in values.items()}
+    ranks = [compare_ranks(signed[first], signed[second]) for first, second in pairs]
+    adjusted = holm([each.p_value for each in ranks])
+    found = zip(pairs, ranks, adjusted, strict=True)
+    return [PairTest(criterion.name, *pair, each, p_value) for pair, each, p_value in found]
 
 
 def as_json(comparison: Comparison) -> dict[str, Any]:

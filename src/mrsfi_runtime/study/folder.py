@@ -35,9 +35,7 @@ from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, Criterion, Sweep, Value, finite, quartiles
 
-_N_PLACES = 200  # at which the course of a search is drawn
 _COLUMNS = 3  # of panels, one for every two settings of a sweep
-_FROM_LOW_TO_HIGH = LinearSegmentedColormap.from_list("low to high", AGES)
 
 
 def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
@@ -61,10 +59,8 @@ def results(comparison: Comparison) -> Figure:
         for number, criterion in enumerate(shown):
             axes = figure.add_subplot(1, len(shown), number + 1, title=titles[criterion.name])
             _draw_runs(axes, comparison, criterion)
-            axes.set_yticks(
-                range(len(comparison.algorithms)),
-                labels=comparison.algorithms if not number else [],
-            )
+            labels = [] if number else comparison.algorithms
+            axes.set_yticks(range(len(comparison.algorithms)), labels=labels)
         legend_below(figure, handles=axes.get_legend_handles_labels()[0][:2])
     return figure
 
@@ -86,7 +82,7 @@ def _draw_runs(axes: Axes, comparison: Comparison, criterion: Criterion) -> None
 def course(comparison: Comparison) -> Figure:
     """Draw the best fitness so far over the evaluations: median and quartiles of the runs."""
     n_evaluations = max(run.n_evaluations for run in comparison.runs)
-    step = max(1, n_evaluations // _N_PLACES)
+    step = max(1, n_evaluations // 200)
     places = [*range(1, n_evaluations, step), n_evaluations]
     with drawing((8.4, 4.8)) as figure:
         axes = figure.add_subplot(xlabel="evaluations", ylabel="best fitness so far")
@@ -128,9 +124,8 @@ def goals(comparison: Comparison) -> Figure:
                 for part in ("lower", "median", "upper")
             )
             axes.vlines(places, lower, upper, color=_colour(row), lw=4, alpha=0.3)
-            axes.scatter(
-                places, medians, s=40, color=_colour(row), ec=PAPER, lw=0.7, label=name, zorder=3
-            )
+            drawn: dict[str, Any] = {"color": _colour(row), "label": name}
+            axes.scatter(places, medians, s=40, ec=PAPER, lw=0.7, zorder=3, **drawn)
         axes.set_ylim(0.8, edge * 1.15)
         axes.xaxis.set_major_locator(whole_numbers())
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -149,7 +144,8 @@ def heat_maps(comparison: Comparison, sweep: Sweep) -> Figure:
         for pair in pairs
     }
     every = [value for rows in medians.values() for row in rows for value in row]
-    scale: dict[str, Any] = {"vmin": min(every), "vmax": max(every), "cmap": _FROM_LOW_TO_HIGH}
+    colours = LinearSegmentedColormap.from_list("low to high", AGES)
+    scale: dict[str, Any] = {"vmin": min(every), "vmax": max(every), "cmap": colours}
     with drawing(_size(len(pairs))) as figure:
         for axes, pair in zip(_panels(figure, len(pairs)), pairs, strict=True):
             drawn = axes.pcolormesh(medians[pair], edgecolors=PAPER, lw=1.5, **scale)
@@ -181,12 +177,8 @@ def interactions(comparison: Comparison, sweep: Sweep) -> Figure:
             for row, fixed in enumerate(lines):
                 found = [_median(comparison, {x: value, **fixed}) for value in sweep.values[x]]
                 label = ", ".join(f"{key} {value}" for key, value in fixed.items())
-                drawn: dict[str, Any] = {
-                    "color": _colour(row),
-                    "lw": 1.6,
-                    "label": label or "median",
-                }
-                axes.plot(sweep.values[x], found, marker="o", ms=4, **drawn)
+                drawn: dict[str, Any] = {"color": _colour(row), "label": label or "median"}
+                axes.plot(sweep.values[x], found, marker="o", ms=4, lw=1.6, **drawn)
             axes.axhline(papers, color=SOFT, lw=1.1, ls=(0, (5, 3)), label="the paper's")
             axes.set(xlabel=x, ylabel="median of best fitness")
             axes.set_xticks(sweep.values[x])
@@ -283,9 +275,8 @@ def _quartiles(comparison: Comparison) -> Table:
 def _tests(comparison: Comparison) -> Table:
     names = ("measure", "first", "second", "u", "p_value", "holm_p_value", "method", "a12")
     columns = (*names, "magnitude")
-    return Table(
-        "Tests", columns, [itemgetter(*columns)(test.as_json()) for test in comparison.tests]
-    )
+    rows = [itemgetter(*columns)(test.as_json()) for test in comparison.tests]
+    return Table("Tests", columns, rows)
 
 
 def setting_table(comparison: Comparison) -> Table:
