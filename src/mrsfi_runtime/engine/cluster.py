@@ -1,14 +1,11 @@
-"""Evaluation on a dask cluster.
+"""Evaluation on a dask cluster, in chunks of fault specifications.
 
-The side of a worker, which may be on another machine: what travels there, and what it keeps.
+A worker may be on another machine. A ``Shipment`` carries the mission's code to it, once;
+``MissionPlugin`` unpacks that in an empty folder, builds an engine for each of the settings, and
+keeps both. A worker whose environment would give other bits refuses. A ``Cluster`` is the
+connection: tasks go out, results or clear errors come back. ``ClusterPool`` is the evaluator.
 
-It unpacks a mission once, in an empty folder, builds an engine once, and keeps both.
-
-The connection to a dask cluster: tasks go out, results or clear errors come back.
-
-Evaluates many fault specifications on a cluster, in chunks.
-
-Their size decides no result; a chunk whose worker was lost is evaluated again on another.
+The size of chunks decides no result. A chunk whose worker was lost is evaluated on another one.
 """
 
 import logging

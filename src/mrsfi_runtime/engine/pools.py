@@ -1,7 +1,6 @@
 """Evaluates many fault specifications on the processes of one machine.
 
-Evaluation has no state of its own, so any number of workers and any order give the same
-results.
+Evaluation keeps no state, so any number of workers and any order give the same results.
 """
 
 import os

@@ -1,8 +1,10 @@
-"""Every tick of a flight, in one layout for all engines; a long flight is kept compressed.
+"""Every tick of a flight, in one layout for all engines.
 
-What compresses well is how a quantity changes from tick to tick, as most do little or not at all:
-words of 8 bytes are kept as their differences, quantity by quantity, and those that stay the same
-are not kept at all.
+A tick is a record of truth, belief and verdicts, as ``moment_type`` lays it out; every quantity is
+a word of 8 bytes. A ``Recording`` keeps chunks of ticks. All but the last chunk are compressed,
+quantity by quantity: most change little from tick to tick, so the differences of words are kept,
+and a word that never changes only once. ``Recorder`` is the observer that fills a recording on
+plain Python objects; the compiled engine writes the records itself.
 """
 
 import weakref

@@ -1,14 +1,10 @@
-"""The text of regions, and of which kind their values are.
+"""The files of regions, and the kinds of the values in them; all are read, never run.
 
-The files that regions stand in: a mission's own, and those of the team that it imports.
-
-They are read, never run.
-
-What can be told of the values in a region without running it.
-
-A kind is a type as an annotation gives it, such as ``float``, ``RobotState`` or ``list[int]``;
-``None`` is what cannot be told. Fields have the kinds that the records of the state declare; a
-local name has one if the same is assigned to it wherever something is.
+``sources`` yields the files that hold regions, and the files of the team that those import, each a
+``Source``. ``Kinds`` then infers the kinds of the expressions of one function. A kind is a type as
+an annotation gives it, such as ``float``, ``RobotState`` or ``list[int]``; ``None`` is an unknown
+one. Fields have the kinds that the records of the state declare. A local name has a kind only if
+the function assigns the same to it everywhere.
 """
 
 import ast

@@ -1,15 +1,12 @@
-"""The engine over rosbridge.
+"""The engine over rosbridge: simulation and CI as two processes on a server.
 
-The simulation's side of a mission: served in this process, or as a process of its own.
+They meet on the topics of the mission only, in lock-step, as ROS messages. Results are those of
+the reference engine, bit for bit.
 
-Run as ``python -m mrsfi_runtime.engine.rosbridge`` it finds a connection to the process
-that started it, says there when it is ready and why it fails, and ends when the other end of the
-connection does, however its process came to that.
-
-Evaluates fault specifications with simulation and CI as two processes on a rosbridge server.
-
-They meet on the topics of the mission only, in lock-step, as ROS messages. Results are those
-of the reference engine, bit for bit.
+``serve_simulation`` is the simulation's side, in this process. ``SimulationProcess`` runs it in
+another one, ``python -m mrsfi_runtime.engine.rosbridge``: that reads from a connection what to
+serve, answers when it is ready or why it failed, and ends when the other end of the connection is
+gone, for whatever reason. ``RosbridgeEngine`` is the CI's side.
 
 References
 ----------

@@ -1,14 +1,13 @@
-"""The layout of many flights in arrays.
+"""The layout of many flights in arrays, which compiled code reads and writes.
 
-Lays states and fault plans out as words in a row, field by field as their records say.
+States and fault plans are words in a row, field by field as their records declare them
+(``entries``). Compiled code knows a state, a plan or the verdicts by the address of a directory:
+where the parts of a record of lists lie, and how long they are. So sizes are data, and one compiled
+flight serves every mission.
 
-Compiled code knows a state, a plan or the verdicts by the address of a directory: where the parts
-of a record of lists lie, and how long they are. So sizes are data: one compiled flight serves every
-mission.
-
-Fault specifications laid out side by side for the compiled flight, and what it leaves.
-
-What flights read and write is in arrays, of which they are given the directory.
+``FreshState`` is a state before the first tick. A ``Batch`` has the plans of some specifications
+side by side, and room for their results; a ``Frame`` adds the three states in which one thread
+flies them. Whoever holds a directory also holds the arrays that it points to.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized

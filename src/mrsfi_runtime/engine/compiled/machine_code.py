@@ -1,13 +1,9 @@
-"""Machine code: made, kept and found.
+"""Machine code: kept in a cache, each function under a key, and loaded without numba.
 
-Where compiled code is kept: in a folder that is this user's alone, each entry sealed.
-
-Whoever loads what numba keeps runs what it holds. So nothing is read from a folder that others may
-write to, nor from an entry that is not, byte for byte, what was sealed under its key.
-
-Machine code: kept in the cache, each function under a key, and loaded without numba.
-
-A wheel brings the kernel as a library that was compiled before, and needs no compiler.
+A process that loads compiled code runs it. So mrsfi reads nothing from a folder to which other
+users may write, nor an entry that is not, byte for byte, what was sealed under its key. The first
+half is this cache; ``kept`` is its entrance. The second half makes keys, loads object files, and
+finds the kernel that a wheel brings as a library, which needs no compiler.
 """
 
 import atexit

@@ -1,10 +1,11 @@
-"""Which regions compile, and what they reach.
+"""Which regions of a mission a team wrote, and all that their machine code depends on.
 
-Which regions of a mission a team wrote: those that are not what their goal's task says.
+``own_regions`` compares the code of a mission with what its generator writes: only a region that
+does more than call the function of its goal's task has to be compiled for itself.
 
-What compiled code reaches from some functions, however deep, by value.
-
-Machine code holds what was a global, a default, a constant when it was made, as it was loaded.
+Machine code holds globals, defaults and constants as they were when it was made. So ``Reached``
+writes all that functions reach, however deep, as a text in which every value differs from every
+other; the cache's key is made of it. A value that has no such text cannot be compiled.
 """
 
 import builtins

@@ -1,13 +1,12 @@
-"""A state as compiled code sees it.
+"""A state as compiled code sees it, and the flights of a batch as it flies them.
 
-Numba's view of records of lists: the address of a directory, whose fields read as in Python.
+To numba a record of lists is a ``View``: the address of a directory, whose fields read as in
+Python. A directory never changes while compiled code runs, which the loads declare to LLVM
+(``invariant.load``). The first half types views, their attributes, and calls by address.
 
-What a directory says never changes while compiled code runs, which LLVM is told.
-
-The flights of a batch, one after the other, as the compiled engine runs them.
-
-What goals do in them is what their tasks say, or what a team wrote, by its address. Functions here
-run compiled only; what they take are views of directories.
+The second half runs compiled only, and takes views. ``fly_many`` flies the specifications of a
+batch one after the other. For each goal it calls the function of the goal's task, or, by its
+address, the region that a team wrote.
 """
 
 from collections.abc import Callable, Sequence
