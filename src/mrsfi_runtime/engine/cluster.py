@@ -42,9 +42,6 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight
 from mrsfi_runtime.record.engine_settings import LOCAL, EngineSettings
 
-_ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})
-"""Rooms of mrsfi whose source no evaluation depends on."""
-
 
 @dataclass(frozen=True, slots=True)
 class Shipment:
@@ -118,7 +115,8 @@ def _source_hash() -> str:
     package = Path(str(mrsfi_runtime.__file__)).parent
     digest = sha256()
     for path in sorted(package.rglob("*.py")):
-        if path.relative_to(package).parts[0] not in _ELSEWHERE:
+        room = path.relative_to(package).parts[0]
+        if room not in ("analysis", "causes", "cli", "search", "study"):
             digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:8]
 
@@ -201,15 +199,14 @@ class MissionPlugin(WorkerPlugin):
             try:
                 engine = self._engine(seed, settings)
                 start = perf_counter()
-                results = tuple(engine.evaluate_many(specifications, seed))
+                results = [*engine.evaluate_many(specifications, seed)]
                 seconds = perf_counter() - start
             except MrsfiError as error:
                 raise type(error)(told(str(error))) from error
-        results = tuple(
-            FailedFlight(told(each.traceback)) if isinstance(each, FailedFlight) else each
-            for each in results
-        )
-        return EvaluatedChunk(results, seconds)
+        for place, each in enumerate(results):
+            if isinstance(each, FailedFlight):
+                results[place] = FailedFlight(told(each.traceback))
+        return EvaluatedChunk(tuple(results), seconds)
 
     def _require_same_environment(self) -> None:
         differences = self._shipment.differences()
@@ -238,10 +235,7 @@ CONNECT_SECONDS = 5.0
 WORKER_SECONDS = 30.0
 """How long there may be no worker."""
 
-_LOOK_SECONDS = 1.0  # between two looks at whether anybody still works
 _INSTALL = "expected the same mrsfi[dask,fast] on every worker as here"
-_LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application")
-_LOOPBACK = "127.0.0.1"
 _SILENT = logging.CRITICAL + 1
 
 
@@ -254,7 +248,8 @@ class Cluster(AbstractContextManager["Cluster"]):
         self._has_workers_until = monotonic()
         self._plugins: dict[str, str] = {}
         with ExitStack() as stack:
-            for log in map(logging.getLogger, _LOGGERS):  # what matters becomes an error
+            for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
+                log = logging.getLogger(name)  # what matters becomes an error
                 stack.callback(log.setLevel, log.level)
                 log.setLevel(_SILENT)
             target = _local(n_workers, stack) if address == LOCAL else address
@@ -305,7 +300,7 @@ class Cluster(AbstractContextManager["Cluster"]):
         open_ones = [future for future in futures if not future.done()]
         with suppress(TimeoutError, CancelledError), self._client.as_current():
             if open_ones:
-                wait(open_ones, timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
+                wait(open_ones, timeout=1.0, return_when="FIRST_COMPLETED")
             return
         if self._count_workers():
             self._has_workers_until = monotonic()
@@ -400,24 +395,15 @@ def _local(n_workers: int, stack: ExitStack) -> Any:
     ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
     try:
         with starting_workers():
-            cluster = LocalCluster(
-                n_workers=n_workers,
-                threads_per_worker=1,
-                host=_LOOPBACK,
-                dashboard_address=f"{_LOOPBACK}:0",
-                silence_logs=_SILENT,
-                memory_limit=0,
-            )
-            return stack.enter_context(cluster)
+            here = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+            limits = {"threads_per_worker": 1, "memory_limit": 0, "silence_logs": _SILENT}
+            return stack.enter_context(LocalCluster(n_workers=n_workers, **here, **limits))
     except RuntimeError as error:
         raise TransportError(f"--dask {LOCAL}: {error}; use --workers without --dask") from error
 
 
 CHUNK_SECONDS = 0.35
 """What a chunk should take: long beside dask's 2 ms for a task, short if its worker is lost."""
-
-_FIRST_GUESS = 0.05
-_N_AHEAD = 2  # chunks for each worker, so that the next is there when one is done
 
 
 class ClusterPool(Evaluator):
@@ -447,12 +433,15 @@ class ClusterPool(Evaluator):
         waiting: deque[Any] = deque()
         try:
             while waiting or first < len(specifications):
-                while first < len(specifications) and _n_open(waiting) < _N_AHEAD * n_workers:
+                # Two for each worker, so that the next is there when one is done
+                n_wanted = 2 * n_workers - sum(not future.done() for future in waiting)
+                while first < len(specifications) and n_wanted > 0:
                     size = self._pace.chunk_size(len(specifications), n_workers)
                     some = tuple(specifications[first : first + size])
                     chunk = Chunk(self._plugin, seed, self._settings, some)
                     waiting.append(self._cluster.begin(chunk))
                     first += size
+                    n_wanted -= 1
                 while waiting and waiting[0].done():
                     evaluated = self._cluster.result(waiting.popleft())
                     self._pace.learn(len(evaluated.results), evaluated.seconds)
@@ -461,10 +450,6 @@ class ClusterPool(Evaluator):
                     self._cluster.wait(waiting)
         finally:
             self._cluster.give_up(waiting)
-
-
-def _n_open(futures: deque[Any]) -> int:
-    return sum(not future.done() for future in futures)
 
 
 class Pace:
@@ -480,7 +465,7 @@ class Pace:
 
     def chunk_size(self, n_specifications: int, n_workers: int) -> int:
         """Return how many of some specifications to evaluate in one go, all workers alike."""
-        seconds = _FIRST_GUESS if self._seconds is None else self._seconds
+        seconds = 0.05 if self._seconds is None else self._seconds
         most = max(1, int(CHUNK_SECONDS / max(seconds, 1e-6))) * n_workers
         n_rounds = max(1, -(-n_specifications // most))
         return max(1, -(-n_specifications // (n_rounds * n_workers)))

@@ -88,9 +88,9 @@ class Engine(Evaluator):
     ) -> Outcome:
         """Fly the mission under a fault specification, of its own pool or another.
 
-        The observer sees every tick, in whatever thread. The tallies receive what each timed fault
-        does, before the first tick is seen: their ``first_changed`` says by the tick itself, at the
-        latest, whether that was the one; counts are complete when the flight has ended.
+        The observer is called at every tick, in any thread. Before the first one the tallies
+        receive a record for each timed fault. It is filled as the fault acts: at a tick its
+        ``first_changed`` is already up to date; counts are complete when the flight has ended.
         """
         pool = self.code.pool if pool is None else pool
         require_effects(self.code.pool, pool)

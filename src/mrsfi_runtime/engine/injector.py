@@ -121,11 +121,6 @@ class Keeper:
             child.end()
 
 
-if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Keeper(Connection(int(sys.argv[1]))).serve()
-
-
 class NodeProcess:
     """A node that dies with this process; ``pid`` is that of the last one that was started.
 
@@ -306,3 +301,8 @@ class InjectorEngine(PlainEngine):
 
     def _fly(self, flight: Flight, seed: int) -> None:
         self._lockstep.fly(flight, seed)
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Keeper(Connection(int(sys.argv[1]))).serve()

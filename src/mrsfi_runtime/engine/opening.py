@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine
     from mrsfi_runtime.generated_code import MissionCode
 
-
 Tell: TypeAlias = Callable[[str], None]
 
 

@@ -47,11 +47,7 @@ class WorkerPool(Evaluator):
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
         )
         self.n_workers = n_workers
-        self._executor = ProcessPoolExecutor(
-            n_workers,
-            mp_context=get_context("spawn"),
-            initializer=start_worker,
-        )
+        self._executor = ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
 
     def close(self) -> None:
         """Stop the workers; what they have not begun is dropped."""
@@ -83,9 +79,8 @@ class WorkerPool(Evaluator):
 def starting_workers() -> Iterator[None]:
     """Start workers apart from the terminal and the script of this process.
 
-    Ctrl-C is held back: they inherit that, and it never hits them half-made. And they do not run
-    the script again, as workers that are spawned do: all that they need is in modules of ours, and
-    a script may search without guarding its lines.
+    They inherit that Ctrl-C is held back, so it never hits them half-made. Unlike other spawned
+    workers they do not run the script again, so a script need not guard its lines.
     """
     held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     script = sys.modules["__main__"]

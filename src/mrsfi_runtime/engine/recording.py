@@ -30,7 +30,6 @@ Records: TypeAlias = npt.NDArray[Any]
 CHUNK = 8 << 20
 """Bytes of ticks that are recorded, compressed and read in one go."""
 
-_FEWEST = 8  # ticks of a chunk
 _IN_MEMORY = 16 << 20  # bytes of what is compressed before it goes to a file
 
 SIDES = ("world", "belief")
@@ -80,19 +79,18 @@ class _Column(NamedTuple):
 class Recording:
     """All ticks of a flight.
 
-    ``recording["world"]`` and ``recording["belief"]`` have the lists of ``kernel.packing.COLUMNS``:
-    ``recording["world"]["robots"]["x"]`` is an array of shape ``(n_ticks, n_robots)``. What goals
-    remember is in ``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals,
-    N_MEMORY)``. The verdicts are named as those of ``Verdicts``; ``recording["is_true"]`` has shape
-    ``(n_ticks, n_goals)``. An array is read anew when it is asked for; a number in place of a name
-    asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``; ``tallies`` say what
-    each timed fault did.
+    ``recording["world"]`` and ``recording["belief"]`` have the lists of ``kernel.state.COLUMNS``:
+    ``recording["world"]["robots"]["x"]`` is an array of shape ``(n_ticks, n_robots)``, and
+    ``recording["world"]["goals"]["memory"]`` of ``(n_ticks, n_goals, N_MEMORY)``. The names of
+    ``Verdicts`` lead to arrays of ``(n_ticks, n_goals)``. An array is read anew each time; a number
+    in place of a name asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``;
+    ``tallies`` say what each timed fault did.
     """
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
         self.dtype = dtype
         self.tallies: list[FaultTally] = []
-        self.chunk = max(_FEWEST, CHUNK // dtype.itemsize)
+        self.chunk = max(8, CHUNK // dtype.itemsize)
         self._last: Records = np.zeros(0, dtype)
         self._n_before = 0
         self._places: list[dict[tuple[str, ...], tuple[int, int]]] = []
@@ -248,7 +246,7 @@ class Recorder:
         self._n_seen += 1
 
     def recording(self, tallies: Sequence[FaultTally] = ()) -> Recording:
-        """Return what was seen, with what each timed fault did."""
+        """Return all ticks until now, with what each timed fault did."""
         self._flush()
         self._recording.tallies = [*tallies]
         return self._recording
@@ -263,13 +261,10 @@ class Recorder:
 
 def _unpack(rows: npt.NDArray[np.float64], states: Records) -> None:
     """Bring what ``kernel.packing.state_bytes`` returned of some states into records."""
-    begin = 0
     for name, columns in COLUMNS.items():
         shape = (*states[name].shape, len(columns))
-        end = begin + shape[1] * shape[2]
-        values = rows[:, begin:end].reshape(shape)
+        values, rows = np.split(rows, [shape[1] * shape[2]], axis=1)
         for place, column in enumerate(columns):
-            states[name][column] = values[:, :, place]
-        begin = end
+            states[name][column] = values.reshape(shape)[:, :, place]
     memories = states["goals"]["memory"]
-    memories[:] = rows[:, begin:].reshape(memories.shape)
+    memories[:] = rows.reshape(memories.shape)

@@ -42,8 +42,6 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
 
 _LARGEST = 2**63 - 1
-_WIDE = 2**32
-_SHOWN = 50
 
 _LAST_BIT = "may differ in the last bit when compiled"
 _SET_ORDER = "takes a set in another order when compiled; write sorted(…)"
@@ -74,7 +72,6 @@ NAMES: Mapping[str, str] = MappingProxyType(
 )
 """What is said of functions of libraries: why it matters, and what to write instead."""
 
-_DRAWING = ("random.", "numpy.random.")
 _DRAWS = (
     "draws other numbers when compiled, if it compiles at all; write randomness.uniform or "
     "randomness.choice, which draw the same everywhere"
@@ -86,12 +83,14 @@ def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, st
     at = _Function(function, source)
     for node in at.nodes:
         for why in _said(node, at):
-            yield getattr(node, "lineno", function.lineno), f"found `{_shown(node)}`, which {why}"
+            text = ast.unparse(node).partition("\n")[0]
+            shown = text if len(text) <= 50 else text[:50] + "..."
+            yield getattr(node, "lineno", function.lineno), f"found `{shown}`, which {why}"
 
 
 def _said(node: ast.AST, at: "_Function") -> Iterator[str]:
     name = at.dotted(node)
-    if name in NAMES or name.startswith(_DRAWING):
+    if name in NAMES or name.startswith(("random.", "numpy.random.")):
         yield NAMES.get(name, _DRAWS)
     keys = {type(node).__name__}
     if isinstance(node, ast.Call):
@@ -101,11 +100,6 @@ def _said(node: ast.AST, at: "_Function") -> Iterator[str]:
         found = not keys.isdisjoint(rule.syntax.split()) and rule.applies(node, at)
         if found:
             yield rule.why.format(found)
-
-
-def _shown(node: ast.AST) -> str:
-    text = ast.unparse(node).partition("\n")[0]
-    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
 
 
 class _Function(Kinds):
@@ -145,16 +139,16 @@ def _power(node: ast.BinOp | ast.Call, at: _Function) -> str | None:
     if literal(node) is not None or power in (0, 1):
         return None
     if at.of(base) is at.of(exponent) is int:
-        return None if power is not None and power >= 0 else _WHOLE_POWER
+        if power is not None and power >= 0:
+            return None
+        return (
+            "is 0 when compiled if the exponent is below 0, and wraps beyond 64 bits; multiply in "
+            "a loop"
+        )
     if power is None:
         return "may differ; multiply"
     instead = {2: "write x * x", 0.5: "write math.sqrt(x)"}.get(power, "multiply")
     return f"{_LAST_BIT}; {instead}"
-
-
-_WHOLE_POWER = (
-    "is 0 when compiled if the exponent is below 0, and wraps beyond 64 bits; multiply in a loop"
-)
 
 
 def _is_wide(node: ast.BinOp, at: _Function) -> bool:
@@ -165,7 +159,7 @@ def _is_wide(node: ast.BinOp, at: _Function) -> bool:
     if isinstance(node.op, ast.LShift):
         return right is None or right >= 32
     is_product = isinstance(node.op, ast.Mult)
-    return is_product and any(isinstance(x, int) and abs(x) >= _WIDE for x in (left, right))
+    return is_product and any(isinstance(x, int) and abs(x) >= 2**32 for x in (left, right))
 
 
 def _is_singleton(node: ast.AST) -> bool:
@@ -188,9 +182,7 @@ def _targets(node: ast.Assign | ast.AugAssign) -> Iterator[ast.AST]:
 def _cuts_off(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
     """Whether a float goes where integers are kept."""
     is_float = any(at.of(value) is float for _, value in bound(node))
-    kept = [
-        target for target in _targets(node) if isinstance(target, ast.Attribute | ast.Subscript)
-    ]
+    kept = [each for each in _targets(node) if isinstance(each, ast.Attribute | ast.Subscript)]
     return is_float and any(at.of(target) is int for target in kept)
 
 
@@ -317,8 +309,6 @@ _CERTAIN = (
 )
 """What pyflakes finds that Python refuses as soon as it reaches the line."""
 
-_LONGEST = 120  # letters of the names that are told
-
 _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
@@ -388,7 +378,7 @@ def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
 
 def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
     near = get_close_matches(node.attr, known, 3) or [n for n in known if n[0] != "_"]
-    has = shorten(", ".join(near), _LONGEST, placeholder=" …")
+    has = shorten(", ".join(near), 120, placeholder=" …")
     return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"
 
 

@@ -24,9 +24,6 @@ from mrsfi_runtime.generated_code import region_files
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
 
-_LONGEST = 200  # letters of a text that may be the name of a file
-_UNLIKELY = re.compile(r"^/|\.\.|[\0\n]|\.py$")
-
 
 class Source:
     """A file of Python; if it is generated, only its regions are the team's.
@@ -163,9 +160,10 @@ def _named(tree: ast.Module, package: str) -> Iterator[str]:
 
 def _texts(tree: ast.Module) -> Iterator[str]:
     """Yield the texts of a module that may name a file beside it."""
+    is_unlikely = re.compile(r"^/|\.\.|[\0\n]|\.py$").search
     for node in ast.walk(tree):
         text = node.value if isinstance(node, ast.Constant) else None
-        if isinstance(text, str) and len(text) < _LONGEST and not _UNLIKELY.search(text):
+        if isinstance(text, str) and len(text) < 200 and not is_unlikely(text):
             yield text
 
 
@@ -278,8 +276,7 @@ def _of_name(kinds: Kinds, node: ast.Name) -> Kind:
 
 
 def _of_argument(kinds: Kinds, node: ast.arg) -> Kind:
-    """Return the kind of an argument; one that is called ``ci`` needs no annotation."""
-    is_state = node.annotation is None and node.arg == "ci"
+    is_state = node.annotation is None and node.arg == "ci"  # which needs none
     return State if is_state else _ANNOTATIONS.get(kinds.dotted(node.annotation))
 
 

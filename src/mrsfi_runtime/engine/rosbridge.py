@@ -116,13 +116,7 @@ def _say(connection: Connection, **said: str) -> None:
         connection.send(said)
 
 
-if __name__ == "__main__":
-    main(int(sys.argv[1]))
-
-
-_GREATEST_SEED = 2**63 - 1
-_LAST_WORDS = 2.0
-_LATER = 5.0
+_LAST_WORDS = 2.0  # seconds for a process to end
 
 
 class SimulationProcess:
@@ -145,7 +139,7 @@ class SimulationProcess:
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
         # the CI, which knows more, is the first to tell; a URL may hold a token: no argument
-        patient = replace(settings, timeout=settings.timeout + _LATER)
+        patient = replace(settings, timeout=settings.timeout + 5.0)
         with suppress(BrokenPipeError):  # what it says, or its end, tells why
             self._connection.send((code.directory.resolve(), patient))
         said = self._heard(patience.handshake)
@@ -197,27 +191,29 @@ class RosbridgeEngine(PlainEngine):
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
         super().__init__(code, seed)
-        url, client, patience = settings.url, settings.client, settings.patience
-        ros = settings.ros
+        url, patience = settings.url, settings.patience
         has_simulation = settings.side == BOTH
         _require_seed(seed)
         self.patience = 2 * (patience.tick + patience.handshake)
         self.simulation: SimulationProcess | None = None
         with ExitStack() as opened:
+
+            def join(url: str) -> RosbridgeTransport:
+                transport = RosbridgeTransport(url, settings.client, settings.ros)
+                opened.callback(transport.close)
+                return transport
+
             if url is not None:  # first: it tells best what is wrong with the URL
-                self._transport = RosbridgeTransport(url, client, ros)
-                opened.callback(self._transport.close)
+                self._transport = join(url)
             if has_simulation:
                 self.simulation = SimulationProcess(code, settings)
                 opened.callback(self.simulation.close)
             if url is None and self.simulation is not None:
-                self._transport = RosbridgeTransport(self.simulation.url, client, ros)
-                opened.callback(self._transport.close)
+                self._transport = join(self.simulation.url)
             self._opened = opened.pop_all()
-        is_bundled = settings.is_bundled
-        self._may_be_deaf = is_bundled and not has_simulation
+        self._may_be_deaf = settings.is_bundled and not has_simulation
         world = PrefixedTransport(self._transport, settings.world_prefix)
-        transport = BundlingTransport.of_ci(world) if is_bundled else world
+        transport = BundlingTransport.of_ci(world) if settings.is_bundled else world
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
         self.interface = self._lockstep.interface
         if self.simulation is not None:
@@ -250,7 +246,11 @@ class RosbridgeEngine(PlainEngine):
 
 
 def _require_seed(seed: int) -> None:
-    if seed > _GREATEST_SEED:
+    if seed >= 2**63:
         raise UsageError(
             f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
         )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

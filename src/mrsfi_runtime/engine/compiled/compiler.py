@@ -58,8 +58,6 @@ _KNOWN = tuple(
 )
 """Names of the fields of all records that a region is given."""
 
-_OPERATORS = ("binop", "inplace_binop", "unary")
-
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class _LikePython(AnalysisPass):
@@ -76,7 +74,8 @@ class _LikePython(AnalysisPass):
             for found in block.find_exprs():
                 named = {"getattr": "attr", "static_getitem": "index"}.get(found.op)
                 name = getattr(found, named) if named else ""
-                if isinstance(name, str) and (named or found.op in _OPERATORS):
+                is_operator = found.op in ("binop", "inplace_binop", "unary")
+                if isinstance(name, str) and (named or is_operator):
                     kinds = [state.typemap[each.name] for each in found.list_vars()]
                     if any(_refused(kind, found.op, name) for kind in kinds):
                         what = f"'{name or found.fn.__name__}'"
@@ -177,9 +176,6 @@ jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_cla
 """Lets compiled code call a function, which stays as it is."""
 
 
-_PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
-
-_NO_TEXT = "it makes a text; leave texts to the analysis"
 _REASONS = (
     (r"Untyped global name '(\w+)'.*<class 'function'>", "'{0}' is not marked @kernel; mark it"),
     (
@@ -207,7 +203,10 @@ _REASONS = (
         "'{1}.{0}' is not known to the compiler; write the formula, or leave it out",
     ),
     (r"Unknown attribute '(\w+)' of type array", "a list has no '{0}' when compiled; write a loop"),
-    (r"f-strings|'format' of type Literal|in function mod>[\s\S]*Literal\[str\]", _NO_TEXT),
+    (
+        r"f-strings|'format' of type Literal|in function mod>[\s\S]*Literal\[str\]",
+        "it makes a text; leave texts to the analysis",
+    ),
     (r"<built-in function (min|max)>", "'{0}' takes numbers alone; write a loop"),
     (r"load_from_data_pointer", "it lists records; list their indices"),
     (r"Cannot type empty list", "of an empty list no type is known; keep what lasts in `ci`"),
@@ -239,6 +238,7 @@ def explain(
     for function in functions:
         for line, why in _unknown(function):
             return _error(directory, function, line, why)
+    place = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
     called: list[Any] = [region.function]
     if region.role == EFFECT:
         names = region.function.__code__.co_names
@@ -249,7 +249,7 @@ def explain(
         except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
             named = [
                 int(line or other_line)
-                for file, line, other, other_line in _PLACE.findall(str(found))
+                for file, line, other, other_line in place.findall(str(found))
                 if Path(file or other).name == Path(inspect.getfile(function)).name
             ]
             return _error(directory, function, named[-1] if named else None, _why(found))
@@ -291,7 +291,6 @@ def _why(error: Exception) -> str:
     return lines[1 if len(lines) > 1 and "pipeline" in lines[0] else 0].partition(" Raised from")[0]
 
 
-_FLIGHT = (views.View(Flights), types.int64, types.int64)
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
 lend_runtime()
 _REGISTERED: dict[FunctionType, str] = {}
@@ -301,7 +300,8 @@ def compiled_kernel(machine: Any = None) -> MachineCode:
     """Compile the kernel's flight, for this machine or another."""
     functions = (fly_many, *TASK_FUNCTIONS)
     register(each for one in functions for each in _reached_by(one)[1:])
-    arguments = (_FLIGHT, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
+    flight = (views.View(Flights), types.int64, types.int64)
+    arguments = (flight, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
     found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine)
     return found
 
@@ -350,8 +350,9 @@ def _called(region: Region) -> Callable[..., Any]:
         function(view)
         return 0
 
-    known: dict[str, Callable[..., Any]] = {EFFECT: apply, "check": check}
-    return known.get(region.role, act)
+    if region.role == EFFECT:
+        return apply
+    return check if region.role == "check" else act
 
 
 @contextmanager
@@ -420,18 +421,16 @@ def _compiled(
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
     _TYPING.refresh()
     _TARGET.refresh()
-    names = []
-    module: Any = None
+    names, modules = list[str](), list[Any]()
     for function, arguments in functions:
         result = compiler.compile_extra(
             _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
         )
         names.append(result.fndesc.llvm_func_name)
-        found = _optimised(_TARGET.codegen(), result.library.whole(), names[-1])
-        if module is None:
-            module = found
-        else:
-            module.link_in(found)
+        modules.append(_optimised(_TARGET.codegen(), result.library.whole(), names[-1]))
+    module, *others = modules
+    for other in others:
+        module.link_in(other)
     machine = machine or _TARGET.codegen()._tm  # noqa: SLF001 - numba's own
     binary = machine.emit_object(module)
     known = (*module.functions, *module.global_variables)

@@ -235,9 +235,6 @@ def read_recorded(state: State, recorded: Any) -> None:
                 setattr(record, column, value)
 
 
-_INJECTION = record_type(InjectionState)
-_TALLY = record_type(FaultTally)
-_TRIGGERS = {"triggers": record_type(TriggerState), "waiting": record_type(WaitingState)}
 _PLACES = {name: entry.place for name, entry in entries(Plan).items()}
 
 
@@ -257,15 +254,17 @@ class Batch:
         self._plans: Words = np.zeros((len(plans), n_entries(Plan), 2), np.int64)
         self._n_held = [one.n_held for one in plans]
         self._plans[:, _PLACES["held"], 1] = self._n_held
+        layout = record_type(InjectionState)
         injections = zip(*(one.lists for one in plans), strict=True)
         self._injections = [
-            self._listed(name, _records(_INJECTION, lists), lists)
+            self._listed(name, _records(layout, lists), lists)
             for name, lists in zip(("messages", "reports", "commands"), injections, strict=True)
         ]
         own = [one.own for one in plans]
         self._own = self._listed("own", _records(OWN, own), own)
         self._own[ALLOWED] = [allowed(row) for one in plans for row in one.own] or 0
-        tallies: Records = np.zeros(sum(one.n_faults for one in plans), _TALLY)
+        n_faults = sum(one.n_faults for one in plans)
+        tallies: Records = np.zeros(n_faults, record_type(FaultTally))
         tallies[:] = astuple(FaultTally())
         self._tallies = self._listed("tallies", tallies, [range(one.n_faults) for one in plans])
         self._triggers = self._triggered(plans) if any(one.triggers for one in plans) else ()
@@ -285,9 +284,9 @@ class Batch:
         """Return the records of what sets faults off, which plans without any do not have."""
         sources = np.array([number for one in plans for number in one.sources], np.int64)
         found = [self._listed("sources", sources, [one.sources for one in plans])]
-        for name, layout in _TRIGGERS.items():
+        for name, kind in (("triggers", TriggerState), ("waiting", WaitingState)):
             lists = [getattr(one, name) for one in plans]
-            records = _records(layout, lists)
+            records = _records(record_type(kind), lists)
             if name == "triggers":
                 records["fired"] = -1
             found.append(self._listed(name, records, lists))
@@ -313,12 +312,12 @@ class Batch:
 
     def outcome(self, k: int, measured: Sequence[bool]) -> Outcome:
         """Return what the flight of one specification found; ``measured`` goals have a margin."""
-        of_goals, of_faults = self._counts
+        of_goals, of_faults, beside, states = self._columns
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
-        margin, nearest, *detection = (column[k] for column in self._beside)
-        beside = zip(margin, nearest, measured, strict=True), zip(*detection, strict=True)
-        return digested(counts, *beside, *(rows[k] for rows in self._packed))
+        margin, nearest, *detection = (column[k] for column in beside)
+        margins = zip(margin, nearest, measured, strict=True)
+        return digested(counts, margins, zip(*detection, strict=True), *(s[k] for s in states))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
@@ -326,19 +325,14 @@ class Batch:
         return [FaultTally(*row) for row in self._tallies[first:last].tolist()]
 
     @cached_property
-    def _counts(self) -> tuple[list[Any], list[Any]]:
-        goals = [*(self.results[name] for name in COUNTED), self.results["world"]["goals"]["count"]]
+    def _columns(self) -> tuple[list[Any], ...]:
+        """Counts of goals and of faults, what is not digested, and the last states."""
+        world = self.results["world"]
+        goals = [*(self.results[name] for name in COUNTED), world["goals"]["count"]]
         faults = [self._tallies["applied"], self._tallies["changed"]]
-        return [column.tolist() for column in goals], [column.tolist() for column in faults]
-
-    @cached_property
-    def _beside(self) -> list[Any]:
-        names = ("margin", "nearest", "broken", "undetected")
-        return [self.results[name].tolist() for name in names]
-
-    @cached_property
-    def _packed(self) -> tuple[list[memoryview], list[memoryview]]:
-        return packed(self.results["world"]), packed(self.results["belief"])
+        beside = [self.results[name] for name in ("margin", "nearest", "broken", "undetected")]
+        lists = ([column.tolist() for column in some] for some in (goals, faults, beside))
+        return *lists, [packed(world), packed(self.results["belief"])]
 
 
 def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) -> Records:

@@ -66,9 +66,11 @@ def temporary(folder: Path, why: str) -> Path:
         raise CompilationError(f"{folder}: cannot keep compiled code: {why}; {error}") from error
     atexit.register(shutil.rmtree, own, ignore_errors=True)
     os.environ["MRSFI_CACHE"] = own
-    remedy = "it is lost when this command ends; make it yours (chmod 700) or set MRSFI_CACHE"
-    told = "warning: %s: compiled code is not kept there: %s; %s"
-    logging.getLogger(__name__).warning(told, folder, why, remedy)
+    logging.getLogger(__name__).warning(
+        "warning: %s: compiled code is not kept there: %s; it is lost when this command ends; make "
+        "it yours (chmod 700) or set MRSFI_CACHE",
+        *(folder, why),
+    )
     return Path(own)
 
 
@@ -125,7 +127,7 @@ _LOADED: dict[bytes, tuple[Any, list[int]]] = {}
 FOLDER = Path(__file__).with_name("prebuilt")
 PROCESSOR = "x86-64-v3"
 _FEATURES = {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
-"""What the library runs on, and what Linux calls the features that such a processor has."""
+"""What Linux calls the features of a processor on which the library runs."""
 
 LIBRARY, MANIFEST = "kernel.so", "kernel.json"
 
@@ -196,8 +198,7 @@ def _processor() -> tuple[str, str, str]:
 
 @cache
 def _machine() -> Any:
-    llvm = _llvm()
-    triple, cpu, features = _processor()
+    llvm, (triple, cpu, features) = _llvm(), _processor()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(triple)
@@ -260,12 +261,6 @@ def library_seal(names: Sequence[str], library: bytes) -> str:
     return sealed(key_of(sources_key(), *names), library).decode()
 
 
-FLIGHT = ctypes.CFUNCTYPE(
-    ctypes.c_int32,
-    ctypes.POINTER(ctypes.c_int64),
-    ctypes.POINTER(ctypes.c_void_p),
-    ctypes.c_void_p,
-    ctypes.c_int64,
-    ctypes.c_int64,
-)
+_POINTERS = (ctypes.POINTER(ctypes.c_int64), ctypes.POINTER(ctypes.c_void_p), ctypes.c_void_p)
+FLIGHT = ctypes.CFUNCTYPE(ctypes.c_int32, *_POINTERS, ctypes.c_int64, ctypes.c_int64)
 """How compiled code is called: where the result goes, and an error; then what flies."""

@@ -47,7 +47,6 @@ from mrsfi_runtime.kernel.state import MapState, MissionState, State, kernel
 
 _intrinsic: Callable[[Callable[..., Any]], Callable[..., Any]] = intrinsic  # typed as it is called
 _WORD = ir.IntType(64)
-_LENGTHS = [ir.Constant(_WORD, 0), ir.Constant(_WORD, 2**40)]
 
 
 class View(types.Type):
@@ -103,7 +102,8 @@ def _get(context: Any, builder: Any, view: View, directory: Any, name: str) -> A
         size = context.get_constant(types.intp, entry.layout.itemsize)
         data = builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer())
         length = _word(builder, directory, 2 * entry.place + 1)
-        length.set_metadata("range", builder.module.add_metadata(_LENGTHS))
+        least_and_most = [ir.Constant(_WORD, 0), ir.Constant(_WORD, 2**40)]
+        length.set_metadata("range", builder.module.add_metadata(least_and_most))
         populate_array(array, data, [length], [size], size, meminfo=None)
         return array._getvalue()  # noqa: SLF001 - as numba's own code does
     if entry.kind == "record":
@@ -116,9 +116,8 @@ def _set(context: Any, builder: Any, signature: Any, arguments: Any, name: str) 
     view, kind = signature.args
     entry, _ = view.entry(name)
     address = _word(builder, arguments[0], 2 * entry.place)
-    builder.store(
-        arguments[1], _number(builder, address, entry, name, context.get_value_type(kind))
-    )
+    place = _number(builder, address, entry, name, context.get_value_type(kind))
+    builder.store(arguments[1], place)
 
 
 def _number(builder: Any, address: Any, entry: Entry, name: str, kind: Any) -> Any:
@@ -196,7 +195,7 @@ def word_of(_context: Any, record: Any, place: Any) -> Any:
 _N_CONSTANT = OWN.fields["memory"][1] // 8  # type: ignore[index]
 _N_MISSION, _N_MAP = (record_type(kind).itemsize // 8 for kind in (MissionState, MapState))
 _N_VERDICTS = len(VERDICTS)
-_ODD = -7046029254386353131
+_ODD = -7046029254386353131  # no single change of a word escapes a sum that is multiplied by it
 
 
 @kernel
@@ -259,11 +258,7 @@ TASK_FUNCTIONS = (progress_by_task, check_by_task, react_by_task)
 
 @kernel
 def apply(ci: Any, inbox: Any, fault: Any) -> None:
-    """Let a fault of a team's own type act; fail if it changes what its type does not allow.
-
-    A sum is taken of the words before and after: that no single change escapes follows from the
-    factor, which is odd.
-    """
+    """Let a fault of a team's own type act; fail if it changes what its type does not allow."""
     calls = getattr(ci, CALLS)
     address = calls[3 * len(ci.goals)]
     if address == 0:
@@ -310,12 +305,12 @@ def add_record(total: int, record: Any, n_words: int) -> int:
 class Flights:
     """What some flights read and write.
 
-    ``states`` are the directories of truth, belief and inbox, ``plans`` and ``verdicts`` has one a
-    specification. ``fresh`` is what changes in a state, before the first tick, ``world, belief,
-    inbox`` the same of the states themselves. ``samples`` has the valid ones of each sensor,
-    tick after tick. ``results`` has a row a specification: the words of the last truth and belief,
-    then the verdicts; ``moments`` one for each tick to be kept, of ``n_moments``. ``at`` receives
-    the number of the specification that flies, and says from which tick on and before which.
+    ``states`` are the directories of truth, belief and inbox; ``plans`` and ``verdicts`` have one a
+    specification. ``fresh`` is what changes in a state, before the first tick; ``world, belief,
+    inbox`` the same of the states themselves; ``samples`` the valid ones of each sensor, tick after
+    tick. ``results`` has a row a specification: words of the last truth and belief, then verdicts;
+    ``moments`` one for each of ``n_moments`` ticks. ``at`` receives the number of the specification
+    that flies, and holds its first tick and the one after its last.
     """
 
     n_moments: int
