@@ -35,11 +35,7 @@ from mrsfi_runtime.model.mission import Margin, Outcome
 
 
 class CampaignFolder:
-    """The folder ``runs/<name>`` of one campaign.
-
-    ``model`` and ``generated`` are copies of what the campaign runs on, so that a replay does
-    not depend on what was edited since.
-    """
+    """The folder ``runs/<name>`` of one campaign; a replay depends on nothing outside of it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -171,8 +167,7 @@ def _copy_files(files: Mapping[str, Path], target: Path) -> None:
 def only_writer(folder: CampaignFolder) -> Iterator[None]:
     """Let nobody else write a campaign while the body runs.
 
-    The lock is the operating system's, on a file that stays: however the process ends, the
-    lock ends with it, and nothing has to be removed by hand. Child processes do not keep it.
+    The lock is the operating system's: it ends with the process, and children do not inherit it.
     """
     try:
         descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
@@ -231,10 +226,7 @@ _ENCODER = json.JSONEncoder(
 
 
 def canonical(value: Any) -> str:
-    """Return the one JSON text of a value: no spaces, given key order, numpy's numbers as Python's.
-
-    A number that is not finite is a ValueError.
-    """
+    """Return the JSON text of a value, without spaces; a number not finite is a ValueError."""
     return _ENCODER.encode(value)
 
 
@@ -263,8 +255,7 @@ def specification(rows: Iterable[Any]) -> Specification:
 def fault_texts(text: str) -> tuple[list[str], list[str]]:
     """Return the pool fault of each timed fault, and texts that tell timed faults apart.
 
-    They are found in the text of a specification without making its timed faults, which takes
-    six times as long. Equal timed faults have equal texts.
+    To make the timed faults of a specification would take six times as long.
     """
     faults = re.findall(r'\["([^"\\]*)",', text)  # unless their IDs are odd ones
     texts = text.removeprefix("[[")[:-3].split("]],[")

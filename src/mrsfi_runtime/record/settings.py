@@ -269,10 +269,9 @@ class Regression:
     """A fault specification that must not do more harm than is kept.
 
     ``limits`` are the most ticks of one of ``VIOLATIONS`` that goals may have, by their IDs, with
-    each of the ``mission_seeds``; other goals are not looked at. ``path`` is their file, ``found``
-    says for people where it comes from and what it did, ``accepted`` why that is accepted, if so,
-    ``side`` of which parts the counts are, as ``--side`` has it, and ``defect`` why nothing of this
-    is known, if its files cannot be read.
+    each of the ``mission_seeds``. ``path`` is their file. ``found`` says where it comes from and
+    what it did, ``accepted`` why that is accepted, ``side`` which parts flew, as ``--side`` has it,
+    ``defect`` why its files cannot be read.
     """
 
     path: Path

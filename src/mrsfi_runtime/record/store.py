@@ -36,8 +36,7 @@ _BATCH = 2000  # evaluations whose texts are held at once
 class Flown:
     """What flying gave, without the specification, which takes longest to read.
 
-    ``index`` counts from 0 without gaps, as generations do. Of ``fitness`` the first is what it is
-    ranked by, more is more critical; if that is a mean over mission seeds, the mean violations of
+    The first of ``fitness`` ranks it; if that is a mean over mission seeds, the mean violations of
     each chosen goal follow. ``fault_ticks`` are those at which faults were active, summed over
     them.
     """
@@ -161,10 +160,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         failures: Iterable[FailedEvaluation] = (),
         generations: Iterable[Generation] = (),
     ) -> None:
-        """Store evaluations, failures and finished generations in one transaction.
-
-        Their indexes follow those stored; if one does not, nothing is stored (ValueError).
-        """
+        """Store all in one transaction; nothing if an index does not follow those stored."""
         text, faults = database.canonical, database.specification_text
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
@@ -323,11 +319,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return self._select(f"SELECT * FROM {table} ORDER BY idx")
 
     def digest(self) -> str:
-        """Return SHA-256 over specification, outcome and fitness of all evaluations in order.
-
-        Two campaigns with the same digest found the same, bit for bit, however their
-        evaluations were divided into appends.
-        """
+        """Return SHA-256 over specification, outcome and fitness of all evaluations in order."""
         digest = hashlib.sha256()
         query = self._from_evaluations(("specification", *database.COUNTS, "digest", "fitness"))
         for rows in self._batches(query, range(self.n_evaluations)):

@@ -68,8 +68,8 @@ _MEMORY = 0.95  # of a step's credit, at each use
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return the search by long windows, landmarks and small steps, as docs/search.md has it.
 
-    If the campaign minimises, NSGA-II's selection says who survives, one survivor is as good a
-    parent as another, and a step onto the front succeeds.
+    If the campaign minimises, NSGA-II selects survivors, all of them are equally good parents, and
+    a step onto the front succeeds.
     """
     rng = Random(settings.seed)
     guide = _Guide(space, settings, rng)
@@ -283,8 +283,7 @@ class FaultModel:
     def update(self, population: Sequence[Individual]) -> None:
         """Learn from how the best of a generation differ from all.
 
-        From the difference, because faults that are placed early cut the windows of later ones: a
-        model of the best alone would take that for success and make all windows short.
+        The best alone would mislead: faults that are placed early cut the windows of later ones.
         """
         ranked = sorted(population, key=_fitness, reverse=True)
         elite = ranked[: max(1, round(0.25 * len(ranked)))]
@@ -407,11 +406,7 @@ class Breeder:
 
 
 def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return DEAP's ``eaSimple``: select, vary by crossover and mutation, replace all.
-
-    It differs from ``paper`` in that whoever crossover or mutation touched is evaluated, also if
-    it came out as it was.
-    """
+    """Return DEAP's ``eaSimple``: as ``paper``, but all that variation touched is evaluated."""
     breeder = Breeder(space, settings)
     return breeder.loop(lambda parents: breeder.vary_and(breeder.select(parents)))
 

@@ -110,9 +110,8 @@ def _place(error: BaseException) -> str:
 class FitnessInput:
     """What a fitness function judges: all that one evaluation found.
 
-    ``violations`` is the count that the campaign chose, believed by default, of every goal in
-    model order; ``goals`` are the indexes of the chosen goals, all if the campaign names none.
-    ``duration`` is in ticks.
+    ``violations`` is the count that the campaign chose, of every goal in model order; ``goals`` are
+    the indexes of the chosen goals, all by default. ``duration`` is in ticks.
     """
 
     outcome: Outcome
@@ -176,12 +175,12 @@ def focused(findings: FitnessInput) -> float:
 def nearest(findings: FitnessInput) -> float:
     """Return the violations of the chosen goals; of one without any, how near it came to one.
 
-    That is 1 / (1 + margin), 0 if nothing can be said: less than any violation, and so a direction
-    for a search where all would be 0. Margins are of the truth.
+    That is 1 / (1 + true margin), 0 without a margin: less than any violation, and so a direction
+    for a search where all would be 0.
 
     Notes
     -----
-    It is meant for one goal: units of margins differ, and so does how near is near.
+    It is meant for one goal, because units of margins differ.
     """
     margins = findings.outcome.margins or ()
     near = 0.0

@@ -60,8 +60,7 @@ class Individual(list[TimedFault]):
     """A fault specification in evolution, in the order of ``SearchSpace.ordered``.
 
     DEAP compares ``fitness``, which has no value until the individual is evaluated; ``score`` is
-    what it was told last. ``number`` says which of the specifications that the algorithm asked
-    for it is, from 0; ``None`` before.
+    the last one. ``number`` counts from 0 the specifications that the algorithm asked for.
     """
 
     def __init__(self, specification: Specification) -> None:
@@ -133,9 +132,8 @@ def lent_to_deap(rng: Random) -> Iterator[None]:
 def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
     """Select by spins of a roulette whose slots are as wide as the fitness.
 
-    It selects as DEAP's does, which adds up all slots anew at every spin; but ``sum`` rounds
-    floats otherwise since Python 3.12, so they are added up one after the other. If all fitness
-    is zero, selection is uniform: DEAP's roulette would return nobody.
+    It selects as DEAP's does, but adds up one after the other: ``sum`` rounds floats otherwise
+    since Python 3.12. If all fitness is 0, selection is uniform, where DEAP's would return nobody.
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:
@@ -177,8 +175,7 @@ SELECTIONS: Mapping[str, Selection] = MappingProxyType(
 
 
 MOST_IDLE = 1000
-"""Generations in a row without a new specification after which a number of evaluations is given
-up: variation makes none any more, as with both chances at 0."""
+"""Generations in a row without a new specification after which a search gives up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,10 +233,9 @@ Survival: TypeAlias = Callable[[Sequence[Individual], list[Individual]], list[In
 class GenerationalLoop:
     """An algorithm that breeds offspring, and lets some of them and of the population survive.
 
-    Generation 0 is the first population. The run ends after ``settings.generations``
-    more. If ``settings.evaluations`` is set, it ends after exactly that many evaluations
-    instead: individuals beyond it are left out of the last generation. Then it ends early only
-    after ``MOST_IDLE`` generations in a row that ask for nothing.
+    The run ends ``settings.generations`` after the first population, generation 0. If
+    ``settings.evaluations`` is set, it ends after exactly that many, leaving out individuals of the
+    last generation, or after ``MOST_IDLE`` generations in a row that ask for nothing.
     """
 
     def __init__(

@@ -46,8 +46,8 @@ _FAILED = -1  # in the place of an index
 class CampaignProgress:
     """How far a campaign is, after a generation, whose index counts from 0.
 
-    ``best`` is the highest fitness so far, ``mean`` that of the generation. The numbers are of
-    the campaign so far; failures are not counted as evaluations.
+    ``best`` is the highest fitness so far, ``mean`` that of the generation. Failures are no
+    evaluations.
     """
 
     generation: int
@@ -98,9 +98,8 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
 ) -> None:
     """Run a search to its end and record every evaluation, but for those recorded already.
 
-    Whatever ends the run early, what was evaluated until then is recorded. Only the death of
-    the process loses evaluations: the few that ``ResumableRecord.keep`` had not written yet.
-    At most 100 specifications are evaluated at once, by each replica on a mission seed of its own.
+    Only the death of the process loses evaluations: those that ``ResumableRecord.keep`` had not
+    written yet. Each replica evaluates on a mission seed of its own, at most 100 at once.
     """
     with importing(CampaignFolder(store.path.parent).generated):
         require_settings(settings, mission, algorithms)
@@ -208,12 +207,9 @@ class _Assessment:
         )
 
     def _require_same_score(self, result: Result, place: int) -> None:
-        """Refuse a record whose fitness function was another one.
-
-        With replications the record lacks the outcomes that a mean comes from.
-        """
+        """Refuse a record whose fitness function was another one."""
         if isinstance(result, FailedEvaluation) or len(self._evaluators) > 1:
-            return
+            return  # the record lacks the outcomes of a mean
         score = self._judge.score(result.outcome, result.specification)
         if (score.fitness,) != result.fitness:
             raise RecordError(self._record.astray(f"the fitness of specification {place}"))
@@ -267,7 +263,7 @@ class ResumableRecord:
     ) -> list[Result]:
         """Return what a record from before has of specifications: all, the first ones or none.
 
-        So many were asked for before these, and so many of those evaluated without failure.
+        ``number`` were asked for before these, ``index`` of those evaluated without failure.
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
         evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())

@@ -40,9 +40,8 @@ Window: TypeAlias = tuple[int, int]
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     """Return the landmarks of a pool fault within its bounds, each once, its own values first.
 
-    Most values between two bounds are like their neighbours. What stands out are the ends, and,
-    among places, where robots begin, goals are pursued and obstacles stand: a believed position
-    inside an obstacle is a point that chance hardly ever hits.
+    These are the ends of bounds, and, among places, where robots begin, goals are pursued and
+    obstacles stand: chance hardly ever hits a believed position inside an obstacle.
     """
     bounds = value_bounds(mission, fault)
     if fault.kind.is_place:
@@ -83,10 +82,9 @@ class Candidate:
 
     ``values`` are the pool's own, shape ``(n_parameters,)``, ``bounds`` the lowest and highest of
     each, ``(n_parameters, 2)``, equal if it is fixed. ``conflicts`` are IDs of the faults that it
-    may not overlap, its own included. ``landmarks`` are values within the bounds that mean
-    something in the mission, the pool's own first, ``(n_landmarks, n_parameters)``. ``is_place``
-    says whether the values are coordinates. ``triggers`` are what it may wait for: nothing first,
-    then all triggers of the pool but for those of its own effect.
+    may not overlap, its own included. See ``landmarks`` for these, ``(n_landmarks, n_parameters)``.
+    ``is_place`` says whether the values are coordinates. ``triggers`` are what it may wait for:
+    nothing first, then the pool's triggers but for those of its own effect.
     """
 
     index: int
@@ -173,8 +171,7 @@ class SearchSpace:
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:
         """Return timed faults by start, finish and place in the pool.
 
-        One set of timed faults has one order, hence one record and one outcome. No two of
-        a valid specification are equal in all three.
+        So a set of timed faults has one order, one record and one outcome.
         """
         ordered = sorted(faults, key=lambda f: (f.start, f.finish, self.candidates[f.fault].index))
         return tuple(ordered)
@@ -206,11 +203,7 @@ def widest(free: Sequence[Window]) -> Window:
 
 
 def random_window(free: Sequence[Window], rng: Random) -> Window:
-    """Draw a window inside one of several free ones.
-
-    Every window comes as often as if a start and a finish were drawn from the whole
-    mission, and both drawn again until the window is free.
-    """
+    """Draw a window inside free ones, as if drawn from the whole mission until one is free."""
     n_pairs = [(last - first + 1) ** 2 for first, last in free]
     ((first, last),) = rng.choices(free, weights=n_pairs)
     one, other = rng.randrange(first, last + 1), rng.randrange(first, last + 1)
@@ -232,10 +225,9 @@ Block: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 def mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw start, finish, values and trigger of timed faults anew, each with a chance of ``share``.
+    """Draw window, values and trigger of timed faults anew, each with a chance of ``share``.
 
-    The paper names no chance per fault; one half is ours. A new window is drawn among those that
-    the other faults leave free, new values within the bounds of the model.
+    The paper names no chance. The window lies where other faults leave room, values within bounds.
     """
     faults = list(specification)
     for place, timed in enumerate(faults):
@@ -265,17 +257,12 @@ def crossed(
 ) -> tuple[Specification, Specification]:
     """Exchange faults between two specifications.
 
-    The number to exchange is drawn from 1 to half the size of the smaller one, and what
-    comes nearest to it is exchanged. Both stay as they are only if there is no exchange
-    that the restriction, the half and the sizes allow.
+    The number to exchange is drawn from 1 to half the size of the smaller one; the exchange that
+    comes nearest to it is made, if any is allowed. Faults that clash across the two form blocks,
+    which change sides as a whole: so every allowed exchange is a set of blocks.
 
-    Faults that clash across the two specifications can only change sides together. They
-    form blocks, and every exchange that keeps the restriction consists of whole blocks,
-    so blocks that add up to an allowed exchange are found if there are any.
-
-    The paper tolerates that individuals become unequal in size. Here as many faults leave
-    as arrive, and of two unequal ones neither grows beyond the larger: more faults mean
-    more violations, so sizes that may grow would be evolved instead of faults.
+    The paper lets individuals grow unequal. Here neither grows beyond the larger of the two: more
+    faults mean more violations, so the search would evolve sizes in place of faults.
     """
     half = min(len(first), len(second)) // 2
     blocks = exchangeable_blocks(space, first, second)
@@ -349,9 +336,8 @@ def _combined(
 ) -> dict[tuple[int, int], tuple[int, ...]]:
     """Return, for the numbers of faults that blocks add up to, one choice of blocks each.
 
-    Keys count the faults that leave the first and the second specification, each at most
-    ``limit`` and not both 0. All that are possible are there, unless ``wanted`` of both
-    came up: then the search for others ends.
+    Keys count the faults that leave each specification, at most ``limit`` and not both 0. All that
+    are possible are there, unless the search ended early at ``wanted`` of both.
     """
     found: dict[tuple[int, int], tuple[int, ...]] = {(0, 0): ()}
     for number, (leave, arrive) in enumerate(blocks):
@@ -368,11 +354,10 @@ def _combined(
 def repaired(space: SearchSpace, faults: Iterable[TimedFault], rng: Random) -> Specification:
     """Cut the windows of conflicting faults until none overlap; move what would vanish.
 
-    Each fault keeps one tick of its window, those of the shortest windows drawn first. Between the
-    ticks of two that conflict and overlap lies a cut, drawn from where they do. A fault whose
-    ticks others keep moves to the nearest one that is free; it vanishes only if others keep every
-    tick of the mission. What clashes with nothing stays as it is, unless the room for those that
-    do is short.
+    Each fault keeps one tick of its window, drawn for the shortest windows first. Two that conflict
+    are cut between their ticks, where they overlap. A fault whose ticks others keep moves to the
+    nearest free one, and vanishes only if there is none. Faults that clash with none stay as they
+    are, unless the others need their room.
     """
     ordered = space.ordered(faults)
     if not any(space.clash(one, other) for one, other in combinations(ordered, 2)):
@@ -421,8 +406,7 @@ def freely_crossed(
 ) -> tuple[Specification, Specification]:
     """Exchange any faults, 1 to half the size of the smaller, and repair what overlaps.
 
-    Neither changes its size: where a mission has no room for the faults that arrive, both stay
-    as they are.
+    Both stay as they are where the mission has no room for the faults that arrive.
     """
     half = min(len(first), len(second)) // 2
     if not half:
@@ -476,10 +460,7 @@ CROSSOVERS: Mapping[str, Crossover] = MappingProxyType(
 
 
 def first_size(settings: CampaignSettings, rng: Random) -> int:
-    """Return how many timed faults a specification of the first population is to have.
-
-    All that the settings allow, as in the paper; if few are sought, from 1 on as many as drawn.
-    """
+    """Return how many faults one of the first population has: drawn if few are sought, else all."""
     return rng.randint(1, settings.faults) if settings.minimise else settings.faults
 
 
@@ -487,10 +468,8 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
     """Draw timed faults from the pool, no two conflicting ones overlapping.
 
     Each fault is drawn with replacement, its window among those that earlier ones leave free, and
-    its trigger, if the pool has any; it keeps the pool's values. The paper's lists always hold 20;
-    so that there are as many as wanted, at least one, a window drawn earlier is cut short when no
-    fault has a free tick left. Fewer come only if the mission is too short: every window is then
-    one tick.
+    its trigger; it keeps the pool's values. When no fault has a free tick left, an earlier window
+    is cut short, as the paper's lists always hold 20. Only a mission that is too short gets fewer.
     """
     placed: list[TimedFault] = []
     candidates = list(space.candidates)

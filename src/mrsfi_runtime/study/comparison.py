@@ -166,9 +166,9 @@ class RunResult:
 
     ``improvements`` are numbers of evaluations at which a fitness above all before was found, and
     that. ``at_once`` has for k = 1, 2, … the number of evaluations until one specification broke k
-    goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for one or another of
-    those so far. ``hypervolume`` is the share of the possible that the front reaches, 0 … 1, see
-    ``front_volume``; ``front_size`` counts its different vectors. ``seconds`` are wall time.
+    goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for all so far.
+    ``hypervolume`` is that of ``front_volume``, ``front_size`` the number of different vectors,
+    ``seconds`` are wall time.
     """
 
     algorithm: str
@@ -242,11 +242,10 @@ def _reached(n_broken: NDArray[Any], n_goals: int) -> tuple[int | None, ...]:
 def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
     """Return the hypervolume of a front, as a share of the possible.
 
-    Points are whole numbers from 0 on, more is better: violations, or how many fewer faults, or
-    ticks of faults, than a specification may have; ``best`` is the best possible one. The reference
-    point is ``(-1, …, -1)``: so a front whose points violate one goal alone counts, and the volume
-    is the number of whole vectors that the front reaches or exceeds, over the number of all.
-    ``None`` with fewer than two objectives, or more than ``MOST_OBJECTIVES``.
+    Points are whole numbers from 0 on, more is better; ``best`` is the best possible one. The
+    reference point is ``(-1, …, -1)``: so a front whose points violate one goal alone counts, and
+    the volume is the share of all whole vectors that the front reaches or exceeds. ``None`` with
+    fewer than two objectives, or more than ``MOST_OBJECTIVES``.
     """
     if not 2 <= len(best) <= MOST_OBJECTIVES:
         return None
@@ -269,10 +268,9 @@ class Quartiles:
 class RankTest:
     """How two samples compare.
 
-    ``u`` is the Mann-Whitney U of the first sample: pairs in which its value is the larger one,
-    ties half; ``p_value`` is two-sided, of one distribution. ``method`` is ``exact`` over all
-    divisions of the pooled values, or ``normal``, with the corrections for ties and continuity.
-    ``a12`` is the chance that a value of the first sample is the larger one, ties half.
+    ``u`` is the Mann-Whitney U of the first sample: pairs in which its value is larger, ties half;
+    ``a12`` is the share of such pairs. ``p_value`` is two-sided. ``method`` is ``exact`` over all
+    divisions of the pooled values, or ``normal``, with corrections for ties and continuity.
     """
 
     u: float
@@ -303,9 +301,8 @@ def quartiles(values: Sequence[float]) -> Quartiles:
 def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
     """Compare two samples of at least one value each; infinite values are ranked, too.
 
-    Exact where at most 20,000 divisions of the pooled values into two such samples have to be
-    enumerated (8 against 8), ties or not; beyond, and for a sample of one value, the normal
-    approximation.
+    Exact up to 20,000 divisions of the pooled values into two such samples (8 against 8); beyond,
+    and for a sample of one value, the normal approximation.
     """
     n_pairs = len(first) * len(second)
     if len({*first, *second}) == 1:
