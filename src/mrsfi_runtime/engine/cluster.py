@@ -26,7 +26,7 @@ from multiprocessing.resource_tracker import ensure_running
 from pathlib import Path
 from threading import Lock
 from time import monotonic, perf_counter
-from typing import Any, Self, cast
+from typing import Any, Self, TypeAlias, cast
 from uuid import uuid4
 
 from distributed import Client, KilledWorker, LocalCluster, Security, WorkerPlugin, get_worker, wait
@@ -128,12 +128,8 @@ def _version(name: str) -> str:
         return "not installed"
 
 
-@dataclass(frozen=True, slots=True)
-class EvaluatedChunk:
-    """What came of a chunk, in its order, and how long the evaluations took."""
-
-    results: tuple[Evaluated, ...]
-    seconds: float
+EvaluatedChunk: TypeAlias = tuple[list[Evaluated], float]
+"""What came of a chunk, in its order, and how many seconds the evaluations took."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +202,7 @@ class MissionPlugin(WorkerPlugin):
         for place, each in enumerate(results):
             if isinstance(each, FailedFlight):
                 results[place] = FailedFlight(told(each.traceback))
-        return EvaluatedChunk(tuple(results), seconds)
+        return results, seconds
 
     def _require_same_environment(self) -> None:
         differences = self._shipment.differences()
@@ -443,9 +439,9 @@ class ClusterPool(Evaluator):
                     first += size
                     n_wanted -= 1
                 while waiting and waiting[0].done():
-                    evaluated = self._cluster.result(waiting.popleft())
-                    self._pace.learn(len(evaluated.results), evaluated.seconds)
-                    yield from evaluated.results
+                    results, seconds = self._cluster.result(waiting.popleft())
+                    self._pace.learn(len(results), seconds)
+                    yield from results
                 if waiting:
                     self._cluster.wait(waiting)
         finally:

@@ -196,14 +196,9 @@ class GenerationSummary:
         cls, index: int, n_evaluations: int, fitness: Sequence[float], population: Iterable[int]
     ) -> Self:
         """Return that of a population with such fitness, of which so many were asked for."""
-        found = {
-            "n_evaluations": n_evaluations,
-            "mean": statistics.fmean(fitness),
-            "std": statistics.pstdev(fitness),
-            "min": min(fitness),
-            "max": max(fitness),
-        }
-        return cls(index, found, tuple(population))
+        mean, std = statistics.fmean(fitness), statistics.pstdev(fitness)
+        found = {"mean": mean, "std": std, "min": min(fitness), "max": max(fitness)}
+        return cls(index, {"n_evaluations": n_evaluations, **found}, tuple(population))
 
 
 class Algorithm(Protocol):
@@ -278,16 +273,11 @@ class GenerationalLoop:
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
         self._population = self._survive(self._population, self._offspring)
-        fitness = [individual.score.fitness for individual in self._population]
-        numbers = (individual.number for individual in self._population)
+        fitness = [each.score.fitness for each in self._population]
+        numbers = [each.number for each in self._population if each.number is not None]
         self._n_closed += 1
         self._n_idle = 0 if self._pending else self._n_idle + 1
-        return GenerationSummary.of(
-            self._n_closed - 1,
-            len(self._pending),
-            fitness,
-            (number for number in numbers if number is not None),
-        )
+        return GenerationSummary.of(self._n_closed - 1, len(self._pending), fitness, numbers)
 
     def random_state(self) -> str:
         """Return the state of the random generator as JSON text."""
@@ -306,10 +296,9 @@ _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
 
 def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
     """Put a fault of the pool in the place of one, wherever it fits longest."""
-    if not specification:
-        return specification
     kept = list(specification)
-    kept.pop(rng.randrange(len(kept)))
+    if kept:
+        kept.pop(rng.randrange(len(kept)))
     return filled(space, tuple(kept), len(specification), rng)
 
 

@@ -14,7 +14,8 @@ import math
 from array import array
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from time import monotonic
 from typing import TypeAlias
 
@@ -131,26 +132,22 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
             raise
 
 
+@dataclass
 class _Assessment:
-    """Finds the fitness of specifications, in the record or by evaluation, and counts."""
+    """Finds the fitness of specifications, in the record or by evaluation, and counts.
 
-    def __init__(
-        self,
-        settings: CampaignSettings,
-        duration: int,
-        judge: Judge,
-        evaluators: Sequence[EvaluateMany],
-        record: "ResumableRecord",
-    ) -> None:
-        self._settings = settings
-        self._duration = duration
-        self._judge = judge
-        self._evaluators = evaluators
-        self._record = record
-        self._indexes = array("q")  # evaluation of each specification asked for, or _FAILED
-        self._n_evaluations = 0
-        self._last_failure = ""
-        self._best = WORST_FITNESS
+    ``_indexes`` has the evaluation of each specification asked for, or ``_FAILED``.
+    """
+
+    _settings: CampaignSettings
+    _duration: int
+    _judge: Judge
+    _evaluators: Sequence[EvaluateMany]
+    _record: "ResumableRecord"
+    _indexes: "array[int]" = field(default_factory=partial(array, "q"))
+    _n_evaluations: int = 0
+    _last_failure: str = ""
+    _best: float = WORST_FITNESS
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
         scores: list[Score] = []

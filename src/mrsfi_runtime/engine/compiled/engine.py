@@ -17,6 +17,7 @@ import ctypes
 import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import cache, partial
 from itertools import chain, pairwise
 from time import perf_counter, process_time
@@ -219,9 +220,8 @@ def _seen(
             raise _EnoughError
 
     try:
-        reference.evaluate(specification, observer=observe)
-    except _EnoughError:
-        return seen, None
+        with suppress(_EnoughError):
+            reference.evaluate(specification, observer=observe)
     except WorkerLost:  # it got no further, which is no result
         raise
     except EvaluationError as error:
@@ -305,12 +305,8 @@ class CompiledEngine(Engine):
             check()
         _TRUSTED.add(self._mission)
 
-    def _first_ticks(
-        self, specification: Specification, n_ticks: int, seed: int | None = None
-    ) -> Recording | None:
-        """Return the first ticks of a flight; ``None`` if the reference engine is to repeat it."""
-        batch = self._batch([specification], self.code.pool)
-        return self._recorded(batch, self.seed if seed is None else seed, n_ticks)
+    def _first_ticks(self, specification: Specification, n_ticks: int) -> Recording | None:
+        return self._recorded(self._batch([specification], self.code.pool), self.seed, n_ticks)
 
     def _recorded(self, batch: Batch, seed: int, n_ticks: int) -> Recording | None:
         """Fly a batch of one, and return its first ticks; ``None`` if that failed."""
@@ -348,7 +344,8 @@ class CompiledEngine(Engine):
 
     def _record(self, specification: Specification, seed: int) -> Recording:
         self.require_same()
-        recording = self._first_ticks(specification, self.code.mission.duration, seed)
+        batch = self._batch([specification], self.code.pool)
+        recording = self._recorded(batch, seed, self.code.mission.duration)
         return self._reference.record(specification, seed) if recording is None else recording
 
     def evaluate_many(
