@@ -37,12 +37,12 @@ PATIENCE = 3.0
 
 ROOMS = {
     "model": """
-        unit/model disk/test_mission.py model/test_specification.py model/test_fault_meaning.py
-        golden/test_flights.py conformance/test_fault_types.py unit/search/test_bounds.py
-        unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
+        unit/model disk/test_generated_code.py model/test_specification.py model/test_fault_meaning.py
+        golden/test_flights.py conformance/test_fault_types.py unit/search/test_space.py
+        unit/search/test_algorithms.py unit/record unit/analysis
     """,
     "engine": """
-        unit/mrsfi/test_engines.py disk/engine disk/test_imported_copies.py
+        unit/mrsfi/test_engines.py disk/engine disk/test_generated_code.py
         conformance/test_compiled.py conformance/test_region_lint.py conformance/test_engines.py
         integration/test_workers.py
     """,

@@ -1,13 +1,18 @@
-"""The compiled engine finds what the reference engine finds, bit for bit."""
+"""The compiled engine finds what the reference engine finds, bit for bit, kernel edited or not."""
 
+import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 from itertools import islice
+from pathlib import Path
 
 import pytest
 from numba.core.errors import TypingError
 
+import mrsfi_runtime
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError
@@ -29,6 +34,20 @@ from tests.tiers import night, seeds, slow
 SEED = 3
 N_SPECIFICATIONS = 1000
 COMPILED = EngineSettings("compiled")
+FLY_EDITED = """
+import json, sys
+from pathlib import Path
+from mrsfi_runtime.engine.opening import open_engine
+from mrsfi_runtime.record.engine_settings import EngineSettings
+from mrsfi_runtime.generated_code import load_code
+
+code = load_code(Path(sys.argv[1]))
+found = []
+for name in ("reference", "compiled"):
+    with open_engine(EngineSettings(name), code, 3) as engine:
+        found.append(engine.evaluate(()).digest)
+print(json.dumps(found))
+"""
 
 
 @pytest.mark.parametrize("declare", [lambda code: code, with_triggers], ids=["plain", "triggers"])
@@ -347,3 +366,36 @@ def test_code_that_was_loaded_again_since_still_compiles():
 
     with open_engine(COMPILED, first, SEED) as engine:
         assert traced(engine, ()) == traced(ReferenceEngine(first, SEED), ())
+
+
+def flown(runtime: Path, mission: Path, cache: Path) -> list[str]:
+    """Return the digests of both engines, with the runtime that lies in a folder."""
+    done = subprocess.run(
+        [sys.executable, "-c", FLY_EDITED, str(mission)],
+        check=True,
+        capture_output=True,
+        encoding="utf-8",
+        env={**os.environ, "PYTHONPATH": str(runtime), "MRSFI_CACHE": str(cache)},
+        cwd=runtime,
+    )
+    found: list[str] = json.loads(done.stdout)
+    return found
+
+
+@night
+def test_an_edited_kernel_compiles_anew(tmp_path):
+    mission = small_mission(tmp_path / "mission").directory
+    package = tmp_path / "src" / "mrsfi_runtime"
+    shutil.copytree(Path(str(mrsfi_runtime.__file__)).parent, package)
+    motion = package / "kernel" / "motion.py"
+    text = motion.read_text(encoding="utf-8")
+    way = "robot.x += command.heading_x * speed"
+    assert text.count(way) == 1
+    found = []
+
+    for edited in (text, text.replace(way, f"{way} * 0.5"), text):
+        motion.write_text(edited, encoding="utf-8")
+        found.append(flown(package.parent, mission, tmp_path / "cache"))
+
+    assert all(reference == compiled for reference, compiled in found)
+    assert found[0] == found[2] != found[1]

@@ -1,13 +1,18 @@
-"""What ``faults.ecore`` says of fault types, and every way in which it can say it wrong."""
+"""What ``faults.ecore`` says of fault types, wrong ways to say it, and own effects."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from m2t.generate import generate
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, read_metamodels
-from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.engine.flights import ReferenceEngine
+from mrsfi_runtime.errors import ModelError, SpecificationError
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
-from tests.support.cli import edit
+from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from tests.support.cli import MISSION, ROOT, edit
 from tests.support.own_metamodels import (
     a_class,
     add_classes,
@@ -16,6 +21,7 @@ from tests.support.own_metamodels import (
     attribute,
     copy_metamodels,
     meaning,
+    metamodels_of,
     parameter,
 )
 from tests.support.tables import rows
@@ -124,10 +130,17 @@ MessageFault | mode=OWN property=SPEED,COUNT
 SensorFault | mode=OWN property=SPEED
 RobotFault | mode=OWN property=SPEED; P range=SPEED role=LOWEST
 """
+
+
 """A parent, what the type says and what its parameters say."""
 
+
 STOPS = meaning(mode="STOP", property="MOTION")
+
+
 BY = parameter("BY", range="SPEED")
+
+
 WRONG_TEXTS = {
     "nothing": STOPS + meaning(),
     "no key": STOPS.replace('key="property" ', ""),
@@ -215,3 +228,32 @@ def test_a_meaning_of_what_is_no_fault_type_is_refused(faults, file, class_name,
 
     assert f"{path}:" in message
     approved(message)
+
+
+@pytest.fixture
+def metamodels(tmp_path: Path) -> Path:
+    """Return metamodels with a type whose effect is a team's own."""
+    faults = copy_metamodels(tmp_path / "metamodels")
+    add_fault_type(faults, "StuckSpeed", "MessageFault", meaning(mode="OWN", property="SPEED"))
+    return faults.parent
+
+
+def test_a_mission_whose_pool_has_no_fault_of_the_type_stays_as_it_was(tmp_path, metamodels):
+    with metamodels_of(metamodels):
+        generate(ROOT / "models" / MISSION, tmp_path / "generated")
+
+    fresh, committed = (
+        (folder / "fault_effects.py").read_bytes()
+        for folder in (tmp_path / "generated", ROOT / "generated" / MISSION)
+    )
+    assert fresh == committed
+
+
+def test_a_fault_whose_effect_the_mission_has_not_does_not_fly(metamodels, refused):
+    code = load_code(ROOT / "generated" / MISSION)
+    code = replace(code, mission=replace(code.mission, duration=5))
+    stuck = Fault("stuck", read_metamodels(metamodels).fault_types["StuckSpeed"], "m8")
+    engine = ReferenceEngine(code, 1)
+
+    with refused(SpecificationError):
+        engine.evaluate((TimedFault("stuck", 1, 3),), pool=FaultPool("own", (stuck,)))

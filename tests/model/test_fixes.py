@@ -1,23 +1,104 @@
-"""Every fix mends what its constraint found, and changes nothing else."""
+"""Broken models: the right diagnostic for each, and the fix that mends only that."""
 
 import itertools
 import re
+import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from random import Random
+from typing import Any, NamedTuple
 
 import pytest
 
+from m2t.diagnostics import CONSTRAINTS
+from m2t.generate import plan
 from m2t.models.fixes import FIXES, Mending, mend
 from m2t.models.load import inspect_folder, inspect_specification, load_mission_folder
-from tests.support.broken_models import BROKEN
-from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
+from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.model.mission import ROBOT_RADIUS
+from tests.support.broken_models import BROKEN, Broken
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.models.shapes import shape, write_drawn
 from tests.support.models.split import PARTS, write_split
 from tests.support.tables import rows
+from tests.support.tree import ROOT
 
 BOUNDS = (
     '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '
     'NEW_Y_MIN="{}.0" NEW_Y_MAX="{}.0" NEW_Z="1.0">'
 )
+
+
+def _label(broken: Broken) -> str:
+    return f"{broken.constraint}-{broken.element}"
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=_label)
+def test_broken_model_is_reported_at_its_line(folder, broken, approved):
+    path = folder / broken.file
+    edit(path, broken.old, broken.new)
+
+    diagnostics = inspect_folder(folder).diagnostics
+
+    found = [entry for entry in diagnostics if entry.constraint == broken.constraint]
+    assert found, [str(entry) for entry in diagnostics]
+    first = found[0]
+    assert (first.path, first.line) == (path, line_of(path, broken.place))
+    assert first.element.startswith(broken.element)
+    approved(first.message)
+    assert first.severity == CONSTRAINTS[broken.constraint].severity
+    assert str(first) == f"{path}:{first.line}: {first.message} [{broken.constraint}]"
+
+
+def test_errors_stop_loading_with_all_of_them(folder):
+    edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
+    edit(folder / MISSION, 'sensor="s4"', 'sensor="s6"')
+    edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="2.5"')
+    diagnostics = inspect_folder(folder).diagnostics
+
+    with pytest.raises(ModelError) as caught:
+        load_mission_folder(folder)
+
+    errors = [str(entry) for entry in diagnostics if entry.severity == "error"]
+    assert str(caught.value) == "\n".join(errors)
+    assert [entry.constraint for entry in diagnostics] == [
+        "RobotInsideMission",
+        "SensorOfMember",
+        "WholeTicks",
+    ]
+
+
+def test_warnings_do_not_stop_loading(folder):
+    edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
+
+    assert load_mission_folder(folder).mission.robots[0].position.x == 2000.0
+
+
+def test_missing_mission_is_reported(tmp_path, approved):
+    (found,) = inspect_folder(tmp_path).diagnostics
+
+    assert found.constraint == "ReadableFile"
+    approved(found)
+
+
+def test_every_constraint_has_a_broken_model():
+    covered = {broken.constraint for broken in BROKEN} | {"ReadableFile", "NameSyntax"}
+
+    assert covered == set(CONSTRAINTS)
+
+
+def test_all_defects_of_both_files_are_reported_at_once(folder):
+    edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
+    edit(folder / MISSION, 'type="DEPTH"', 'type="DEBTH"')
+    edit(folder / FAULTS, "#m4", "#m44")
+
+    found = [(entry.path.name, entry.constraint) for entry in inspect_folder(folder).diagnostics]
+
+    assert found == [
+        (MISSION, "NumberSyntax"),
+        (MISSION, "EnumLiteral"),
+        (FAULTS, "ResolvedReference"),
+    ]
 
 
 class Mended(NamedTuple):
@@ -301,3 +382,61 @@ def test_a_file_without_a_fix_is_left_as_it_is_spelt(folder):
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
 
     assert list(_mended(folder).contents) == [folder / FAULTS]
+
+
+def _n_calls(work: Callable[[], Any]) -> int:
+    """Return how many functions of Python are called."""
+    count = 0
+
+    def counted(frame: Any, event: str, argument: Any) -> None:
+        nonlocal count
+        count += event == "call"
+
+    before = sys.getprofile()
+    sys.setprofile(counted)
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+def _with_faults(folder: Path, n_faults: int) -> Path:
+    """Return a mission folder whose faults all finish before they start."""
+    models = copy_models(folder)
+    path = models / FAULTS
+    text = path.read_text(encoding="utf-8")
+    fault = re.search(r'  <faults ID="f2".*?</faults>\n', text, re.DOTALL)
+    assert fault is not None
+    one = fault[0].replace('name="f2"', 'name="f2" start="9" finish="8"')
+    many = "".join(one.replace('ID="f2"', f'ID="more{n}"') for n in range(n_faults))
+    path.write_text(text.replace(fault[0], fault[0] + many), encoding="utf-8")
+    return models
+
+
+def test_a_plan_of_generation_grows_as_the_fleet(tmp_path):
+    calls = []
+    for n_robots in (15, 15, 60):  # the first fills caches
+        rng, of = Random(1), shape(n_robots, 3)
+        folder = tmp_path / str(len(calls))
+        models = write_drawn(folder, rng, of, 100)
+        calls.append(_n_calls(lambda at=models: plan(at, at / "fresh")))
+
+    assert calls[2] < 4.5 * calls[1]
+
+
+def test_mending_grows_as_the_defects(tmp_path):
+    calls = []
+    for n_faults in (100, 100, 400):
+        inspection = inspect_folder(_with_faults(tmp_path / str(len(calls)), n_faults))
+        calls.append(_n_calls(lambda found=inspection: mend(found)))
+        assert len(inspection.diagnostics) == n_faults
+
+    assert calls[2] < 4.5 * calls[1]
+
+
+def test_a_robot_is_as_wide_for_constraints_as_in_flight():
+    text = (ROOT / "metamodels" / "constraints" / "limits.evl").read_text(encoding="utf-8")
+    (in_evl,) = re.findall(r"var ROBOT_RADIUS = (\S+)d;", text)
+
+    assert float(in_evl) == ROBOT_RADIUS

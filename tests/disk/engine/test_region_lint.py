@@ -1,9 +1,15 @@
+"""What the lint of regions says."""
+
 from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.engine.region_lint import COMPILES_ALIKE, lint_regions, require_sound_regions
 from mrsfi_runtime.errors import EvaluationError
+from tests.support import lint_cases
+from tests.support.edited import REGION
+from tests.support.lint_cases import named, written
+from tests.support.tree import ROOT
 
 FILE = "collective_intelligence.py"
 TEXT = """from mrsfi_runtime.api import State, kernel
@@ -209,6 +215,8 @@ def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path)
 
 
 GOALS = "from mrsfi_runtime.api import goal_tasks as goals"
+
+
 FAR = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
 
 
@@ -266,3 +274,38 @@ def test_unsound_regions_are_refused_with_every_error(tmp_path):
 
 def test_regions_with_warnings_alone_are_sound(tmp_path):
     require_sound_regions(_write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math"))
+
+
+@pytest.mark.parametrize("case", **named([*lint_cases.DIFFERENT, lint_cases.SUMS]))
+def test_what_differs_is_warned_of(tmp_path, case):
+    line = written(tmp_path, case)
+
+    found = lint_regions(tmp_path)
+
+    assert [(one.line, one.place, one.constraint) for one in found[:1]] == [
+        (line, f"region '{REGION}'", COMPILES_ALIKE)
+    ]
+    assert {one.line for one in found} <= {line, line + 1}
+
+
+@pytest.mark.parametrize("case", **named(lint_cases.CALLS))
+def test_every_name_that_differs_is_known(tmp_path, case):
+    line = written(tmp_path, case)
+
+    found = lint_regions(tmp_path)
+
+    assert [(one.line, one.constraint) for one in found] == [(line, COMPILES_ALIKE)]
+
+
+@pytest.mark.parametrize("case", **named(lint_cases.ALIKE))
+def test_what_is_alike_is_not_warned_of(tmp_path, case):
+    written(tmp_path, case)
+
+    assert lint_regions(tmp_path) == ()
+
+
+def test_generated_code_has_nothing_to_warn_of():
+    missions = [path.parent for path in ROOT.glob("generated/*/collective_intelligence.py")]
+
+    assert len(missions) >= 3
+    assert [lint_regions(mission) for mission in missions] == [()] * len(missions)

@@ -1,10 +1,14 @@
+"""The folder of a campaign: its store, lock, files, and what was flown after a search."""
+
 import hashlib
 import json
 import math
+import os
 import sqlite3
+import stat
 import struct
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +16,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mrsfi.campaign import pack
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import MOST, TimedFault
+from mrsfi_runtime.model.mission import FailedFlight
 from mrsfi_runtime.record import database
+from mrsfi_runtime.record.database import COUNTS, CampaignFolder, no_writer, only_writer
 from mrsfi_runtime.record.engine_settings import EngineSettings, Manifest
-from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation
+from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation, RecordedFlight
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 from tests.support.cli import execute
+from tests.tiers import law
 
 MANIFEST = Manifest(
     mission="uuv_sampling",
@@ -31,6 +39,9 @@ MANIFEST = Manifest(
     sha256={"mission.xmi": "00ff"},
 )
 STATISTICS = {"n_evaluations": 2, "mean": 0.1 + 0.2, "std": 1e-300, "min": -0.0, "max": 5.0}
+FAULTS = (TimedFault("f1", 1, 9, (0.1, 2.0)), TimedFault("f2", 3, 7))
+FLOWN = RecordedFlight(7, FAULTS, outcome((5, 0, 9), 2))
+FAILED = RecordedFlight(8, (), FailedFlight("Traceback of “this”:\n"))
 
 
 def bits(number: float) -> bytes:
@@ -172,7 +183,11 @@ def test_the_digest_does_not_depend_on_chunks(tmp_path):
 
 
 FOUND = evaluation(1, (4, 5))
+
+
 (TIMED,) = FOUND.specification
+
+
 CHANGES = {
     "fault": replace(FOUND, specification=(TIMED._replace(fault="f2"),)),
     "start": replace(FOUND, specification=(TIMED._replace(start=0),)),
@@ -283,3 +298,202 @@ def test_columns_that_a_record_lacks_are_none(store):
         assert [each.outcome for each in read.flown(1)] == [found.outcome]
         assert [*read.margins()] == []
         assert read.digest() == digest
+
+
+@pytest.fixture
+def sources(tmp_path: Path) -> tuple[Path, Path]:
+    models, generated = tmp_path / "models", tmp_path / "generated"
+    (generated / "__pycache__").mkdir(parents=True)
+    models.mkdir()
+    (models / "mission.xmi").write_bytes(b"<mission/>\r\n")
+    (models / "case_a.toml").write_text("seed = 1\n")
+    (generated / "simulation.py").write_text("x = 1\n")
+    (generated / "__pycache__" / "simulation.pyc").write_bytes(b"old")
+    return models, generated
+
+
+def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(sources, tmp_path):
+    folder = CampaignFolder.reserve(tmp_path / "runs" / "first")
+    folder.fill(*sources)
+
+    files = {
+        file.relative_to(folder.path).as_posix(): file.read_bytes()
+        for file in folder.path.rglob("*")
+        if file.is_file()
+    }
+    assert files == {
+        "model/mission.xmi": b"<mission/>\r\n",
+        "model/case_a.toml": b"seed = 1\n",
+        "generated/simulation.py": b"x = 1\n",
+    }
+
+
+def test_an_empty_folder_is_used(sources, tmp_path):
+    (tmp_path / "run").mkdir()
+
+    folder = CampaignFolder.reserve(tmp_path / "run")
+    folder.fill(*sources)
+
+    assert folder.model.is_dir()
+
+
+@pytest.mark.parametrize("name", ["run/note.txt", "run"])
+def test_what_is_there_already_is_refused_and_left_alone(tmp_path, name, refused):
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+
+    with refused(RecordError):
+        CampaignFolder.reserve(tmp_path / "run")
+
+    assert (tmp_path / name).read_text() == "mine"
+
+
+def test_what_a_killed_start_left_is_replaced(sources, tmp_path):
+    path = tmp_path / "run"
+    (path / "model").mkdir(parents=True)
+    for name in ("model/mission.xmi", "campaign.lock", "campaign.sqlite.new"):
+        (path / name).write_text("half")
+
+    CampaignFolder.reserve(path).fill(*sources)
+
+    assert (path / "model" / "mission.xmi").read_bytes() == b"<mission/>\r\n"
+    assert (path / "generated" / "simulation.py").is_file()
+
+
+@pytest.mark.parametrize("name", ["campaign.sqlite", "notes.txt"])
+def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(
+    sources, tmp_path, name, refused
+):
+    folder = CampaignFolder.reserve(tmp_path / "run")
+    (folder.path / "campaign.lock").touch()
+    (folder.path / name).write_text("theirs")
+
+    with refused(RecordError):
+        folder.fill(*sources)
+
+    assert sorted(entry.name for entry in folder.path.iterdir()) == ["campaign.lock", name]
+
+
+def test_missing_models_are_refused_with_the_path(tmp_path, refused):
+    with refused(RecordError):
+        CampaignFolder.reserve(tmp_path / "run").fill(tmp_path / "nowhere", tmp_path)
+
+
+def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path):
+    folder = CampaignFolder(tmp_path)
+
+    for _ in range(2):
+        with only_writer(folder):
+            assert folder.lock.read_text(encoding="ascii") == f"{os.getpid()}\n"
+
+    assert stat.S_ISREG(folder.lock.stat().st_mode)
+
+
+def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
+    folder = CampaignFolder(tmp_path)
+    message = rf"{tmp_path.name}: found another process \({os.getpid()}\) running this campaign"
+
+    with only_writer(folder), pytest.raises(RecordError, match=message), only_writer(folder):
+        pass
+
+
+def test_nobody_writes_while_somebody_reads_and_the_other_way_round(tmp_path):
+    folder = CampaignFolder(tmp_path)
+    message = "found another process"
+    with only_writer(folder), pytest.raises(RecordError, match=message), no_writer(folder):
+        pass
+
+    with (
+        no_writer(folder),
+        no_writer(folder),
+        pytest.raises(RecordError, match=message),
+        only_writer(folder),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("has_lock", [True, False])
+def test_a_campaign_that_cannot_be_written_is_packed_elsewhere(has_lock, guest_folder, shut):
+    folder, out = CampaignFolder(guest_folder / "run"), guest_folder / "out" / "it.zip"
+    CampaignStore.create(folder.path, SETTINGS, Manifest()).close()
+    if has_lock:
+        folder.lock.touch()
+    out.parent.mkdir()
+    out.parent.chmod(0o777)
+    folder.path.chmod(0o555)
+    shut()
+
+    pack(folder.path, out)
+
+    assert b"campaign/campaign.sqlite" in out.read_bytes()
+
+
+def test_a_folder_that_cannot_be_written_is_refused(guest_folder, shut):
+    shut()
+    folder = CampaignFolder(guest_folder)
+
+    with pytest.raises(RecordError, match="cannot be opened or written"), only_writer(folder):
+        pass
+
+    assert list(guest_folder.iterdir()) == []
+
+
+def damage(store, column, content):
+    """Store something else about the first flight."""
+    with closing(sqlite3.connect(store.path)) as other, other:
+        other.execute(f"UPDATE flight SET {column} = ? WHERE idx = 1", (content,))
+
+
+def test_flights_are_read_back_in_order(store):
+    store.append_flights([FLOWN, FAILED])
+    store.append_flights([FLOWN])
+
+    with CampaignStore.open(store.path.parent) as again:
+        assert again.flights() == (FLOWN, FAILED, FLOWN)
+
+
+def test_flights_change_neither_evaluations_nor_digest(store):
+    store.append([evaluation(0, (1, 2))])
+    before = tuple(store.evaluations()), store.digest()
+
+    store.append_flights([FLOWN])
+
+    assert (tuple(store.evaluations()), store.digest()) == before
+
+
+@pytest.mark.parametrize(
+    ("column", "content"),
+    [
+        *(
+            ("found", text)
+            for text in ("", "{", "[]", "[{}]", "[1]", '["a","b"]', None, b"\xff", 7)
+        ),
+        ("found", json.dumps([asdict(FLOWN.found) | {"more": 1}])),
+        ("found", json.dumps([{"digest": ""} | {name: ["1"] for name in COUNTS}])),
+        ("specification", "[[1]]"),
+        ("specification", None),
+    ],
+)
+def test_what_makes_no_sense_is_damage(store, column, content):
+    store.append_flights([FLOWN])
+    damage(store, column, content)
+
+    with pytest.raises(RecordError, match="the record is damaged"):
+        store.flights()
+
+
+@given(st.data())
+@law(100)
+def test_a_text_with_another_character_is_damage_or_still_a_flight(data):
+    seed, specification, text = FLOWN.row()
+    place = data.draw(st.integers(0, len(text) - 1))
+    drawn = data.draw(st.characters(codec="ascii"))
+
+    try:
+        found = RecordedFlight.from_row(
+            (seed, specification, text[:place] + drawn + text[place + 1 :])
+        )
+    except (ValueError, TypeError):
+        return
+
+    assert RecordedFlight.from_row(found.row()) == found

@@ -1,15 +1,86 @@
-"""Models published for the paper's prototype become mission folders, with every figure."""
+"""Models published for the paper's prototype become mission folders, or are refused."""
 
+import random
 from pathlib import Path
 
 import pytest
 
 from m2t.models.difference import difference
 from m2t.models.importing import Imported, import_published
-from m2t.models.load import load_mission_folder, load_specification
+from m2t.models.load import LoadedModels, load_mission_folder, load_specification
+from mrsfi_runtime.errors import ModelError, UsageError
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.generation import ALL_TASKS, write_mission
 from tests.support.models.published import published, xmi_id
+from tests.support.mutilation import MUTILATIONS
+
+POND = """<?xml version="1.0" encoding="UTF-8"?>
+<Setup xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xmlns="acs_project_setup">
+  <mission name="Pond" duration="100.0">
+    <robots xmi:id="_a" ID="ra" name="Alder" speed="2"><position x="0"/></robots>
+    <robots xmi:id="_b" ID="rb" name="Birch" speed="2"><position x="40"/></robots>
+    <servers xmi:id="_s" ID="sv" name="shore"/>
+    <obstacles xmi:id="_o" ID="oa"><area ID="oaa" radius="2"><center x="9"/></area></obstacles>
+    <goals xmi:id="_g" ID="g1" name="Stay"><members goalMembers="_a _b"/>
+      <area><goalArea xmi:id="_ga" ID="ga" radius="90"><center x="5"/></goalArea></area>
+      <task><stayWithinMissionArea/></task></goals>
+    <missionArea ID="ma" radius="100"><center xmi:id="_c" x="0"/></missionArea>
+  </mission>
+  <specification ID="fs">
+    <faults name="f1"><stopRobot affectedRobot="_b"/></faults>
+    <faults name="f2"><fixedObstacleCoordinates affectedObstacle="_o" NEW_X="2" NEW_Y="1"/></faults>
+  </specification>
+</Setup>
+"""
+STRUCK = 'affectedRobot="_b"'
+TASK = "<stayWithinMissionArea/>"
+NAMED = 'name="Alder" speed="2">'
+PATH = "//@mission/@robots.1"
+ERRORS = [
+    ('sensor="', 'sensor="_nowhere', "ResolvedReference"),
+    ('sensor="{s4}"', 'sensor="{r2}"', "ReferenceType"),
+    ('sensor="{s4}"', 'sensor="{s4} {s2}"', "SingleValue"),
+    ('sensor="{s4}"', 'sensor="{s2}"', "SensorOfMember"),
+    ('sensor="{s4}"', "", "RequiredFeature"),
+    ("<avoidCollision ", '<sufficientEnergy xmi:id="_e"/><avoidCollision ', "SingleValue"),
+    ("<position ", '<position xmi:id="_p"/><position ', "SingleValue"),
+    ("<stopRobot ", "<stopEverything ", "ExactlyOneFaultType"),
+    ("<stopRobot ", '<startRobot affectedRobot="{r1}"/><stopRobot ', "ExactlyOneFaultType"),
+    ('xmi:id="{r2}"', 'xmi:id="{r1}"', "UniqueId"),
+    ('duration="1000.0"', 'duration="1000.5"', "NumberSyntax"),
+    ('duration="1000.0"', 'duration="soon"', "NumberSyntax"),
+    ('speed="5.0"', 'speed="-5.0"', "SpeedNotNegative"),
+    ('samplesPerSecond="5"', "", "SamplesPerSecondPositive"),
+    ('type="PRESSURE"', 'type="TASTE"', "EnumLiteral"),
+    ('radius="4.0"', "", "RadiusPositive"),
+    ("<mission ", "<mission><robots/></mission><mission ", "SingleValue"),
+    ("acs_project_setup", "acs_project_other", "RootElement"),
+    ("<setup:Setup", "<!DOCTYPE x [<!ENTITY e 'e'>]><setup:Setup", "NoDocumentType"),
+    ("</setup:Setup>", "", "WellFormedXml"),
+]
+
+
+@pytest.fixture(scope="module")
+def paper() -> LoadedModels:
+    return load_mission_folder(MODELS)
+
+
+@pytest.fixture(scope="module")
+def text(paper: LoadedModels) -> str:
+    return published(paper)
+
+
+@pytest.fixture
+def file(text: str, tmp_path: Path) -> Path:
+    path = tmp_path / "published.xmi"
+    path.write_text(text, encoding="ascii")
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "models" / "imported"
 
 
 def lines_of(file: Path, fragment: str) -> set[int]:
@@ -253,3 +324,249 @@ def test_without_collision_or_energy_goal_there_is_no_case_b(file, folder):
     imported = import_published(file, folder)
 
     assert imported.files == ("mission.xmi", "faults.xmi", "case_a.toml")
+
+
+@pytest.fixture
+def pond(tmp_path):
+    path = tmp_path / "pond.model"
+    path.write_text(POND, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "constraint"),
+    [
+        (NAMED, 'speed="2"><name>Alder</name><name>Ash</name>', "SingleValue"),
+        (NAMED, 'name="Alder" speed="2"><name>Ash</name>', "SingleValue"),
+        (NAMED, 'name="A" speed="2"><ID>rc</ID>', "SingleValue"),
+        ('<position x="0"/>', "<position/><position/>", "SingleValue"),
+        ("<goalArea ", '<goalArea radius="1"/><goalArea ', "SingleValue"),
+        ("<area><goalArea ", '<area goalArea="_ga"/><area><goalArea ', "SingleValue"),
+        (TASK, f"{TASK}<sufficientEnergy/>", "SingleValue"),
+        ('<faults name="f1">', '<faults name="f1" likelihood="0" probability="1">', "SingleValue"),
+        (STRUCK, 'affectedRobot="_a _b"', "SingleValue"),
+        (f"<stopRobot {STRUCK}/>", f'<stopRobot {STRUCK}><affectedRobot href="#_a"/></stopRobot>',
+         "SingleValue"),
+        ('goalMembers="_a _b"', 'goalMembers="_a _b _a"', "UniqueReference"),
+        (STRUCK, f'affectedRobot="fleet.model#{PATH}"', "LocalReference"),
+        (STRUCK, 'affectedRobot="fleet.model#_b"', "LocalReference"),
+        (STRUCK, 'affectedRobot="fleet.model#rb"', "LocalReference"),
+        (STRUCK, f'affectedRobot="../pond.model#{PATH}"', "LocalReference"),
+        (STRUCK, f'affectedRobot="platform:/resource/fleet/pond.model#{PATH}"', "LocalReference"),
+        (STRUCK, f'affectedRobot="http://fleet.org/pond.model#{PATH}"', "LocalReference"),
+        (f"{STRUCK}/>", '><affectedRobot href="fleet.model#_b"/></stopRobot>', "LocalReference"),
+        ('goalMembers="_a _b"', 'goalMembers="_a fleet.model#_b"', "LocalReference"),
+        (TASK, '<stay area="fleet.model#_ga"/>', "LocalReference"),
+        (TASK, '<stay><area href="fleet.model#c"/></stay>', "LocalReference"),
+        ('<robots xmi:id="_a"', '<robots href="fleet.model#_d"/><robots xmi:id="_a"',
+         "LocalReference"),
+        ('<robots xmi:id="_a"', '<robots href="#_b"/><robots xmi:id="_a"', "ContainedElement"),
+        (f"<task>{TASK}</task>", '<task href="fleet.model#_t"/>', "LocalReference"),
+        (STRUCK, 'affectedRobot="_nobody"', "ResolvedReference"),
+        (STRUCK, 'affectedRobot="//@mission/@robots.7"', "ResolvedReference"),
+        (STRUCK, 'affectedRobot="_s"', "ReferenceType"),
+        (TASK, '<stay area="_s"/>', "ReferenceType"),
+        ('<position x="0"/>', '<position xsi:type="Server" x="0"/>', "ConcreteType"),
+        (f"<task>{TASK}</task>", "<task/>", "ConcreteType"),
+        (f"<task>{TASK}</task>", '<task xsi:type="Dance"/>', "ConcreteType"),
+        ('xmi:id="_a"', 'xmi:id="_b"', "UniqueId"),
+        ('<faults name="f1">', '<faults xmi:id="_b" name="f1">', "UniqueId"),
+        ('x="40"', 'x="NaN"', "FiniteNumber"),
+        ('x="40"', 'x="1.0E13"', "NumberMagnitude"),
+        ('x="40"', 'x="forty"', "NumberSyntax"),
+        ('duration="100.0"', 'duration="1.5E-3"', "NumberSyntax"),
+        ('duration="100.0"', 'duration="1.0E8"', "DurationInRange"),
+        ('duration="100.0"', 'duration="1.0E400"', "NumberSyntax"),
+        ('<robots xmi:id="_a"', '<robots sensors="_a" xmi:id="_a"', "ContainedElement"),
+    ],
+)  # fmt: skip
+def test_what_validate_refuses_is_refused_by_the_same_rule(old, new, constraint, pond, tmp_path):
+    edit(pond, old, new)
+
+    with pytest.raises(ModelError) as caught:
+        import_published(pond, tmp_path / "imported")
+
+    lines = str(caught.value).splitlines()
+    assert any(line.endswith(f"[{constraint}]") for line in lines), lines
+    assert not (tmp_path / "imported").exists()
+
+
+@pytest.mark.parametrize(
+    "reference",
+    [
+        'affectedRobot="rb"/>',
+        f'affectedRobot="{PATH}"/>',
+        'affectedRobot="pond.model#_b"/>',
+        f'affectedRobot="./pond.model#{PATH}"/>',
+        'affectedRobot="platform:/resource/pool/pond.model#rb"/>',
+        f'><affectedRobot href="pond.model#{PATH}"/></stopRobot>',
+        '><affectedRobot xsi:type="Robot" href="#_b"/></stopRobot>',
+        "><affectedRobot>_b</affectedRobot></stopRobot>",
+    ],
+)
+def test_what_a_file_calls_its_own_is_found_in_it(reference, pond, tmp_path):
+    (tmp_path / "pool").mkdir()
+    file = pond.rename(tmp_path / "pool" / "pond.model")
+    edit(file, f"{STRUCK}/>", reference)
+
+    import_published(file, tmp_path / "imported")
+
+    fault = load_mission_folder(tmp_path / "imported").faults.faults[0]
+    assert fault.stopRobot.affectedRobot.ID == "rb"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "attribute", "value"),
+    [
+        ('duration="100.0"', 'duration="1.0E7"', "mission.duration", 10_000_000),
+        ('duration="100.0"', 'duration="+.5e2"', "mission.duration", 50),
+        ('duration="100.0"', 'duration="12.0"', "mission.duration", 12),
+        ('name="Birch" speed="2"', 'name="Birch" speed="2.5E-1"', "mission.robots[1].speed", 0.25),
+        ('name="f1"', 'name="f1" start="1.0E1" finish="2E1"', "faults.faults[0].finish", 20),
+        ('NEW_X="2"', 'NEW_X="1.0E3"', "faults.faults[1].fixedObstacleCoordinates.NEW_X", 1000.0),
+        ('name="f1"', 'name="f1" probability="0.25"', "faults.faults[0].likelihood", 0.25),
+        (
+            'name="Alder" speed="2">',
+            'speed="2"><name> Ash </name>',
+            "mission.robots[0].name",
+            "Ash",
+        ),
+    ],
+)
+def test_what_java_writes_otherwise_keeps_its_value(old, new, attribute, value, pond, tmp_path):
+    edit(pond, old, new)
+
+    import_published(pond, tmp_path / "imported")
+
+    found = load_mission_folder(tmp_path / "imported")
+    for name in attribute.replace("[", ".").replace("]", "").split("."):
+        found = found[int(name)] if name.isdigit() else getattr(found, name)
+    assert found == value
+
+
+def test_a_copied_area_takes_the_center_that_it_refers_to_itself(pond, tmp_path):
+    edit(pond, '<goalArea xmi:id="_ga" ID="ga" radius="90"><center x="5"/></goalArea>',
+         '<goalArea xmi:id="_ga" ID="ga" radius="90" center="_c"/>')  # fmt: skip
+    edit(pond, TASK, '<stay area="_ga"/>')
+    edit(pond, 'xmi:id="_c" x="0"', 'xmi:id="_c" x="7"')
+
+    import_published(pond, tmp_path / "imported")
+
+    (goal,) = load_mission_folder(tmp_path / "imported").mission.goals
+    assert (goal.task.area.center.x, goal.area.center.x, goal.task.area.radius) == (7.0, 7.0, 90.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('affectedObstacle="_o"', 'affectedMessage="_o"'),
+        (' affectedObstacle="_o" NEW_X="2" NEW_Y="1"/>',
+         ' NEW_X="2" NEW_Y="1"><affectedMessage href="#_o"/></fixedObstacleCoordinates>'),
+    ],
+    ids=["attribute", "element"],
+)  # fmt: skip
+def test_a_file_of_an_older_metamodel_is_called_that(old, new, pond, tmp_path, refused):
+    edit(pond, old, new)
+
+    with refused(ModelError):
+        import_published(pond, tmp_path / "imported")
+
+
+@pytest.mark.parametrize(("old", "new", "constraint"), ERRORS)
+def test_what_cannot_be_a_model_is_refused_and_nothing_written(
+    old, new, constraint, file, folder, paper
+):
+    elements = [*paper.mission.robots, *(s for r in paper.mission.robots for s in r.sensors)]
+    ids = {element.ID: xmi_id(element) for element in elements}
+    place = old.format(**ids)
+    edit(file, place, new.format(**ids))
+
+    with pytest.raises(ModelError) as caught:
+        import_published(file, folder)
+
+    lines = str(caught.value).splitlines()
+    assert any(f"[{constraint}]" in line for line in lines)
+    assert all(line.startswith(f"{file}:") for line in lines)
+    assert list(file.parent.iterdir()) == [file]
+
+
+def test_an_error_of_the_result_names_the_line_of_the_published_file(file, folder, refused):
+    edit(file, 'ID="o5"', 'ID="o5" colour="grey"')
+    edit(file, 'radius="30.0"', 'radius="-30.0"')
+
+    with refused(ModelError):
+        import_published(file, folder)
+
+
+def test_an_existing_folder_is_refused(file, folder, refused):
+    import_published(file, folder)
+    edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+    before = (folder / "mission.xmi").read_bytes()
+
+    with refused(UsageError):
+        import_published(file, folder)
+
+    assert (folder / "mission.xmi").read_bytes() == before
+
+
+def test_force_replaces_the_models_and_keeps_all_else(file, folder):
+    import_published(file, folder)
+    edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+    edit(folder / "case_a.toml", "seed = 1", "seed = 7")
+    (folder / "notes.md").write_text("mine")
+
+    imported = import_published(file, folder, is_forced=True)
+
+    assert difference(MODELS, folder) == ()
+    assert "seed = 7" in (folder / "case_a.toml").read_text()
+    assert (folder / "notes.md").read_text() == "mine"
+    assert imported.files == ("mission.xmi", "faults.xmi")
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
+
+
+def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file, folder):
+    import_published(file, folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    edit(file, 'speed="5.0"', 'speed="-5.0"')
+
+    with pytest.raises(ModelError):
+        import_published(file, folder, is_forced=True)
+
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
+
+
+def test_force_never_touches_a_folder_that_is_no_mission(file, tmp_path, refused):
+    place = tmp_path / "home"
+    place.mkdir()
+    (place / "letter.txt").write_text("dear")
+
+    with refused(UsageError):
+        import_published(file, place, is_forced=True)
+
+    assert [path.name for path in place.iterdir()] == ["letter.txt"]
+
+
+DAMAGES = ("drop_span", "double_line", "drop_line", "exchange_values", "rename_element")
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_imports_as_a_valid_mission_or_is_refused(damage, text, file, folder):
+    draw = random.Random(7)
+    for number in range(12):
+        file.write_bytes(MUTILATIONS[damage](text.encode("ascii"), draw))
+        place = folder.with_name(f"imported_{number}")
+        refusal = _refusal(file, place)
+        if refusal is None:
+            load_mission_folder(place)
+        else:
+            assert refusal.startswith(f"{file}:")
+            assert not place.exists()
+
+
+def _refusal(file: Path, folder: Path) -> str | None:
+    try:
+        import_published(file, folder)
+    except ModelError as refused:
+        return str(refused)
+    return None

@@ -1,3 +1,6 @@
+"""Fronts and rankings of what a campaign flew."""
+
+from dataclasses import replace
 from itertools import pairwise, product
 from math import atan2
 
@@ -15,18 +18,17 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     parse_ratio,
     thinned,
+    top,
 )
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation, Measure
-from tests.support.campaigns import columns_of, evaluation
+from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.search import paper_mission
 
 MEASURE = Measure.of(CampaignSettings(), paper_mission())
 FEWEST = Measure.of(CampaignSettings(minimise="faults"), paper_mission())
-
-
 VECTORS = st.integers(1, 4).flatmap(
     lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), min_size=1, max_size=30)
 )
@@ -207,3 +209,19 @@ def test_of_a_large_cloud_all_have_a_drawn_point_within_a_200th_of_both_axes():
     for dx, dy in product(near, near):
         is_covered[np.clip(xs + dx, 0, size - 1), np.clip(ys + dy, 0, size - 1)] = True
     assert is_covered.all()
+
+
+def test_the_most_critical_come_first_of_equals_the_earlier_and_each_once():
+    found = [evaluation(i, (v,)) for i, v in enumerate([3, 9, 5, 9, 7])]
+
+    columns = columns_of([*found, replace(found[3], index=5)], MEASURE)
+
+    assert columns.top(4) == (1, 3, 4, 2)
+
+
+def test_mean_violations_beside_the_fitness_play_no_part_in_the_ranking():
+    low = replace(evaluation(0, (1,)), fitness=(2.0, 9.0))
+    high = replace(evaluation(1, (1,)), fitness=(4.0, 0.0))
+
+    with store_of([low, high]) as store:
+        assert top(store, MEASURE, 2) == (high, low)

@@ -1,13 +1,31 @@
-from itertools import combinations
+"""Cause sets: which faults break a goal, their shares, labels and simplest forms."""
+
+from itertools import combinations, permutations
 from random import Random
 
 import pytest
 
-from mrsfi_runtime.causes.cause_set import Column, Question, floor
+from mrsfi_runtime.causes.cause_set import Column, Flights, Question, floor
+from mrsfi_runtime.causes.explanation import (
+    N_EXACT,
+    N_PERMUTATIONS,
+    attribute,
+    goal_causes,
+    simplest,
+)
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import TimedFault, value_bounds
 from mrsfi_runtime.model.mission import FailedFlight
+from mrsfi_runtime.record.store import Measure
+from tests.support.campaigns import outcome
 from tests.support.planted import faults, flights
+from tests.support.search import paper_mission, pool_of
 from tests.tiers import seeds
+
+MISSION, POOL = paper_mission(), pool_of()
+SPEED = next(fault for fault in POOL if fault.type == "FixedSpeed")
+(OWN,), ((LOW, HIGH),) = SPEED.values, value_bounds(MISSION, SPEED)
+ODD = 17.123
 
 
 def minimum(planted, names, keep=0.95, columns=None):
@@ -118,3 +136,219 @@ def test_a_flight_that_fails_is_told_with_its_faults(monkeypatch, refused):
 
     with refused(EvaluationError):
         flown.counts(faults("ab"))
+
+
+def shares(violations, names):
+    return attribute(flights({"g1": violations}), faults(names))
+
+
+def random_violations(names, seed):
+    weights = dict(zip(names, Random(seed).sample(range(1000), len(names)), strict=True))
+
+    def violations(flown):
+        believed = 3 + sum(weights[name] for name in flown) % 97
+        return believed, 1 + sum(weights[name] ** 2 for name in flown) % 89
+
+    return violations
+
+
+def added(violations, names, column):
+    whole, none = violations(frozenset(names)), violations(frozenset())
+    return whole[column] - none[column]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_exact_shares_are_the_mean_over_all_orders(seed):
+    names = "abcde"
+    violations = random_violations(names, seed)
+    sums = dict.fromkeys(names, 0)
+    orders = [*permutations(names)]
+    for order in orders:
+        for place, name in enumerate(order):
+            before = frozenset(order[:place])
+            sums[name] += violations(before | {name})[0] - violations(before)[0]
+
+    found = shares(violations, names)
+
+    assert [share[0] * len(orders) for share in found.shares] == [*sums.values()]
+    assert found.margins is None
+
+
+@pytest.mark.parametrize("names", ["", "a", "abcdef", "abcdefghijklm"])
+def test_shares_sum_to_what_the_faults_add_to_the_count_without_them(names):
+    violations = random_violations(names, 1)
+
+    found = shares(violations, names).shares
+
+    for column in (0, 1):
+        assert sum(share[column] for share in found) == added(violations, names, column)
+
+
+@pytest.mark.parametrize("names", ["abcd", "abcdefghijklm"])
+def test_a_fault_that_changes_nothing_gets_nothing(names):
+    weighted = random_violations(names[1:], 2)
+
+    found = shares(lambda flown: weighted(flown - {"a"}), names)
+
+    assert found.shares[0] == (0, 0)
+    assert found.margins is None or found.margins[0] == (0.0, 0.0)
+
+
+def test_beyond_ten_faults_shares_are_sampled_and_their_intervals_hold_the_exact_ones():
+    names = "abcdefghijklmnop"
+    exact = [10 * place for place in range(len(names))]
+    pairs = frozenset("ab")
+
+    def violations(flown):
+        return sum(exact[names.index(name)] for name in flown) + 100 * (pairs <= flown), 0
+
+    flown = flights({"g1": violations})
+    found = attribute(flown, faults(names))
+
+    assert found == attribute(flights({"g1": violations}), faults(names))
+    assert found.margins is not None
+    expected = [value + 50 * (place < 2) for place, value in enumerate(exact)]
+    within = [
+        abs(share[0] - value) <= margin[0]
+        for share, margin, value in zip(found.shares, found.margins, expected, strict=True)
+    ]
+    assert len(names) > N_EXACT
+    assert all(within[2:])
+    assert abs(found.shares[0][0] - 50) < 3 * found.margins[0][0] / 1.96 + 1e-9
+    assert flown.n_flown.total() <= N_PERMUTATIONS * (len(names) + 1)
+
+
+def labels(violations, names="abcd", *, goal="g1"):
+    """Return what each fault is to goal g1, beside a goal that every fault alone violates."""
+    flown = flights({"g1": violations, "g2": lambda flown: (5 * len(flown), 5)})
+    specification = faults(names)
+    counts = flown.counts(specification)
+    columns = [k for k, column in enumerate(flown.columns) if column.goal == goal]
+    asked = Question(flown, specification, floor(counts, 0.95, columns))
+    return goal_causes(asked, goal).labels
+
+
+@pytest.mark.parametrize(
+    ("violations", "expected"),
+    [
+        (lambda flown: (10 * ("c" in flown), 0), ("bystander", "bystander", "sole", "bystander")),
+        (
+            lambda flown: (10 * ({"b", "d"} <= flown), 0),
+            ("bystander", "joint", "bystander", "joint"),
+        ),
+        (
+            lambda flown: (10 * bool({"a", "d"} & flown), 0),
+            ("sole", "bystander", "bystander", "redundant"),
+        ),
+        (
+            lambda flown: (10 * ("a" in flown and bool({"b", "c"} & flown)), 0),
+            ("joint", "joint", "redundant", "bystander"),
+        ),
+        (
+            lambda flown: (10 * ("a" in flown) + 90 * ({"a"} == flown - {"c", "d"}), 10),
+            ("sole", "masking", "bystander", "bystander"),
+        ),
+        (
+            lambda flown: (0, 100 * ("a" in flown) + 6 * ("a" in flown and "d" not in flown)),
+            ("sole", "bystander", "bystander", "masking"),
+        ),
+        (
+            lambda flown: (0, 100 * ("a" in flown) + 5 * ("a" in flown and "d" not in flown)),
+            ("sole", "bystander", "bystander", "bystander"),
+        ),
+        (
+            lambda flown: (10 * ("a" in flown and "b" not in flown), 0),
+            ("lesser", "masking", "bystander", "bystander"),
+        ),
+        (
+            lambda flown: (max(90 * ("a" in flown), 9 * ("b" in flown)), 4),
+            ("sole", "lesser", "bystander", "bystander"),
+        ),
+        (lambda flown: (0, 0), ("bystander",) * 4),
+    ],
+    ids=[
+        "one alone",
+        "two together",
+        "either of two",
+        "one with either of two",
+        "one hides what another does",
+        "of true violations",
+        "a rise of a twentieth is none",
+        "one hides all that another does",
+        "one does less than another",
+        "nothing",
+    ],
+)
+def test_a_fault_is_labelled_by_what_it_does_to_the_goal(violations, expected):
+    assert labels(violations) == expected
+
+
+def simplified(violations, *drawn):
+    """Return the simplest form of faults whose believed violations are given."""
+
+    def evaluate_many(specifications, _seed):
+        return [outcome([violations(each)], len(each)) for each in specifications]
+
+    flights = Flights(evaluate_many, Measure("believed", 1, ("g1",), ("g1",), 1000), (1,))
+    return simplest(flights, MISSION, POOL, drawn)
+
+
+def timed(start, finish, value=ODD):
+    return TimedFault(SPEED.id, start, finish, (value,))
+
+
+def during(low, high):
+    """Return violations: the ticks of a window that a fault covers, some hundred to one."""
+    return lambda drawn: sum(
+        100 * max(0, min(each.finish, high) - max(each.start, low) + 1) for each in drawn
+    )
+
+
+def test_a_window_is_cut_from_both_ends_to_where_it_counts():
+    (found,) = simplified(during(300, 309), timed(7, 912))
+
+    assert (found.start, found.finish) == (300, 309)
+
+
+def test_what_follows_the_mission_is_cut():
+    (found,) = simplified(during(990, 2000), timed(990, 5000))
+
+    assert (found.start, found.finish) == (990, 999)
+
+
+def test_a_fault_that_needs_one_tick_keeps_one():
+    (found,) = simplified(lambda drawn: 10, timed(100, 200))
+
+    assert found.start == found.finish
+
+
+@pytest.mark.parametrize(
+    ("least", "most", "expected"),
+    [
+        (LOW, HIGH, OWN),
+        (OWN + 1e-9, HIGH, HIGH),
+        (15, 25, 20),
+        (16.5, 17.5, 17),
+        (17.05, 17.2, 17.1),
+        (ODD, ODD, ODD),
+    ],
+    ids=["the pool's own", "a bound", "tens", "ones", "tenths", "none but itself"],
+)
+def test_of_the_values_that_do_the_plainest_is_found(least, most, expected):
+    def violations(drawn):
+        return 10 * (least <= drawn[0].values[0] <= most)
+
+    (found,) = simplified(violations, timed(100, 100))
+
+    assert LOW <= ODD <= HIGH
+    assert found.values == (expected,)
+
+
+def test_a_hundredth_may_be_lost_but_not_more():
+    def violations(drawn):
+        return 1000 - 3 * (drawn[0].finish < 200) - 18 * (drawn[0].start > 50)
+
+    (found,) = simplified(violations, timed(50, 200))
+
+    assert found.start == 50
+    assert found.finish < 200
