@@ -1,8 +1,5 @@
 """Robots that turn slowly and misjudge where they are: the same bits however they fly."""
 
-import math
-from itertools import pairwise
-
 import pytest
 
 from m2t.generate import generate
@@ -14,7 +11,7 @@ from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.integration.test_injector import EMBEDDED, flown
 from tests.support.models.copies import MISSION, copy_models, edit
 from tests.support.trace import columns, traced
-from tests.support.world import paper_code, specifications
+from tests.support.world import specifications
 
 SEED = 5
 RATES, NOISES = (9.0, 30.0, 180.0), (2.0, 0.0, 0.5)
@@ -66,37 +63,3 @@ def test_a_node_that_answers_flies_likewise(code):
     (outcome,) = flown(EMBEDDED, 1, [specification], code=code)
 
     assert outcome == ReferenceEngine(code, 1).evaluate(specification)
-
-
-def test_robots_turn_no_faster_than_they_can_and_are_believed_no_farther_off_than_they_say(code):
-    recording = ReferenceEngine(code, SEED).record(())
-    headings = [recording["world"]["commands"][axis].T for axis in ("heading_x", "heading_y")]
-    far = []
-    for k, (rate, noise) in enumerate(zip(RATES, NOISES, strict=True)):
-        sent = zip(*(axis[k].tolist() for axis in headings), strict=True)
-        turns = [math.acos(min(1.0, a * x + b * y)) for (a, b), (x, y) in pairwise(sent)]
-        assert 0.0 < math.degrees(max(turns)) <= rate + 1e-5
-        true, believed = (recording[side]["robots"] for side in ("world", "belief"))
-        apart = [
-            math.dist(*places)
-            for places in zip(
-                zip(true["x"][:, k], true["y"][:, k], strict=True),
-                zip(believed["x"][:, k], believed["y"][:, k], strict=True),
-                strict=True,
-            )
-        ]
-        assert max(apart) <= noise + 1e-9
-        far.append(max(apart))
-    assert far[0] > 1.9
-    assert far[1] == 0.0
-
-
-def test_robots_of_the_paper_turn_at_once_and_know_where_they_are():
-    recording = ReferenceEngine(paper_code(100), SEED).record(())
-
-    for axis in ("heading_x", "heading_y"):
-        sent, commanded = (recording[side]["commands"][axis] for side in ("world", "belief"))
-        assert sent.tolist() == commanded.tolist()
-    for axis in ("x", "y"):
-        true, believed = (recording[side]["robots"][axis] for side in ("world", "belief"))
-        assert true.tolist() == believed.tolist()

@@ -300,20 +300,6 @@ def test_repair_cuts_moves_and_leaves_out_only_what_has_no_room(windows, expecte
         }
 
 
-def test_faults_that_conflict_with_nobody_keep_their_windows_while_others_are_cut():
-    space = paper_space()
-    stays = TimedFault("f26", 0, 999)
-    pair = [TimedFault("f11", 0, 600, (1.0, 2.0)), TimedFault("f11", 400, 999, (3.0, 4.0))]
-
-    found = repaired(space, [stays, *pair], Random(1))
-
-    assert stays in found
-    (first, second) = (each for each in found if each.fault == "f11")
-    assert (first.start, second.finish) == (0, 999)
-    assert first.finish + 1 == second.start
-    assert 400 <= second.start <= 601
-
-
 @pytest.mark.parametrize("mutation", [freely_mutated, transformed])
 def test_free_mutation_reaches_windows_that_the_restriction_takes_away(mutation):
     space = paper_space(10, "f26")

@@ -66,16 +66,6 @@ def test_bytes_are_accepted_as_list_and_as_base64(tmp_path):
     assert structure.convert({"b": "AQL/"}) == {"b": "AQL/"}
 
 
-def test_a_header_without_stamp_is_stamped_now():
-    header = TYPES.message("std_msgs/Header").convert({"frame_id": "base"})
-
-    assert header["stamp"]["secs"] > 1_600_000_000
-    assert TYPES.message("std_msgs/Header").convert({"stamp": {"secs": 5}})["stamp"] == {
-        "secs": 5,
-        "nsecs": 0,
-    }
-
-
 def test_null_is_no_number():
     assert math.isnan(TYPES.message("std_msgs/Float64").convert({"data": None})["data"])
 

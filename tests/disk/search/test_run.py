@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
+from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight
 from mrsfi_runtime.record import database
@@ -229,14 +229,6 @@ def test_a_function_that_fails_is_told_by_line(key, refused):
 def test_a_selection_that_selects_nobody_is_told_as_such(algorithm, function, refused):
     with refused(UsageError):
         search_with(campaign(algorithm=algorithm, selection=f"own_functions:{function}"))
-
-
-@pytest.mark.parametrize("value", ["None", "'much'", "[1]", "float('nan')"])
-def test_a_fitness_that_is_no_number_is_told(own, value, refused):
-    own.write_text(f"def fitness(findings):\n    return {value}\n", encoding="utf-8")
-
-    with refused(MrsfiError):
-        search_with(campaign(fitness="own_functions:fitness"))
 
 
 @pytest.mark.usefixtures("own")

@@ -38,18 +38,11 @@ TASK = "<stayWithinMissionArea/>"
 NAMED = 'name="Alder" speed="2">'
 PATH = "//@mission/@robots.1"
 ERRORS = [
-    ('sensor="', 'sensor="_nowhere', "ResolvedReference"),
-    ('sensor="{s4}"', 'sensor="{r2}"', "ReferenceType"),
-    ('sensor="{s4}"', 'sensor="{s4} {s2}"', "SingleValue"),
     ('sensor="{s4}"', 'sensor="{s2}"', "SensorOfMember"),
     ('sensor="{s4}"', "", "RequiredFeature"),
-    ("<avoidCollision ", '<sufficientEnergy xmi:id="_e"/><avoidCollision ', "SingleValue"),
-    ("<position ", '<position xmi:id="_p"/><position ', "SingleValue"),
     ("<stopRobot ", "<stopEverything ", "ExactlyOneFaultType"),
     ("<stopRobot ", '<startRobot affectedRobot="{r1}"/><stopRobot ', "ExactlyOneFaultType"),
-    ('xmi:id="{r2}"', 'xmi:id="{r1}"', "UniqueId"),
     ('duration="1000.0"', 'duration="1000.5"', "NumberSyntax"),
-    ('duration="1000.0"', 'duration="soon"', "NumberSyntax"),
     ('speed="5.0"', 'speed="-5.0"', "SpeedNotNegative"),
     ('samplesPerSecond="5"', "", "SamplesPerSecondPositive"),
     ('type="PRESSURE"', 'type="TASTE"', "EnumLiteral"),
@@ -260,35 +253,6 @@ def test_any_prefix_will_do(root, text, file, folder):
     assert difference(MODELS, folder) == ()
 
 
-@pytest.mark.parametrize(
-    "sensor",
-    [
-        '<sensor href="#{s4}"/>',
-        '<sensor href="//@mission/@robots.1/@sensors.1"/>',
-        "<sensor>{s4}</sensor>",
-        "<sensor>s4</sensor>",
-    ],
-)
-def test_references_may_be_written_in_other_ways(sensor, file, folder, paper):
-    s4 = xmi_id(paper.mission.robots[1].sensors[1])
-    edit(file, f' sensor="{s4}"/>', f">{sensor.format(s4=s4)}</gatherSamples>")
-
-    import_published(file, folder)
-
-    assert difference(MODELS, folder) == ()
-
-
-def test_an_area_that_is_referred_to_is_copied(file, folder, paper):
-    area = paper.mission.goals[3].area
-    edit(file, "<stayWithinMissionArea ", f'<stay area="{xmi_id(area)}" ')
-    edit(file, "</stayWithinMissionArea>", "</stay>")
-
-    import_published(file, folder)
-
-    copied = load_mission_folder(folder).mission.goals[1].task.area
-    assert (copied.ID, copied.radius, copied.center.x) == ("g2_task_area", 150.0, -250.0)
-
-
 def test_every_further_specification_gets_a_file(file, folder):
     edit(
         file,
@@ -453,6 +417,7 @@ def test_a_copied_area_takes_the_center_that_it_refers_to_itself(pond, tmp_path)
     import_published(pond, tmp_path / "imported")
 
     (goal,) = load_mission_folder(tmp_path / "imported").mission.goals
+    assert goal.task.area.ID == "g1_task_area"
     assert (goal.task.area.center.x, goal.area.center.x, goal.task.area.radius) == (7.0, 7.0, 90.0)
 
 

@@ -35,8 +35,6 @@ ROCK = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
 ROUNDED = (1.0 - 1e-12, 1.0, 1.0 + 1e-12)
 """Factors that rounding may well amount to."""
 NORTHWARD = (Coordinates(0.0, 0.0), Coordinates(0.0, 100.0))
-SHORT, LONG = 1.0 - 1e-12, 1.0 + 1e-12
-"""Factors that rounding may well amount to."""
 NUMBERS = st.floats(-1e6, 1e6)
 
 
@@ -60,18 +58,6 @@ def test_a_task_is_violated_beyond_its_edge_whatever_is_rounded(task, robot, kep
         found[value] = sys.modules[type(task).__module__].violated(view, 0)
 
     assert {value for value, is_violated in found.items() if is_violated} == {*violated}
-
-
-def test_energy_suffices_when_it_covers_the_forecast_exactly():
-    view = state(SufficientEnergy(), duration=11)
-    for each in view.robots:
-        each.speed = 4.0
-        each.energy = 10 * (4.0 * 5.0 + 2 * 3.0 * 2)
-
-    assert not goal_tasks.sufficient_energy.violated(view, 0)
-
-    view.robots[1].energy -= 0.5
-    assert goal_tasks.sufficient_energy.violated(view, 0)
 
 
 def test_an_exhausted_robot_violates_its_energy_goal_even_at_the_last_tick():
@@ -318,8 +304,7 @@ def test_a_visit_ends_exactly_at_the_point():
 
 
 def test_tracking_heads_for_the_next_waypoint():
-    path = (Coordinates(0.0, 0.0), Coordinates(0.0, 100.0))
-    ci = state(Track(path, 5.0), robots=(robot("a", 0.0, 0.0),))
+    ci = state(Track(NORTHWARD, 5.0), robots=(robot("a", 0.0, 0.0),))
     ci.members[0].waypoint = 1
 
     goal_tasks.track.react(ci, 0)
@@ -371,27 +356,20 @@ def test_samples_are_missed_when_all_that_can_still_come_are_too_few(count, tick
 
 
 @pytest.mark.parametrize(
-    ("reached", "violated", "tick", "expected"),
-    [(0, 0, 98, False), (0, 0, 99, True), (1, 0, 99, False), (1, 1, 5, True)],
+    ("violated", "tick", "is_done", "expected"),
+    [(0, 98, 0, False), (0, 99, 0, True), (0, 99, 1, False), (1, 5, 1, True)],
 )
-def test_stay_is_missed_by_leaving_or_by_never_entering(reached, violated, tick, expected):
-    world = state(Stay(HERE), duration=100)
-    world.mission.tick = tick
-    for member in world.members:
-        member.reached = reached
-
-    assert is_missed(world, 0, violated) is expected
-
-
 @pytest.mark.parametrize(
-    ("waypoint", "violated", "tick", "expected"),
-    [(1, 0, 98, False), (1, 0, 99, True), (2, 0, 99, False), (1, 1, 5, True)],
+    ("task", "field", "values"),
+    [(Stay(HERE), "reached", (0, 1)), (Track(NORTHWARD, 5.0), "waypoint", (1, 2))],
 )
-def test_a_track_is_missed_off_it_or_unfinished_at_the_end(waypoint, violated, tick, expected):
-    world = state(Track(NORTHWARD, 5.0), duration=100)
+def test_stay_and_track_are_missed_by_leaving_or_by_what_is_not_done_at_the_end(
+    task, field, values, violated, tick, is_done, expected
+):
+    world = state(task, duration=100)
     world.mission.tick = tick
     for member in world.members:
-        member.waypoint = waypoint
+        setattr(member, field, values[is_done])
 
     assert is_missed(world, 0, violated) is expected
 
@@ -449,7 +427,7 @@ def test_what_differs_by_less_than_a_billionth_is_equal(value, expected):
     assert excess(value, 100.0) == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+@pytest.mark.parametrize("share", ROUNDED)
 def test_energy_that_covers_the_need_but_for_rounding_suffices(share):
     view = state(SufficientEnergy(), duration=11)
     for each in view.robots:
@@ -457,8 +435,11 @@ def test_energy_that_covers_the_need_but_for_rounding_suffices(share):
 
     assert not goal_tasks.sufficient_energy.violated(view, 0)
 
+    view.robots[1].energy -= 0.5
+    assert goal_tasks.sufficient_energy.violated(view, 0)
 
-@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+
+@pytest.mark.parametrize("share", ROUNDED)
 def test_the_edge_of_an_area_is_inside(share):
     patrol = state(Patrol(HERE, 1))
     gather = state(GatherSamples(5, "a_depth"), area=HERE)
@@ -473,7 +454,7 @@ def test_the_edge_of_an_area_is_inside(share):
     assert not goal_tasks.gather_samples.violated(gather, 0)
 
 
-@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+@pytest.mark.parametrize("share", ROUNDED)
 def test_energy_that_is_used_up_but_for_rounding_is_used_up(share):
     world = state(SufficientEnergy())
     world.robots[0].energy = share * (4.0 * 5.0 + 2 * 3.0 * 2)

@@ -5,7 +5,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from hashlib import sha256
 from itertools import chain, product, repeat
 from random import Random
@@ -176,18 +175,6 @@ def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch, ref
         run.start()
 
     assert [each.fitness[0] for each in run.store.evaluations()] == list(range(15))
-
-
-def test_a_run_whose_fitness_is_a_fraction_goes_on_from_its_record(monkeypatch):
-    thirds = SimpleNamespace(fitness=lambda found: Fraction(sum(found.violations), 3))
-    monkeypatch.setitem(sys.modules, "thirds", thirds)
-    run = Run(CampaignSettings(fitness="thirds:fitness", generations=2))
-    run.start()
-    before = content(run.store)
-
-    run.start()
-
-    assert content(run.store) == before
 
 
 def test_a_result_too_few_is_noticed():
