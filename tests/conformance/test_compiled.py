@@ -290,9 +290,9 @@ def campaign(code, drawn):
 
 
 ONE_KEY = """
-from mrsfi_runtime.engine.compiled import compiled_flight
-key_of = compiled_flight.key_of
-compiled_flight.key_of = lambda *given: key_of(*given[:-1])
+from mrsfi_runtime.engine.compiled import engine
+key_of = engine.key_of
+engine.key_of = lambda *given: key_of(*given[:-1])
 """
 
 
@@ -387,7 +387,7 @@ def test_an_edited_kernel_compiles_anew(tmp_path):
     mission = small_mission(tmp_path / "mission").directory
     package = tmp_path / "src" / "mrsfi_runtime"
     shutil.copytree(Path(str(mrsfi_runtime.__file__)).parent, package)
-    motion = package / "kernel" / "motion.py"
+    motion = package / "kernel" / "commands.py"
     text = motion.read_text(encoding="utf-8")
     way = "robot.x += command.heading_x * speed"
     assert text.count(way) == 1

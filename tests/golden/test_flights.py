@@ -1,9 +1,10 @@
-"""Committed digests of fixed seeds: every bit of belief and truth at every tick."""
+"""Committed digests of fixed seeds, and committed generated code."""
 
 import json
 
 import pytest
 
+from m2t.generate import diff
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.state import state_bytes
@@ -24,3 +25,8 @@ def test_states_are_still_written_as_at_first(mission):
 
     code = load_code(ROOT / "generated" / mission)
     ReferenceEngine(code, 1).evaluate((), observer=compare)
+
+
+@pytest.mark.parametrize("mission", sorted(path.name for path in (ROOT / "models").iterdir()))
+def test_the_models_of_the_repository_generate_what_is_committed(mission):
+    assert diff(ROOT / "models" / mission, ROOT / "generated" / mission) == ""

@@ -115,7 +115,7 @@ def test_ranges_speak_of_features_that_exist():
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    return copy_metamodels(tmp_path).parent
+    return copy_metamodels(tmp_path / "team" / "metamodels").parent
 
 
 def _classifier(package: str, name: str) -> Any:
@@ -315,11 +315,6 @@ def test_endless_lineage_is_an_error(folder, parent):
     assert "'K999'" in message
 
 
-@pytest.fixture
-def team(tmp_path):
-    return copy_metamodels(tmp_path / "team" / "metamodels").parent
-
-
 def rewrite(path, old, new):
     text = path.read_text(encoding="utf-8")
     assert old in text
@@ -341,10 +336,10 @@ def rewrite(path, old, new):
         (MISSION_FILE, ECORE, "platform:/resource/org.eclipse.emf.ecore/model/Ecore.ecore#//"),
     ],
 )
-def test_addresses_that_eclipse_writes_mean_the_same_metamodels(file, old, new, team):
-    rewrite(team / file, old, new)
+def test_addresses_that_eclipse_writes_mean_the_same_metamodels(file, old, new, folder):
+    rewrite(folder / file, old, new)
 
-    both = read_metamodels(team)
+    both = read_metamodels(folder)
 
     assert class_files(both.packages) == class_files(load_metamodels().packages)
 
@@ -359,18 +354,18 @@ def test_addresses_that_eclipse_writes_mean_the_same_metamodels(file, old, new, 
         (MISSION_FILE, f"{ECORE}EDouble", "platform:/plugin/org.eclipse.emf.ecore/model/XML.ecore"),
     ],
 )
-def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, team, refused):
-    edit(team / file, old, f"{uri}#//{old.rpartition('/')[2]}")
+def test_an_address_of_no_metamodel_is_named_as_the_cause(file, old, uri, folder, refused):
+    edit(folder / file, old, f"{uri}#//{old.rpartition('/')[2]}")
 
     with refused(ModelError):
-        read_metamodels(team)
+        read_metamodels(folder)
 
 
-def test_a_name_that_no_metamodel_has_is_told_from_an_address(team, refused):
-    edit(team / FAULTS_FILE, "mission.ecore#//Goal", f"{MISSION}Aim")
+def test_a_name_that_no_metamodel_has_is_told_from_an_address(folder, refused):
+    edit(folder / FAULTS_FILE, "mission.ecore#//Goal", f"{MISSION}Aim")
 
     with refused(ModelError):
-        read_metamodels(team)
+        read_metamodels(folder)
 
 
 @pytest.mark.parametrize(
@@ -385,11 +380,11 @@ def test_a_name_that_no_metamodel_has_is_told_from_an_address(team, refused):
         ('lowerBound="1"', 'lowerBound="one"', "has lowerBound 'one'; .* [NumberSyntax]"),
     ],
 )  # fmt: skip
-def test_what_is_misspelt_is_told_by_a_rule_of_its_kind(old, new, finding, team):
-    edit(team / MISSION_FILE, old, new)
+def test_what_is_misspelt_is_told_by_a_rule_of_its_kind(old, new, finding, folder):
+    edit(folder / MISSION_FILE, old, new)
 
     with pytest.raises(ModelError) as caught:
-        read_metamodels(team)
+        read_metamodels(folder)
 
     start, _, end = finding.partition(".*")
     assert start in str(caught.value)

@@ -1,17 +1,23 @@
-"""How modules lie in folders, and which of them import each other."""
+"""How modules lie in folders and import each other, and how tests are spread."""
 
 import ast
+import os
+import socket
+import subprocess
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from graphlib import CycleError, TopologicalSorter
+from multiprocessing import get_context
+
+import pytest
 
 from tests.support.tree import ROOT
+from tests.tiers import night, seeds, slow
 
 PLUG_INS = {"src/mrsfi", "src/mrsfi_runtime/kernel/goal_tasks"}
 """Folders that may have more, as CONTRIBUTING.md lists them."""
-
 MOST_MODULES = 10
-
 FILES = {
     ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
     for root in (ROOT, ROOT / "src")
@@ -66,3 +72,26 @@ def test_imports_inside_functions_count_and_those_of_types_do_not():
     text = "if TYPE_CHECKING:\n import mrsfi.engines\ndef late():\n from mrsfi import engines\n"
 
     assert [*imported(text)] == ["mrsfi.engines"]
+
+
+def test_first_seeds_are_plain_the_next_slow_and_all_others_of_the_night():
+    assert seeds("abcd", 1, 2) == [
+        "a",
+        pytest.param("b", marks=slow),
+        pytest.param("c", marks=slow),
+        pytest.param("d", marks=night),
+    ]
+
+
+@pytest.mark.parametrize(
+    "forbidden",
+    [
+        lambda: subprocess.run(["true"], check=True),
+        lambda: get_context("spawn").Process(target=print).start(),
+        lambda: os.fork() or os._exit(0),
+        socket.socket,
+    ],
+)
+def test_a_process_and_a_socket_fail_a_test_here_also_where_errors_are_caught(forbidden):
+    with pytest.raises(pytest.fail.Exception, match="a test of tests/unit "), suppress(Exception):
+        forbidden()

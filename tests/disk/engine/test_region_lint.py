@@ -31,6 +31,8 @@ def check_g1(ci: State) -> bool:
 """
 HELPED = "@kernel\ndef squared(x):\n    return x ** 2"
 HELPER = "    return math.hypot(3.0, 4.0)"
+FAR_AWAY = "math.hypot(1.0, 2.0) > 2.0"
+NOWHERE = "        return nowhere(ci)"
 
 
 def _write(folder: Path, body: str = "return True", imports: str = "", helpers: str = "") -> Path:
@@ -52,16 +54,25 @@ def test_where_nothing_was_generated_there_is_nothing_to_warn_of(tmp_path):
     assert lint_regions(tmp_path) == ()
 
 
-def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path, approved):
-    _write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math")
+@pytest.mark.parametrize(
+    ("body", "imports", "line", "constraint"),
+    [
+        (f"return {FAR_AWAY}", "import math", f"    return {FAR_AWAY}", COMPILES_ALIKE),
+        ("return (", "", "    return (", "RegionRuns"),
+        (f"if ci.mission.tick < 0:\n{NOWHERE}\n    return True", "", NOWHERE, "RegionRuns"),
+    ],
+    ids=["differs", "no Python", "a name that is defined nowhere, although no flight reaches it"],
+)
+def test_what_is_found_has_file_line_region_cause_and_remedy(
+    tmp_path, body, imports, line, constraint, approved
+):
+    _write(tmp_path, body, imports)
 
     (found,) = lint_regions(tmp_path)
 
-    assert found.path == tmp_path / FILE
-    assert found.line == _line(found.path, "    return math.hypot(1.0, 2.0) > 2.0")
-    assert found.place == "region 'g1.check'"
-    assert found.constraint == COMPILES_ALIKE
-    assert not found.is_error
+    assert (found.path, found.place) == (tmp_path / FILE, "region 'g1.check'")
+    assert found.line == _line(found.path, line)
+    assert (found.constraint, found.is_error) == (constraint, constraint == "RegionRuns")
     approved(found.message)
 
 
@@ -138,17 +149,6 @@ def test_imports_are_found_without_running_them(tmp_path, monkeypatch):
     assert lint_regions(tmp_path) == ()
 
 
-def test_a_region_that_is_no_python_is_named(tmp_path, approved):
-    _write(tmp_path, "return (")
-
-    (found,) = lint_regions(tmp_path)
-
-    assert found.is_error
-    assert found.line == _line(found.path, "    return (")
-    assert found.place == "region 'g1.check'"
-    approved(found.message)
-
-
 @pytest.mark.parametrize(
     ("body", "helpers"),
     [
@@ -182,19 +182,6 @@ def test_what_a_marked_helper_does_is_looked_at(tmp_path, approved):
 def _errors(folder: Path, body: str, imports: str = "", helpers: str = "") -> list[str]:
     _write(folder, body, imports, helpers)
     return [found.message for found in lint_regions(folder) if found.is_error]
-
-
-def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(
-    tmp_path, approved
-):
-    _write(tmp_path, "if ci.mission.tick < 0:\n        return nowhere(ci)\n    return True")
-
-    (found,) = lint_regions(tmp_path)
-
-    assert (found.constraint, found.is_error) == ("RegionRuns", True)
-    assert (found.path, found.place) == (tmp_path / FILE, "region 'g1.check'")
-    assert found.line == _line(found.path, "        return nowhere(ci)")
-    approved(found.message)
 
 
 def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path, monkeypatch, approved):

@@ -3,15 +3,20 @@
 import json
 import os
 import sqlite3
+import tomllib
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import (
+    VIOLATIONS,
     CampaignSettings,
     Regression,
     kept,
@@ -21,6 +26,7 @@ from mrsfi_runtime.record.settings import (
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
 from tests.support.cli import execute
+from tests.tiers import law
 
 CASE = """
 [search]
@@ -45,6 +51,8 @@ SOUND = {
     "goals": "1",
     "max": "{g1 = 3}",
 }
+TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)
+COUNTS = st.integers(0, 2**63 - 1)
 
 
 def test_a_campaign_file_is_read(tmp_path):
@@ -355,3 +363,22 @@ def test_a_record_of_other_semantics_is_not_flown_and_names_who_wrote_it(tmp_pat
 
     with store, refused(RecordError):
         store.require_flyable()
+
+
+@law(100)
+@given(
+    TEXTS,
+    st.sampled_from(VIOLATIONS),
+    st.lists(COUNTS, min_size=1).map(tuple),
+    st.dictionaries(TEXTS, COUNTS, min_size=1),
+)
+def test_any_text_and_any_name_of_a_goal_are_read_as_written(found, violations, seeds, limits):
+    written = Regression(Path("it.toml"), found, violations, seeds, limits).text()
+
+    assert tomllib.loads(written) == {
+        "found": found,
+        "violations": violations,
+        "mission_seeds": list(seeds),
+        "goals": len(limits),
+        "max": limits,
+    }

@@ -127,7 +127,7 @@ def test_what_was_evaluated_before_an_interrupt_is_stored_once_and_resumed(strid
     assert step > 100
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A module own_functions in the current folder, forgotten again afterwards."""
     path = tmp_path / "own_functions.py"
@@ -148,7 +148,6 @@ def search_with(settings: CampaignSettings) -> CampaignStore:
     return store
 
 
-@pytest.mark.usefixtures("own")
 def test_a_fitness_function_of_the_user_judges():
     store = search_with(campaign(fitness="own_functions:first_goal"))
 
@@ -156,7 +155,6 @@ def test_a_fitness_function_of_the_user_judges():
     assert all(e.fitness == (float(e.outcome.believed[0]),) for e in store.evaluations())
 
 
-@pytest.mark.usefixtures("own")
 def test_operators_of_the_user_vary():
     store = search_with(
         campaign(
@@ -167,7 +165,6 @@ def test_operators_of_the_user_vary():
     assert store.n_evaluations == 20
 
 
-@pytest.mark.usefixtures("own")
 def test_a_selection_of_the_user_selects():
     store = search_with(
         campaign(selection="own_functions:worst_first", crossover=0.0, mutation=0.0)
@@ -177,7 +174,6 @@ def test_a_selection_of_the_user_selects():
     assert {g.statistics["max"] for g in later} == {first.statistics["min"]}
 
 
-@pytest.mark.usefixtures("own")
 def test_the_current_folder_does_not_stay_on_pythons_path():
     before = list(sys.path)
 
@@ -197,7 +193,6 @@ def test_the_current_folder_does_not_stay_on_pythons_path():
         ("fitness", ":f"),
     ],
 )
-@pytest.mark.usefixtures("own")
 def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(key, name, refused):
     with refused(UsageError):
         require_settings(campaign(**{key: name}), paper_mission())
@@ -217,7 +212,6 @@ def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, refused):
 @pytest.mark.parametrize(
     "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
 )
-@pytest.mark.usefixtures("own")
 def test_a_function_that_fails_is_told_by_line(key, refused):
     with refused(UsageError):
         search_with(campaign(**{key: "own_functions:broken"}))
@@ -225,13 +219,11 @@ def test_a_function_that_fails_is_told_by_line(key, refused):
 
 @pytest.mark.parametrize("function", ["nobody", "strangers", "ending"])
 @pytest.mark.parametrize("algorithm", ["paper", "eaMuPlusLambda"])
-@pytest.mark.usefixtures("own")
 def test_a_selection_that_selects_nobody_is_told_as_such(algorithm, function, refused):
     with refused(UsageError):
         search_with(campaign(algorithm=algorithm, selection=f"own_functions:{function}"))
 
 
-@pytest.mark.usefixtures("own")
 def test_what_an_operator_must_not_make_is_refused(refused):
     with refused(SpecificationError):
         search_with(campaign(mutation_operator="own_functions:overlapping"))

@@ -1,11 +1,25 @@
-"""Cause sets: which faults break a goal, their shares, labels and simplest forms."""
+"""Cause sets: which faults break a goal, their shares, labels, simplest forms and chains."""
 
+import json
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations, permutations
 from random import Random
 
 import pytest
 
 from mrsfi_runtime.causes.cause_set import Column, Flights, Question, floor
+from mrsfi_runtime.causes.chain import (
+    HEADING,
+    Chain,
+    Change,
+    First,
+    FirstVerdict,
+    FirstVerdicts,
+    Robustness,
+    chain_as_json,
+    changed,
+    robustness,
+)
 from mrsfi_runtime.causes.explanation import (
     N_EXACT,
     N_PERMUTATIONS,
@@ -14,18 +28,59 @@ from mrsfi_runtime.causes.explanation import (
     simplest,
 )
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import TimedFault, value_bounds
-from mrsfi_runtime.model.mission import FailedFlight
+from mrsfi_runtime.model.fault_types import Units
+from mrsfi_runtime.model.faults import Specification, TimedFault, value_bounds
+from mrsfi_runtime.model.mission import FailedFlight, Outcome
 from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import outcome
-from tests.support.planted import faults, flights
 from tests.support.search import paper_mission, pool_of
 from tests.tiers import seeds
 
+Planted = Mapping[str, Callable[[frozenset[str]], tuple[int, int]]]
+"""Believed and true violations of each goal, from the IDs of the faults that are flown."""
 MISSION, POOL = paper_mission(), pool_of()
 SPEED = next(fault for fault in POOL if fault.type == "FixedSpeed")
 (OWN,), ((LOW, HIGH),) = SPEED.values, value_bounds(MISSION, SPEED)
 ODD = 17.123
+
+
+def faults(names: str) -> Specification:
+    """Return a timed fault for each letter."""
+    return tuple(TimedFault(name, 0, 9) for name in names)
+
+
+def flights(planted: Planted, kind: str = "believed") -> Flights:
+    """Return flights that find what is planted."""
+    goals = tuple(planted)
+    return Flights(evaluator(planted), Measure(kind, 1, goals, goals, 100), (1,))
+
+
+def evaluator(planted: Planted) -> Callable[[Sequence[Specification], int], list[Outcome]]:
+    """Return what evaluates specifications as is planted."""
+
+    def evaluate_many(specifications: Sequence[Specification], _seed: int) -> list[Outcome]:
+        return [_outcome(planted, each) for each in specifications]
+
+    return evaluate_many
+
+
+def _outcome(planted: Planted, specification: Specification) -> Outcome:
+    flown = frozenset(timed.fault for timed in specification)
+    found = [violations(flown) for violations in planted.values()]
+    none = tuple(0 for _ in found)
+    pairs = [(max(b - t, 0), max(t - b, 0)) for b, t in found]
+    ones = tuple(1 for _ in specification)
+    return Outcome(
+        believed=tuple(believed for believed, _ in found),
+        true=tuple(true for _, true in found),
+        phantom=tuple(phantom for phantom, _ in pairs),
+        masked=tuple(masked for _, masked in pairs),
+        missed=none,
+        samples=none,
+        applied=ones,
+        changed=ones,
+        digest="",
+    )
 
 
 def minimum(planted, names, keep=0.95, columns=None):
@@ -352,3 +407,65 @@ def test_a_hundredth_may_be_lost_but_not_more():
 
     assert found.start == 50
     assert found.finish < 200
+
+
+def test_a_chain_is_told_as_plain_values_and_what_makes_no_difference_as_none():
+    turned = Change("r1", HEADING, (350.0,), (10.0,))
+    moved = Change("r1", "position", (3.0, 4.0, 0.0), (0.0, 0.0, 0.0))
+    verdicts = (FirstVerdicts("g1", FirstVerdict(7, True), None, FirstVerdict(9, False)),)
+
+    told = chain_as_json(Chain(None, First(5, (turned,)), First(6, (turned, moved)), verdicts))
+
+    heading = {"owner": "r1", "quantity": "heading", "found": [350.0], "otherwise": [10.0]}
+    assert json.loads(json.dumps(told)) == {
+        "belief": None,
+        "command": {"tick": 5, "changes": [heading | {"size": 20.0}]},
+        "truth": {
+            "tick": 6,
+            "changes": [
+                heading | {"size": 20.0},
+                {
+                    "owner": "r1",
+                    "quantity": "position",
+                    "found": [3.0, 4.0, 0.0],
+                    "otherwise": [0.0, 0.0, 0.0],
+                    "size": 5.0,
+                },
+            ],
+        },
+        "verdicts": {
+            "g1": {
+                "believed": {"tick": 7, "is_so": True},
+                "true": None,
+                "missed": {"tick": 9, "is_so": False},
+            }
+        },
+    }
+
+
+def test_it_is_median_range_and_in_how_many_seeds_a_goal_is_violated():
+    by_seed = [(0, 5), (0, 1), (7, 3), (9, 2)]
+
+    assert robustness(by_seed) == (Robustness(3.5, 0, 9, 2), Robustness(2.5, 1, 5, 4))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "found", "otherwise", "said"),
+    [
+        (
+            "position",
+            (3.0, 4.0, 0.0),
+            (3.0, 5.0, 0.0),
+            "(3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)",
+        ),
+        ("position", (3.0, 4.0, 0.0), (3.0, 4.001, 0.0), "(3.00, 4.00, 0.00), 1e-03 off"),
+        (HEADING, (40.0,), (20.0,), "40.0 degrees, not 20.0 degrees"),
+        (HEADING, (0.01,), (360.0,), "0.0 degrees, not 360.0 degrees"),
+        (HEADING, (20.0,), (20.000004,), "20.0 degrees, 4e-06 off"),
+        ("energy", (7.0,), (8.5,), "7, not 8.50"),
+    ],
+)
+def test_a_change_is_told_so_that_it_can_be_seen(quantity, found, otherwise, said):
+    first = First(3, (Change("r1", quantity, found, otherwise),))
+
+    assert changed(first, Units()) == f"r1 {quantity} {said}"

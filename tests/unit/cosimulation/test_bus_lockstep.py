@@ -494,12 +494,12 @@ def test_a_simulation_waits_for_the_first_tick_while_a_node_gets_ready():
         def begin(self, flight, run, seed):
             sleep(0.8)
 
-    with sides(CODE, patience=HASTY, mind=Slow()) as (simulation, lockstep, _):
-        thread = Thread(target=simulation.serve)
-        thread.start()
+    with (
+        sides(CODE, patience=HASTY, mind=Slow()) as (simulation, lockstep, _),
+        served(simulation),
+    ):
         outcome = BusEngine(CODE, 1, lockstep).evaluate(())
         simulation.stop()
-        thread.join()
 
     assert outcome == flown_in_process()
 

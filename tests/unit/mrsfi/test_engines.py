@@ -1,19 +1,23 @@
-"""Which engine is chosen, from options and from a record, and what the record holds."""
+"""Which engine is chosen, what the record holds, and what has to repeat itself."""
 
 import json
 from dataclasses import replace
+from itertools import cycle
 
 import pytest
 
 from mrsfi.engines import AS_RECORDED, again, chosen
+from mrsfi.explaining import NamedSpecification, require_repeatable
 from mrsfi_runtime.cosimulation.bus_topics import Patience
 from mrsfi_runtime.errors import RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.record.engine_settings import EngineSettings, Workers
+from tests.support.campaigns import outcome
 
 URL = "ws://127.0.0.1:9090"
 WORLD = {"name": "rosbridge", "url": URL, "side": "ci"}
 ON_BUS = EngineSettings(**WORLD, client="twisted")
 NODE = EngineSettings("rosbridge", side="injector", node="node")
+SUBJECT = NamedSpecification("best", "evaluation 3", (), ())
 
 
 def recorded(settings):
@@ -127,3 +131,23 @@ def test_only_a_server_of_its_own_can_have_several_workers():
     Workers(1).require_sense(EngineSettings("rosbridge", url=URL))
     with pytest.raises(UsageError, match="--workers 2"):
         Workers(2).require_sense(EngineSettings("rosbridge", url=URL))
+
+
+class Simulation:
+    """Finds one outcome after the other."""
+
+    def __init__(self, *outcomes):
+        self._outcomes = cycle(outcomes)
+
+    def evaluate(self, specification):
+        assert specification == SUBJECT.specification
+        return next(self._outcomes)
+
+
+def test_one_that_flies_differently_is_refused(refused):
+    with refused(ReplayMismatch):
+        require_repeatable(Simulation(outcome([7]), outcome([8])), SUBJECT)
+
+
+def test_one_that_repeats_itself_is_not():
+    require_repeatable(Simulation(outcome([7])), SUBJECT)
