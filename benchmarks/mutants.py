@@ -37,9 +37,9 @@ PATIENCE = 3.0
 
 ROOMS = {
     "model": """
-        unit/model disk/test_generated_code.py model/test_specification.py model/test_fault_meaning.py
-        golden/test_flights.py conformance/test_fault_types.py unit/search/test_space.py
-        unit/search/test_algorithms.py unit/record unit/analysis
+        unit/model disk/test_generated_code.py model/test_specification.py
+        model/test_fault_meaning.py golden/test_flights.py conformance/test_fault_types.py
+        unit/search/test_space.py unit/search/test_algorithms.py unit/record unit/analysis
     """,
     "engine": """
         unit/mrsfi/test_engines.py disk/engine disk/test_generated_code.py
