@@ -19,7 +19,7 @@ from mrsfi_runtime.engine.compiled.regions import (
 from mrsfi_runtime.generated_code import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, edited
-from tests.support.edits import EDITS, MODULES, write_team
+from tests.support.edits import EDITS, MODULES, REFUSED, write_team
 from tests.support.tree import ROOT
 
 
