@@ -160,7 +160,7 @@ def test_no_explain_leaves_it_out_and_resume_looks_for_it_where_asked(ended, sma
 @slow
 def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
     run, _ = ended
-    execute(tmp_path / campaign, "DROP TABLE flight")
+    execute(tmp_path / campaign, "DELETE FROM flight")
 
     before = mrsfi_json("report", campaign, cwd=tmp_path)
     explained = mrsfi("explain", campaign, "--all", "--engine", "reference", cwd=tmp_path)

@@ -69,7 +69,7 @@ CASES = {
     "SIGTERM": Case(TWO, lambda pid: os.kill(pid, SIGTERM), 130),
     "a worker": Case(TWO, kill_child(b"spawn_main"), 6, "a worker process died; resume the"),
     "the simulation": Case(
-        BUS, kill_child(b"simulation_process"), 8, "SIGKILL", moments=MOMENTS[:1]
+        BUS, kill_child(b"engine.rosbridge"), 8, "SIGKILL", moments=MOMENTS[:1]
     ),
     "the server": Case(BUS, kill, 8, "was lost", server, MOMENTS[:1]),
     "the scheduler": Case((), kill, 8, "the connection to the scheduler is lost", cluster),
