@@ -48,6 +48,8 @@ from mrsfi_runtime.study.folder import ComparisonFolder
 _SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
 """What the record of a run keeps beside that of any campaign."""
 
+_NOTED = 1.0  # seconds after which a run notes how long it has taken
+
 
 def default_folder(mission: str, case: str, kind: str = "compare") -> Path:
     """Return where a comparison or sweep goes, unless somebody names another place."""
@@ -163,7 +165,7 @@ def _flown(place: CampaignFolder, name: str, evaluator: Evaluator, source: str) 
 
         def note(_: object) -> None:
             nonlocal noted
-            if monotonic() - noted > 1.0:
+            if monotonic() - noted > _NOTED:
                 noted = monotonic()
                 store.keep(_SECONDS, repr(spent + noted - began))
 

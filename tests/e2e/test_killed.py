@@ -68,9 +68,7 @@ CASES = {
     "Ctrl-C with a cluster": Case(("--dask", "local", *TWO), press, 130),
     "SIGTERM": Case(TWO, lambda pid: os.kill(pid, SIGTERM), 130),
     "a worker": Case(TWO, kill_child(b"spawn_main"), 6, "a worker process died; resume the"),
-    "the simulation": Case(
-        BUS, kill_child(b"engine.rosbridge"), 8, "SIGKILL", moments=MOMENTS[:1]
-    ),
+    "the simulation": Case(BUS, kill_child(b"engine.rosbridge"), 8, "SIGKILL", moments=MOMENTS[:1]),
     "the server": Case(BUS, kill, 8, "was lost", server, MOMENTS[:1]),
     "the scheduler": Case((), kill, 8, "the connection to the scheduler is lost", cluster),
 }

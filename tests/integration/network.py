@@ -181,3 +181,13 @@ def drained(raw: socket.socket) -> bytes:
         while content := raw.recv(MEBI):
             tail = (tail + content)[-MEBI:]
     return tail
+
+
+def wait_for_tick(url: str, run: int, tick: int) -> None:
+    """Wait until the runs on a server have come so far."""
+    with Client(url) as client:
+        client.send("subscribe", topic="/mission/tick", type="std_msgs/Int64MultiArray")
+        while True:
+            flown, at, *_ = client.receive()["msg"]["data"]
+            if (flown % 1_000_000, at) >= (run, tick):
+                return

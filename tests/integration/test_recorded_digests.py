@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.engine.compiled.layout import read_recorded
+from mrsfi_runtime.engine.compiled.layout import Frame, read_recorded
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.record.engine_settings import Manifest
@@ -38,7 +38,9 @@ def test_a_campaign_finds_what_it_found_at_first(tmp_path, case):
 
     def evaluate_many(specifications):
         batch = engine._batch(specifications, code.pool)
-        assert engine._fly_some(batch, settings.mission_seed, (0, len(specifications))) == []
+        span = 0, len(specifications)
+        frame = Frame(engine._fresh(settings.mission_seed), engine._fly_many.calls, batch, span)
+        assert engine._fly(frame, *span) == []
         for k in range(len(specifications)):
             read_recorded(world, batch.results["world"][k])
             read_recorded(belief, batch.results["belief"][k])

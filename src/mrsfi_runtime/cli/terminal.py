@@ -86,6 +86,7 @@ def tell(message: str) -> None:
     click.echo(message, err=True)
 
 
+_EVERY = 5.0  # seconds between two lines about a flight
 _LEAST = 16  # columns that a text which may wrap has at least, if it is as long
 
 
@@ -241,7 +242,7 @@ def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "O
     def tell_after(world: "State", *_: object) -> None:
         nonlocal told
         now = clock()
-        if now - told < 5.0:
+        if now - told < _EVERY:
             return
         told = now
         n_done = world.mission.tick + 1
