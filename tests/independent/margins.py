@@ -35,8 +35,9 @@ class Margins:
             return found is None and min(seen) == math.inf
         least, tick = found
         near = [math.isclose(each, least, rel_tol=1e-12, abs_tol=1e-6) for each in seen]
-        is_earliest = seen.index(seen[tick]) == tick or abs(least) < 1e-6
-        return is_earliest and near[tick] and near[seen.index(min(seen))]
+        is_rounded = seen[tick] != least and abs(least) < 1e-6
+        is_earliest = seen.index(seen[tick]) == tick
+        return (is_earliest or is_rounded) and near[tick] and near[seen.index(min(seen))]
 
 
 def margin(goal: Goal, truth: View) -> float:
