@@ -46,9 +46,6 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         texts[_page_of(path)] = path.read_text(encoding="utf-8")
     for name, text in texts.items():
         files.append(File.generated(config, name, content=text))
-    searches = files.get_file_from_path("search.md")
-    assert searches is not None
-    searches.dest_uri = "searches.html"  # search.html is where the theme shows what it found
     return files
 
 

@@ -20,7 +20,7 @@ RUN = (
     "docs/projects.md",
     "docs/bags.md",
     "docs/gallery.md",
-    "docs/causes.md",
+    "docs/explain.md",
     "docs/compare.md",
     "docs/regressions.md",
     "docs/sharing.md",
@@ -29,6 +29,7 @@ RUN = (
     "docs/workers.md",
     "docs/bus.md",
     "examples/nodes/README.md",
+    "docs/find-weaknesses.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
 
@@ -47,7 +48,7 @@ ELSEWHERE = {
 }
 """What runs, or holds to the code, blocks that are run neither in order nor shortened."""
 
-HOURS = ("docs/search.md", "benchmarks/results/searches.md", "docs/compare.md")
+HOURS = ("docs/find-weaknesses.md", "benchmarks/results/searches.md", "docs/compare.md")
 SHORTER = {"compare": "--seeds 2 --evaluations 2 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
 LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n?```\w+\n")

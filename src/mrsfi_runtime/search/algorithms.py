@@ -66,7 +66,7 @@ _MEMORY = 0.95  # of a step's credit, at each use
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return the search by long windows, landmarks and small steps, as docs/search.md has it.
+    """Return the search that docs/find-weaknesses.md describes under "Guided".
 
     If the campaign minimises, NSGA-II selects survivors, all of them are equally good parents, and
     a step onto the front succeeds.
