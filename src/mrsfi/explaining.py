@@ -54,7 +54,14 @@ from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, 
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import tried
 from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import MrsfiError, RecordError, ReplayMismatch, UsageError, counted
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    RecordError,
+    ReplayMismatch,
+    UsageError,
+    counted,
+    time_left,
+)
 from mrsfi_runtime.files import telling, whole_file
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
@@ -299,16 +306,22 @@ def flying_again(
 def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
     """Find and record all the ways in which goals break, unless the campaign knows them."""
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
-    n_before, told = len(store.flights()), -math.inf
+    n_before, began, noted = len(store.flights()), monotonic(), -math.inf
 
-    def tell_of(known: Known, n_flown: int, n_most: int | None) -> None:
-        nonlocal told
-        if n_flown > n_before and monotonic() - told > 2.0:
-            told = monotonic()
-            most = "flights, mildest forms" if n_most is None else f"of at most {n_most} flights"
-            tell(f"harvest  {n_flown} {most}  {_found(known.weaknesses())}")
+    def progress(unit: str, n_done: int, n_most: int, known: Known) -> None:
+        nonlocal began, noted
+        now = monotonic()
+        if not n_done:
+            began = now
+        elif now - noted > 2.0:
+            noted = now
+            rest = (now - began) / n_done * (n_most - n_done)
+            tell(
+                f"harvest  {n_done} of at most {n_most} {unit}  {_found(known.weaknesses())}  "
+                f"{time_left(rest)}"
+            )
 
-    found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, tell_of)
+    found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
     if len(store.flights()) > n_before:
         tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
 
@@ -316,7 +329,9 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
 def _found(weaknesses: Iterable[Weakness]) -> str:
     found = {(each.column.goal, each.faults) for each in weaknesses}
     goals = {goal for goal, _ in found}
-    return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
+    if not found:
+        return "no weakness yet"
+    return f"{counted(len(found), 'weaknesses')} of {counted(len(goals), 'goals')}"
 
 
 def refined(

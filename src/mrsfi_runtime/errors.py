@@ -43,8 +43,15 @@ def expected(found: object, known: Iterable[object], what: str = "one of") -> st
 
 
 def counted(number: int, nouns: str) -> str:
-    """Return ``1 robot`` or ``2 robots``."""
-    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
+    """Return ``1 robot``, ``2 robots``, ``1 weakness`` or ``2 weaknesses``."""
+    plural = "es" if nouns.endswith("sses") else "s"
+    return f"{number} {nouns.removesuffix(plural) if number == 1 else nouns}"
+
+
+def time_left(seconds: float) -> str:
+    """Return how long a command may still take: ``left 1:05``."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"left {minutes}:{rest:02d}"
 
 
 class MrsfiError(Exception):

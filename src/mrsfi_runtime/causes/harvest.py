@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from random import Random
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes import weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
@@ -217,6 +217,10 @@ MOST = 1000
 KEPT = "weaknesses"
 """Key of what a record keeps of weaknesses."""
 
+Progress: TypeAlias = Callable[[str, int, int, Known], None]
+"""Receives a unit, how many are done and how many there are at most: first flights, then mildest
+variants. And what is known by then."""
+
 _N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is known to
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
@@ -293,14 +297,12 @@ def harvest(
     store: CampaignStore,
     evaluate_many: EvaluateIn,
     record: Record,
-    on_flown: Callable[[Known, int, int | None], None] = lambda *_: None,
+    on_progress: Progress = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
 
-    Of a campaign that was interrupted here, only what is missing is flown. ``on_flown`` is told
-    what is known, how many flights were taken until now, and how many it may take, or ``None``
-    for the mildest forms. If the mission's own code fails without faults, that is an
-    ``EvaluationError``.
+    Of a campaign that was interrupted here, only what is missing is flown. If the mission's own
+    code fails without faults, that is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
@@ -310,13 +312,11 @@ def harvest(
     most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
     seeds = following(settings.mission_seed, N_SEEDS)
 
-    def fly(
-        specifications: Sequence[Specification], seed: int, limit: int | None = most
-    ) -> Sequence[Evaluated]:
+    def fly(specifications: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
         nonlocal n_taken
         found = prober(specifications, seed)
         n_taken += len(specifications)
-        on_flown(known, n_taken, limit)
+        on_progress("flights", n_taken, most, known)
         return found
 
     if before is not None:
@@ -337,13 +337,21 @@ def harvest(
     found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
         found = weakness.dated(yardstick, found, record)
-    n_flights, some = n_taken, [way.shown for way in least(ways(found))]
-    go_on = partial(fly, limit=None)
-    mild = mildest(space, known, some, go_on, record, seeds[:N_MILD]) if some else ()
-    store.keep(KEPT, _Kept(store.n_evaluations, n_flights, known.n_kept, found, mild).text())
+    smallest = [way.shown for way in least(ways(found))]
+    shrunk = _reporting(smallest, on_progress, known)
+    mild = mildest(space, known, shrunk, prober, record, seeds[:N_MILD]) if smallest else ()
+    store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
+
+
+def _reporting(
+    smallest: Sequence[Weakness], on_progress: Progress, known: Known
+) -> Iterator[Weakness]:
+    for n_done, each in enumerate(smallest):
+        on_progress("mildest variants", n_done, len(smallest), known)
+        yield each
 
 
 class _Kept(NamedTuple):

@@ -135,7 +135,7 @@ class Deviation:
 def mildest(
     space: SearchSpace,
     known: Known,
-    found: Sequence[Weakness],
+    found: Iterable[Weakness],
     evaluate: EvaluateIn,
     record: Record,
     seeds: Sequence[int],

@@ -20,8 +20,8 @@ from mrsfi.engines import Given, chosen
 from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import OF_ENGINE
-from mrsfi_runtime.cli.terminal import left, print_json, print_table, print_words, tell
-from mrsfi_runtime.errors import TransportError
+from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
+from mrsfi_runtime.errors import TransportError, time_left
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
 
 if TYPE_CHECKING:
@@ -262,7 +262,7 @@ class _Progress:
         rest = (monotonic() - self.began) / self.n_new * (self.n_runs - n_done)
         tell(
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
-            f"{run.seconds:.1f} s  {left(rest)}"
+            f"{run.seconds:.1f} s  {time_left(rest)}"
         )
 
 

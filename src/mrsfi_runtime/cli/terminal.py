@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mrsfi_runtime.errors import time_left
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table as Grid
@@ -73,12 +75,6 @@ def print_changes(respelt: Iterable[Path], difference: Iterable[str]) -> None:
         click.echo(f"{path}: is not as Eclipse writes it; layout and comments will be lost")
     for line in difference:
         click.echo(line)
-
-
-def left(seconds: float) -> str:
-    """Return how long something may still take: ``left 1:05``."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"left {minutes}:{rest:02d}"
 
 
 def tell(message: str) -> None:
@@ -229,7 +225,7 @@ def plain_lines(
         rest = (now - since) * (1.0 - done) / (done - before) if done < 1.0 else 0.0
         tell(
             f"generation {_generation(settings, state)}  best {state.best:.2f}  "
-            f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  {left(rest)}"
+            f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  {time_left(rest)}"
         )
 
     return tell_after
@@ -247,7 +243,7 @@ def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "O
         told = now
         n_done = world.mission.tick + 1
         rest = (now - began) / n_done * (duration - n_done)
-        tell(f"tick {n_done:,} of {duration:,}  {left(rest)}")
+        tell(f"tick {n_done:,} of {duration:,}  {time_left(rest)}")
 
     return tell_after
 

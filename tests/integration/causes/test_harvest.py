@@ -67,6 +67,21 @@ def test_what_was_flown_is_enough_to_know_it_again(store, space, engine):
     assert again.mildest == found.mildest
 
 
+def test_progress_never_goes_back_and_its_bound_never_rises(store, space, engine):
+    steps = []
+
+    harvest(space, store, engine.evaluate_many, engine.record, lambda *step: steps.append(step[:3]))
+
+    units = [*dict.fromkeys(unit for unit, _, _ in steps)]
+    assert units == ["flights", "mildest variants"]
+    assert [unit for unit, _, _ in steps] == sorted(unit for unit, _, _ in steps)
+    for unit in units:
+        done, most = zip(*(step[1:] for step in steps if step[0] == unit), strict=True)
+        assert list(done) == sorted(done)
+        assert len({*most}) == 1
+        assert done[-1] <= most[0]
+
+
 def n_shrinking(found):
     """Return the flights of a harvest that sought mildest forms."""
     return sum(each.n_flights for each in found.mildest)
