@@ -147,7 +147,9 @@ class Broker:
         n_all_bytes = self._n_latched_bytes + n_bytes - publication.n_bytes
         limit = self._limits.latched_bytes
         if n_all_bytes > limit:
-            raise ProtocolError(f"topic '{topic.name}': latched messages take {limit} bytes")
+            raise ProtocolError(
+                f"topic '{topic.name}': latched messages exceed {limit} bytes, the limit"
+            )
         self._n_latched_bytes = n_all_bytes
         publication.last, publication.n_bytes = outgoing, n_bytes
 
@@ -162,10 +164,10 @@ class Broker:
             return topic
         check_name(name, "topic")
         if type_name is None:
-            raise ProtocolError(f"topic '{name}' has no type yet; name one")
+            raise ProtocolError(f"topic '{name}' has no type yet; give one")
         limit = self._limits.topics
         if len(self.topics) >= limit:
-            raise ProtocolError(f"topic '{name}': there are {limit} topics, the limit")
+            raise ProtocolError(f"topic '{name}': the limit of {limit} topics is reached")
         topic = self.topics[name] = Topic(name, self._types.message(type_name))
         return topic
 
@@ -330,10 +332,10 @@ class Services:
         known = self.services.get(name)
         if known is None and len(self.services) >= self._limits.services:
             raise ProtocolError(
-                f"{self.noun} '{name}': there are {self._limits.services}, the limit"
+                f"{self.noun} '{name}': the limit of {self._limits.services} is reached"
             )
         if known is not None and known.owner == OWN != owner:
-            raise ProtocolError(f"service '{name}' is the server's own; choose another name")
+            raise ProtocolError(f"the server itself provides '{name}'; choose another name")
         is_taken = known is not None and known.owner != owner
         if known is not None and is_taken:
             self._abandon(known.owner, name)
@@ -344,7 +346,7 @@ class Services:
         """End a service of a client, and answer those who wait for it."""
         known = self.services.get(name)
         if known is None or known.owner != owner:
-            raise ProtocolError(f"{self.noun} '{name}' is not one that you advertised")
+            raise ProtocolError(f"you do not advertise {self.noun} '{name}'")
         del self.services[name]
         self._abandon(owner, name)
 
@@ -362,7 +364,7 @@ class Services:
             reply(False, f"{self.noun.capitalize()} {name} does not exist")
             return ""
         if self._n_calls[caller] >= self._limits.calls:
-            reply(False, f"{self._limits.calls} of your calls are under way, the limit")
+            reply(False, f"you have {self._limits.calls} unanswered calls, the limit")
             return ""
         try:
             request = service.type.request.convert(_named(arguments, service.type))
@@ -489,7 +491,7 @@ class Actions(Services):
         """Ask a provider to give up a goal; its result says what came of that."""
         call = self._calls.get(goal_id)
         if call is None:
-            raise ProtocolError("no such goal of yours is under way")
+            raise ProtocolError("you have no active goal with this id")
         self.services[call.service].ask(goal_id, None)
 
     def feed_back(self, owner: Hashable, goal_id: Any, values: Any) -> None:

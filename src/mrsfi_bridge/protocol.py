@@ -112,7 +112,7 @@ def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
             value, position = decoder.raw_decode(text, position)
         except (ValueError, RecursionError) as error:
             reason = str(error) if isinstance(error, ValueError) else "nested too deeply"
-            refuse(f"bad JSON at letter {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")
+            refuse(f"bad JSON at character {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")
             return
         yield value
         while position < len(text) and text[position] in " \t\r\n":
@@ -138,7 +138,7 @@ def check_operation(value: Any) -> Operation:
                 f"{op}: '{name}' is {value[name]!r:.{_MAX_SHOWN}}, expected {kinds}"
             )
     if len(str(value.get("id", ""))) > _LONGEST_ID:
-        raise ProtocolError(f"{op}: 'id' is longer than {_LONGEST_ID} letters")
+        raise ProtocolError(f"{op}: 'id' is longer than {_LONGEST_ID} characters")
     return value
 
 
@@ -154,7 +154,8 @@ def check_name(name: str, noun: str) -> None:
     if name.strip("/") and len(name) <= _LONGEST_NAME and name.isprintable() and " " not in name:
         return
     shown = repr(name[:_LONGEST_NAME])
-    raise ProtocolError(f"{shown} is no {noun} name: 1 to {_LONGEST_NAME} letters without blanks")
+    expected = f"1 to {_LONGEST_NAME} printable characters without spaces"
+    raise ProtocolError(f"{shown} is not a {noun} name; expected {expected}")
 
 
 class _Unfinished(NamedTuple):
@@ -186,11 +187,11 @@ class Fragments:
             raise ProtocolError(f"fragment {number} of {total}, expected {expected}")
         if len(self._unfinished) >= _MAX_UNFINISHED:
             raise ProtocolError(
-                f"{_MAX_UNFINISHED} messages in fragments are unfinished, the limit"
+                f"the limit of {_MAX_UNFINISHED} incomplete messages in fragments is reached"
             )
         n_bytes = message.n_bytes + len(fragment["data"]) + _FRAGMENT_BYTES
         if self.n_bytes + n_bytes > self._max_bytes:
-            raise ProtocolError(f"unfinished messages take over {self._max_bytes} bytes, the limit")
+            raise ProtocolError(f"incomplete messages exceed {self._max_bytes} bytes, the limit")
         message.parts.append(fragment["data"])
         if len(message.parts) == total:
             return "".join(message.parts)

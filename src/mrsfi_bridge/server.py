@@ -173,7 +173,7 @@ class Connection(asyncio.BufferedProtocol):
             elif isinstance(event, Request):
                 self._shake_hands(event)
         if self._ending is None and isinstance(self._protocol.parser_exc, PayloadTooBig):
-            self._tell(f"your message is longer than {self._limits.frame_bytes} bytes, the limit")
+            self._tell(f"your message exceeds {self._limits.frame_bytes} bytes, the limit")
         self._flush()
         if _QUICKACK is not None and not self._is_answered:  # no client waits for it to send more
             with suppress(OSError):
@@ -208,7 +208,7 @@ class Connection(asyncio.BufferedProtocol):
                 self.abort("no handshake")
         elif self._pinged is not None:
             if now - self._pinged > self._limits.pong_s:
-                self.abort(f"no sign of life for {now - self._heard:.0f} s")
+                self.abort(f"no answer to a ping; silent for {now - self._heard:.0f} s")
         elif now - self._heard > self._limits.ping_s:
             self._pinged = now
             self._protocol.send_ping(b"")
@@ -283,11 +283,11 @@ class Connection(asyncio.BufferedProtocol):
 
     def _answer(self, request: Request) -> Response:
         if not self._server.admits_client():
-            text = f"{self._limits.clients} clients are connected, the limit\n"
+            text = f"the limit of {self._limits.clients} clients is reached\n"
             return self._protocol.reject(http.HTTPStatus.SERVICE_UNAVAILABLE, text)
         token = self._server.settings.token
         if token is not None and not _shows(request, token):
-            text = "show the server's token: ws://HOST:PORT/?token=TOKEN\n"
+            text = "send the server's token: ws://HOST:PORT/?token=TOKEN\n"
             return self._protocol.reject(http.HTTPStatus.UNAUTHORIZED, text)
         return self._protocol.accept(request)
 
@@ -298,7 +298,7 @@ class Connection(asyncio.BufferedProtocol):
             text = message.content.decode()
         except UnicodeDecodeError as error:
             kind = "text" if message.is_text else "binary"
-            self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
+            self.close(CloseCode.INVALID_DATA, f"a {kind} frame is not UTF-8: {error.reason}")
             return
         self._session.receive(text)
 
@@ -312,7 +312,7 @@ class Connection(asyncio.BufferedProtocol):
         n_bytes = self._transport.get_write_buffer_size()
         if n_bytes > self._limits.queue_bytes:
             self.refuse(
-                f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
+                f"too slow: {n_bytes} bytes are queued, the limit is {self._limits.queue_bytes}"
             )
         n_bytes += self._stream.n_bytes
         if self._session is not None:
@@ -373,7 +373,7 @@ class BridgeServer:
         if self._checks is not None:
             self._checks.cancel()
         for connection in tuple(self._connections):
-            connection.close(CloseCode.GOING_AWAY, "the server ends")
+            connection.close(CloseCode.GOING_AWAY, "the server shuts down")
         self.flush()
         end = self._loop.time() + 1.0
         while self._connections and self._loop.time() < end:
@@ -416,7 +416,7 @@ class BridgeServer:
         if self.n_held_bytes > self.settings.limits.total_bytes:
             largest = max(self._held, key=self._held.__getitem__)
             largest.abort(
-                f"{self.n_held_bytes} bytes wait for and from all clients, most of them here"
+                f"{self.n_held_bytes} bytes are held for all clients, most of them for this one"
             )
             self.n_held_bytes -= self._held.pop(largest)
 

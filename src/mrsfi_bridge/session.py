@@ -115,7 +115,7 @@ class Session:
         for topic in tuple(self._subscriptions):
             self._end(topic)
         if self._n_dropped:
-            LOGGER.info("%s: %d operations dropped in all", self.name, self._n_dropped)
+            LOGGER.info("%s: %d operations dropped in total", self.name, self._n_dropped)
 
     def status(self, level: str, text: str, operation_id: Any = None) -> None:
         """Tell the client something, if it asked for that level."""
@@ -131,7 +131,7 @@ class Session:
         self._hub.counts.dropped += 1
         self._n_dropped += 1
         if self._n_dropped <= 10 or self._n_dropped % 1000 == 0:  # enough to know what it is
-            LOGGER.warning("%s: dropped no. %d: %s", self.name, self._n_dropped, reason)
+            LOGGER.warning("%s: dropped operation %d: %s", self.name, self._n_dropped, reason)
         self.status("error", reason, value.get("id") if isinstance(value, dict) else None)
         self._hub.refused(value, reason)
 
@@ -144,7 +144,7 @@ class Session:
     def _unadvertise(self, operation: Operation) -> None:
         topic = absolute(operation["topic"])
         if topic not in self._adverts:
-            raise ProtocolError(f"topic '{topic}' is not one that you advertise")
+            raise ProtocolError(f"you do not advertise topic '{topic}'")
         if self._adverts.remove(topic, operation.get("id")):
             self._hub.broker.unadvertise(self, topic)
 
@@ -174,7 +174,7 @@ class Session:
     def _unsubscribe(self, operation: Operation) -> None:
         topic = operation["topic"]
         if topic not in self._wishes:
-            raise ProtocolError(f"topic '{topic}' is not one that you subscribe to")
+            raise ProtocolError(f"you do not subscribe to topic '{topic}'")
         if self._wishes.remove(topic, operation.get("id")):
             self._end(topic)
         else:
@@ -218,7 +218,7 @@ class Session:
             self._send(text_frames(call))
 
         if self._hub.services.advertise(self, absolute(name), operation["type"], ask):
-            self.status("warning", f"service '{name}' had another provider before you")
+            self.status("warning", f"you replace another provider of service '{name}'")
 
     def _unadvertise_service(self, operation: Operation) -> None:
         self._hub.services.unadvertise(self, absolute(operation["service"]))
@@ -234,7 +234,7 @@ class Session:
             self._send(text_frames(told))
 
         if self._hub.actions.advertise(self, absolute(name), type_name, ask):
-            self.status("warning", f"action '{name}' had another provider before you")
+            self.status("warning", f"you replace another provider of action '{name}'")
 
     def _unadvertise_action(self, operation: Operation) -> None:
         self._hub.actions.unadvertise(self, absolute(operation["action"]))
@@ -340,7 +340,9 @@ class _Parameters:
         if n_bytes > self._max_bytes:
             raise ProtocolError(f"{path}: {n_bytes} bytes, the limit is {self._max_bytes}")
         if len(self._leaves) + len(leaves) > self._max_parameters:
-            raise ProtocolError(f"{path}: there are {self._max_parameters} parameters, the limit")
+            raise ProtocolError(
+                f"{path}: the limit of {self._max_parameters} parameters is reached"
+            )
         self.delete(path)
         above = path
         while above := above.rpartition("/")[0]:  # a name with others below it is no leaf
@@ -367,7 +369,7 @@ def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
         raise ProtocolError(f"{path[:60]}…: more than {_DEEPEST} levels")
     for name, part in value.items():
         if not name or "/" in name:
-            raise ProtocolError(f"{path}: '{name:.40}' is no parameter name")
+            raise ProtocolError(f"{path}: '{name:.40}' is not a parameter name")
         yield from _leaves(f"{path.rstrip('/')}/{name}", part, n_levels - 1)
 
 

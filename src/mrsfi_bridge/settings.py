@@ -207,7 +207,7 @@ def full_name(name: str) -> str:
     """Return a type's name as ``PACKAGE/TYPE``; ``ProtocolError`` if the name is none of a type."""
     match = _NAME.fullmatch(name)
     if match is None:
-        raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'")
+        raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is not a type name; expected 'package/Type'")
     return f"{match[1]}/{match[2]}"
 
 
@@ -266,15 +266,15 @@ class ServerSettings:
         if not is_loopback(self.host):
             if not self.is_public:
                 raise SettingsError(
-                    f"{self.host} is an address that other machines may reach: "
+                    f"{self.host} can be reached from other machines: "
                     "add --public and --token, or bind 127.0.0.1"
                 )
             if self.token is None:
                 raise SettingsError(
-                    "a public server needs a token that its clients must show: add --token"
+                    "a public server needs a token that its clients must send: add --token"
                 )
         if self.token is not None and not re.fullmatch(r"[\w-]{16,}", self.token, re.ASCII):
-            raise SettingsError("a token has at least 16 letters, digits, '-' or '_'")
+            raise SettingsError("a token needs at least 16 letters, digits, '-' or '_'")
 
 
 def is_loopback(host: str) -> bool:
@@ -289,32 +289,32 @@ def is_loopback(host: str) -> bool:
 
 _DEFAULT = Limits()
 
-_HELP = """Run a rosbridge server, for simulators and collective intelligences that meet on it.
+_HELP = """Run a rosbridge server to which simulators and collective intelligences connect.
 
 It speaks the rosbridge v2 protocol of ROS 1 or ROS 2 and needs no ROS: roslibpy, roslib.js and
-every other rosbridge client can connect. Its URL is printed to standard output, its log goes to
+every other rosbridge client can connect. It prints its URL to standard output and its log to
 standard error. It runs until it is interrupted (exit code 130) or terminated (0).
 
 \b
 Examples:
   {program}
   {program} --port 0                    any free port; read it from standard output
-  {program} --ros 2                     as rosbridge_suite on ROS 2 Jazzy answers
+  {program} --ros 2                     answer as rosbridge_suite on ROS 2 Jazzy does
   {program} --types my_robots/          definitions in my_robots/PACKAGE/msg/TYPE.msg
-  {program} --origin http://ui.example  a web page that may connect
+  {program} --origin http://ui.example  let a web page connect
   MRSFI_BRIDGE_TOKEN=… {program} --host 0.0.0.0 --public
 
-It binds 127.0.0.1. Any other address needs --public and a token, which clients show in the
-URL, ws://HOST:9090/?token=…, or as header `Authorization: Bearer …`. The connection is not
-encrypted.
+It binds 127.0.0.1. Any other address needs --public and a token, which clients send in the
+URL, ws://HOST:9090/?token=…, or in the header `Authorization: Bearer …`. The connection is
+not encrypted.
 """
 
 _LIMITS = (
-    ("--max-clients", "clients", 1, 10_000, "Clients at a time."),
+    ("--max-clients", "clients", 1, 10_000, "Clients that may be connected at a time."),
     ("--max-frame", "frame_bytes", _MEBI, 1024, "Longest message in MiB."),
-    ("--max-queue", "queue_bytes", _MEBI, 4096, "What may wait for a slow client, in MiB."),
-    ("--max-memory", "total_bytes", _MEBI, 65536, "What may wait for all clients, in MiB."),
-    ("--max-topics", "topics", 1, 1_000_000, "Topics at a time."),
+    ("--max-queue", "queue_bytes", _MEBI, 4096, "Data queued for one slow client, in MiB."),
+    ("--max-memory", "total_bytes", _MEBI, 65536, "Data queued for all clients, in MiB."),
+    ("--max-topics", "topics", 1, 1_000_000, "Topics that may exist at a time."),
 )
 """Options, the limit that each sets, in which unit, the greatest value, and what it says."""
 
@@ -325,28 +325,26 @@ _OPTIONS = (
         type=click.IntRange(0, 65535),
         default=9090,
         show_default=True,
-        help="Port to bind; 0 takes any free one.",
+        help="Port to bind; 0 selects any free port.",
     ),
     click.option(
         "--ros",
         type=click.Choice(["1", "2"]),
-        help="Version of ROS whose server it is like [default: the project's, or 1].",
+        help="Version of ROS that it emulates [default: the project's, or 1].",
     ),
     click.option("--public", "is_public", is_flag=True, help="Let other machines connect."),
     click.option(
         "--token",
         envvar="MRSFI_BRIDGE_TOKEN",
-        help="What clients must show; also MRSFI_BRIDGE_TOKEN.",
+        help="Token that clients must send; also read from MRSFI_BRIDGE_TOKEN.",
     ),
-    click.option(
-        "--origin", "origins", multiple=True, help="Origin of web pages that may connect."
-    ),
+    click.option("--origin", "origins", multiple=True, help="Origin whose web pages may connect."),
     click.option(
         "--types",
         "folders",
         multiple=True,
         type=click.Path(path_type=Path, exists=True, file_okay=False),
-        help="Folder with message and service definitions of your own.",
+        help="Folder with your definitions of messages, services and actions.",
     ),
     *(
         click.option(
@@ -365,7 +363,7 @@ _OPTIONS = (
         type=click.FloatRange(0, min_open=True),
         default=_DEFAULT.service_s,
         show_default=True,
-        help="Seconds that a service has for its answer.",
+        help="Seconds within which a service must answer.",
     ),
 )
 

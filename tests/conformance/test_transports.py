@@ -363,7 +363,7 @@ def test_a_url_where_nobody_listens_is_told_without_its_token():
 
 def test_a_server_that_asks_for_a_token_lets_in_who_shows_it():
     with EmbeddedBridge(ServerSettings(token="0123456789abcdef")) as bridge:
-        told = "asks for a token" if CLIENT == "wire" else "expected a rosbridge server"
+        told = "requires a token" if CLIENT == "wire" else "expected a rosbridge server"
         with pytest.raises(TransportError, match=told):
             RosbridgeTransport(bridge.url, CLIENT)
         transport = RosbridgeTransport(f"{bridge.url}/?token=0123456789abcdef", CLIENT)

@@ -24,12 +24,12 @@ OF_THE_NODE = {
     "dies": "the node ended: exit code 1: lost its way",
     "is killed": "the node ended: signal SIGKILL",
     "leaves a child": "the node ended: exit code 3",
-    "hangs": "the node was silent for 1 s; expected answers to pings; look whether it",
+    "hangs": "the node was silent for 1 s; expected answers to pings; check that it",
     "leaves": "the node was silent for 1 s; expected answers to pings",
     "floods": "/husky1/cmd_vel: the node sent more than 1000 commands in a tick",
-    "says a text": "no server takes: field 'linear.x': found 'fast', expected a number",
-    "says another type": "no server takes: geometry_msgs/Twist has no field 'data', only linear",
-    "says no JSON": "the node said what no server takes: bad JSON at letter 1 of 6: ",
+    "says a text": "the server refused a message of the node: field 'linear.x': found 'fast'",
+    "says another type": "a message of the node: geometry_msgs/Twist has no field 'data'",
+    "says no JSON": "the server refused a message of the node: bad JSON at character 1 of 6: ",
 }
 """What is said of a node that goes wrong in mid-flight, and again when it flies once more."""
 
@@ -63,7 +63,7 @@ def test_what_goes_wrong_in_mid_flight_belongs_to_the_specification(what, place)
 def test_so_does_leaving_where_nobody_waits(place):
     told = told_of(command_of("leaves"), place, 6, *FREE)
 
-    assert "the node hears /husky1/odom no more; expected one that stays connected" in told
+    assert "the node no longer subscribes to /husky1/odom; expected it to stay connected" in told
 
 
 @slow
@@ -79,7 +79,11 @@ def test_what_never_runs_is_no_result(place):
 @pytest.mark.parametrize(
     ("what", "reset", "said"),
     [
-        ("is deaf", RESTART, "the node subscribed to no topic within 2 s; nobody hears /husky1/b"),
+        (
+            "is deaf",
+            RESTART,
+            "the node subscribed to no topic within 2 s; no subscriber to /husky1/b",
+        ),
         ("dies", SERVICE, "the node did not reset within 2 s: /patrol/reset: "),
     ],
 )

@@ -46,14 +46,14 @@ def flown(ros, found="", replaced=""):
         return BusEngine(CODE, 1, lockstep).evaluate(())
 
 
-MISSING = "the simulation has to publish it in this tick"
+MISSING = "the simulation must send one in this tick"
 
 
 @pytest.mark.parametrize(
     ("edit", "problem"),
     [
         *(
-            ((line, f"if not ({when}): {line}"), f"{tick}: nothing on {topic}; {MISSING}")
+            ((line, f"if not ({when}): {line}"), f"{tick}: no message on {topic}; {MISSING}")
             for line, when, tick, topic in (
                 (TRUTH, "robot == 'r1' and tick > 19", 20, "/truth/r1"),
                 (SAMPLES, "sensor == 's4' and tick > 19", 20, "/r2/s4/samples"),
@@ -66,23 +66,23 @@ MISSING = "the simulation has to publish it in this tick"
         ),
         (
             (TRUTH_OF_SENSOR, f"truth += [tick + 1.0, 1.0 - ({AT_20} and sensor == 's2')]"),
-            "20: /r1/s2/active said True last, and the true state says False",
+            "20: the last message on /r1/s2/active was True, but the true state is False",
         ),
         (
             (
                 f"{ACTIVE}\n            {TRUTH_OF_SENSOR}",
                 f"on = sensor != 's1' or tick < 20; {ACTIVE.replace('True', 'on')}; {TRUTH_IF_ON}",
             ),
-            "20: a message on /r1/position while the robot's GPS_POSITION sensor is off",
+            "20: a message arrived on /r1/position while the robot's GPS_POSITION sensor is off",
         ),
         (
             (POSITION, POSITION.replace("robot", "robot if tick < 20 else 'r1'")),
-            "20: two messages on /r1/position",
+            "20: two messages arrived on /r1/position",
         ),
-        ((CLOCK, CLOCK.replace("tick", f"tick - {AT_20}")), "20: /clock said 19 s; expected 20"),
+        ((CLOCK, CLOCK.replace("tick", f"tick - {AT_20}")), "20: /clock carried 19 s; expected 20"),
         (
             (SAMPLES, SAMPLES.replace("1)", f"1 - 9 * {AT_20})")),
-            "20: /r1/s1/samples carried 12 after 20; a count never falls",
+            "20: /r1/s1/samples carried 12 after 20; expected no decrease",
         ),
     ],
 )

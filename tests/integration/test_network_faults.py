@@ -90,7 +90,7 @@ def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner):
             raw.shutdown(socket.SHUT_WR)
             tail = drained(raw)
 
-        assert b"longer than 4194304 bytes" in tail or b"bytes, the limit" in tail
+        assert b"exceeds 4194304 bytes" in tail or b"bytes, the limit" in tail
         assert witness.is_served()
 
 

@@ -94,7 +94,7 @@ def test_strangers_cannot_join_an_embedded_server():
     simulation = simulation_on(None)
     url, _, token = simulation.url.partition("/?token=")
     try:
-        with pytest.raises(TransportError, match=f"^{url} asks for a token, and got none"):
+        with pytest.raises(TransportError, match=f"^{url} requires a token, and received none"):
             engine(SHORT, url=url, side="ci")
         with engine(SHORT, url=simulation.url, side="ci") as opened:
             assert digests(opened, [1]) == reference_digests(SHORT, [1])

@@ -67,8 +67,8 @@ def test_a_slow_reset_is_waited_for_and_its_flight_is_that_of_a_quick_one(ros, t
 
 def test_a_reset_that_takes_longer_than_the_timeout_names_the_setting(tmp_path):
     problem = (
-        r"run 1, before tick 0: the simulation did not answer /mission/reset within 0\.5 s; look "
-        "whether it still runs, or allow more with --timeout"
+        r"run 1, before tick 0: the simulation did not answer /mission/reset within 0\.5 s; check "
+        "that it still runs, or increase --timeout"
     )
     with simulated(tmp_path, 1) as url, pytest.raises(TransportTimeout, match=problem):
         flown(url, timeout=HASTY)

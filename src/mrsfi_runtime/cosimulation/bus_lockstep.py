@@ -172,7 +172,7 @@ class BusLockstep:
                 raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
-                    "--url URL), or allow more with --timeout"
+                    "--url URL), or increase --timeout"
                 )
             sleep(0.1)
 
@@ -182,8 +182,8 @@ class BusLockstep:
         self._completion = completion
         self._transport.call(service, {}, completion.end)
         late = TransportTimeout(
-            f"the simulation did not answer {service.name} within {timeout:g} s; look whether it "
-            "still runs, or allow more with --timeout"
+            f"the simulation did not answer {service.name} within {timeout:g} s; check that it "
+            "still runs, or increase --timeout"
         )
         completion.wait(lambda silence: self._refusal or (late if silence > timeout else None))
         reply: Reply = completion.result
@@ -210,8 +210,8 @@ class BusLockstep:
         is_complete = self._topics.announced(told.tick, told.n_messages)
         if told.n_commands != self._topics.n_sent:
             raise ProtocolError(
-                f"the simulation flew with {told.n_commands} commands; {self._topics.n_sent} were "
-                "sent since the reset: it has to count them, and to wait for as many as "
+                f"the simulation flew after {told.n_commands} commands; {self._topics.n_sent} were "
+                "sent since the reset: it must count commands, and wait for the number that "
                 "/mission/go announces (docs/bus.md)"
             )
         if is_complete:
@@ -252,7 +252,7 @@ class BusLockstep:
         world.mission.tick = tick
         secs = seconds_of(self._clock.take()["clock"])
         if secs != tick:
-            raise ProtocolError(f"{CLOCK.name} said {secs} s; expected {tick}: a second is a tick")
+            raise ProtocolError(f"{CLOCK.name} carried {secs} s; expected {tick} s, one per tick")
         for index, robot in enumerate(self.interface.robots):
             robot.require_position(is_due=reports_position(world, index))
         for sensor, state in zip(self.interface.sensors, world.sensors, strict=True):
@@ -337,13 +337,13 @@ class SimulationHost:
 
     def _on_reset(self, _request: Payload) -> Payload:
         if self._setup is None:
-            return {"success": False, "message": f"no message on {SETUP.name} came yet"}
+            return {"success": False, "message": f"no message on {SETUP.name} has arrived yet"}
         self._run, seed, semantics = self._setup
         self._refusal = None
         if semantics != SEMANTICS:
             self._refusal = ProtocolError(
-                f"{REFUSAL} {SEMANTICS} is what this simulation flies; {SETUP.name} asked for "
-                f"semantics {semantics}; run both sides with one mrsfi"
+                f"{REFUSAL} {SEMANTICS} is the version of this simulation; {SETUP.name} requests "
+                f"semantics {semantics}; run both sides with the same version of mrsfi"
             )
             self._topics.close()
             self._completion.advance()

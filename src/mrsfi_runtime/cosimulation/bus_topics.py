@@ -207,7 +207,7 @@ class CountedTopics:
         if not self.is_open:
             return False
         if topic in self._received:
-            raise ProtocolError(f"two messages on {topic}; expected one: a message came twice")
+            raise ProtocolError(f"two messages arrived on {topic} in one tick; expected one")
         self._received.add(topic)
         return self._is_complete()
 
@@ -217,7 +217,7 @@ class CountedTopics:
             raise ProtocolError(
                 f"the {self._sender} announced tick {tick}; expected tick "
                 f"{self.tick + (self._n_expected is not None)}: "
-                "messages were lost, doubled or reordered"
+                "messages were lost, duplicated or reordered"
             )
         self._n_expected = n_messages
         return self._is_complete()
@@ -240,13 +240,13 @@ class CountedTopics:
         if self._n_expected is not None and silence > GRACE:
             silent = ", ".join(sorted(self._topics - self._received))
             return TransportError(
-                f"{len(self._received)} of {self._n_expected} messages of the {self._sender} "
-                f"arrived; nothing on {silent}: a message was lost"
+                f"{len(self._received)} of {self._n_expected} messages from the {self._sender} "
+                f"arrived; none on {silent}: a message was lost"
             )
         if silence > timeout:
             return TransportTimeout(
-                f"the {self._sender} was silent for {timeout:g} s; look whether it still runs, "
-                "or allow more with --timeout"
+                f"the {self._sender} was silent for {timeout:g} s; check that it still runs, "
+                "or increase --timeout"
             )
         return None
 
@@ -259,8 +259,8 @@ class CountedTopics:
             return False
         if len(self._received) > self._n_expected:
             raise ProtocolError(
-                f"{len(self._received)} messages of the {self._sender} arrived; it announced "
-                f"{self._n_expected}: a message came twice or out of order"
+                f"{len(self._received)} messages from the {self._sender} arrived; it announced "
+                f"{self._n_expected}: a message was duplicated or reordered"
             )
         return True
 

@@ -76,7 +76,7 @@ class Heard:
     def missing(self) -> ProtocolError:
         """Return what to raise where a tick had to bring a message."""
         return ProtocolError(
-            f"nothing on {self.name}; the simulation has to publish it in this tick (docs/bus.md)"
+            f"no message on {self.name}; the simulation must send one in this tick (docs/bus.md)"
         )
 
     def _receive(self, payload: Payload) -> None:
@@ -131,8 +131,8 @@ class RobotInterface:
         """Raise ``ProtocolError`` unless it told its position if and only if that is due."""
         if self._position.is_new and not is_due:
             raise ProtocolError(
-                f"a message on {self._position.name} while the robot's GPS_POSITION sensor is off; "
-                "expected none (docs/bus.md)"
+                f"a message arrived on {self._position.name} while the robot's GPS_POSITION sensor "
+                "is off; expected none (docs/bus.md)"
             )
         if is_due and not self._position.is_new:
             raise self._position.missing()
@@ -166,7 +166,7 @@ class SensorInterface:
         count = int(self._samples.take()["data"])
         if count < sensor.count:
             raise ProtocolError(
-                f"{self._samples.name} carried {count} after {sensor.count}; a count never falls"
+                f"{self._samples.name} carried {count} after {sensor.count}; expected no decrease"
             )
         sensor.count = count
         sensor.active = int(self._last_active())
@@ -175,8 +175,8 @@ class SensorInterface:
         """Raise ``ProtocolError`` unless it told last whether it is active now."""
         if self._last_active() != is_active:
             raise ProtocolError(
-                f"{self._active.name} said {self._told} last, and the true state says "
-                f"{bool(is_active)}; it has to speak whenever that changes (docs/bus.md)"
+                f"the last message on {self._active.name} was {self._told}, but the true state is "
+                f"{bool(is_active)}; the simulation must publish every change (docs/bus.md)"
             )
 
     def set_active(self, active: bool) -> None:
@@ -370,7 +370,7 @@ def take_true_values(world: State, index: int, told: Heard) -> None:
         if active not in {0, 1} or not sensor.count <= count < 2**63 or count % 1:
             raise ProtocolError(
                 f"{told.name} carried count {count} and active {active} of its sensor {offset + 1} "
-                f"after count {sensor.count}; expected a whole number that never falls, and 0 or 1"
+                f"after count {sensor.count}; expected a whole number, no decrease, and 0 or 1"
             )
         sensor.count, sensor.active = int(count), int(active)
 
@@ -487,7 +487,7 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
                 raise EvaluationError(
                     f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
                     f"{records}[{index}] from {before[place]} to {value}; expected it to change "
-                    f"{named} of its target alone, as faults.ecore says; correct either"
+                    f"only {named} of its target, as declared in faults.ecore; correct one of them"
                 )
 
     return apply_guarded

@@ -180,15 +180,15 @@ class Node(Mind):
         self.is_to_blame = True
         awaited = self._pace.awaited(self._mapping.answer.name)
         if self._n_answered is not None:
-            awaited = f"{self._n_answered} commands, as it announced, and {self._n_now} came"
+            awaited = f"{self._n_answered} commands, as announced; {self._n_now} arrived"
         elif self._pace.kind == ANSWER and "answer" not in self._mapping.table:
             awaited += (
-                "; if it answers on another topic, or on none, name that one as answer in [node] "
-                "of mrsfi.toml, or give each tick its time with --node-pace RATE"
+                "; if it answers on another topic, name that topic as answer in [node] of "
+                "mrsfi.toml; if it answers on none, set a rate with --node-pace RATE"
             )
         return TransportTimeout(
-            f"the node was silent for {self._patience.tick:g} s; expected {awaited}; look whether "
-            "it still runs, or allow more with --timeout"
+            f"the node was silent for {self._patience.tick:g} s; expected {awaited}; check that "
+            "it still runs, or increase --timeout"
         )
 
     def end(self) -> None:
@@ -197,8 +197,8 @@ class Node(Mind):
         lost = (self._ready or frozenset()) - self._heard() if self._pace.is_free else None
         if lost:  # where nobody waits for an answer
             raise self._wrong(
-                f"the node hears {', '.join(sorted(lost))} no more; expected one that stays "
-                "connected, and subscribed, until it is ended"
+                f"the node no longer subscribes to {', '.join(sorted(lost))}; expected it to stay "
+                "connected and subscribed until it is stopped"
             )
         topics = self._ask(Service("/rosapi/topics", "rosapi/Topics"), {}).values.get("topics", ())
         for topic, kind, name in self.speech.strangers(topics):
@@ -213,7 +213,7 @@ class Node(Mind):
         """Take what a server refused of what the node said, if known on which topic."""
         is_flying = self._flight is not None and self._has_flown
         if is_flying and topic in self.speech.obeyed | {"", self._mapping.answer.name}:
-            raise self._wrong(f"the node said what no server takes: {reason}")
+            raise self._wrong(f"the server refused a message of the node: {reason}")
 
     def _ending(self) -> TransportClosed | None:
         how = "" if self._process is None else self._process.ended()
@@ -298,7 +298,7 @@ class Node(Mind):
         expected, n_now = self._n_answered, self._n_now
         if expected is not None and n_now > expected:
             raise self._wrong(
-                f"{counted(n_now, 'commands')} came in a tick; the node announced {expected}"
+                f"{counted(n_now, 'commands')} arrived in a tick; the node announced {expected}"
             )
         if n_now == expected:
             self._answered()
@@ -329,8 +329,8 @@ class Node(Mind):
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"the node did not reset within {self._patience.handshake:g} s: "
-                    f"{self._mapping.reset.name}: {said or 'no success'}; look whether it runs, "
-                    "or allow more with --timeout"
+                    f"{self._mapping.reset.name}: {said or 'no success'}; check that it runs, "
+                    "or increase --timeout"
                 )
             if not reply.values.get("success"):
                 sleep(_LOOK)
@@ -354,8 +354,8 @@ class Node(Mind):
                 missing = ", ".join(sorted((self._ready or {*names}) - found))
                 raise TransportTimeout(
                     f"the node subscribed to {'no' if not found else 'not every'} topic within "
-                    f"{self._patience.handshake:g} s; nobody hears {missing}; look at [node] of "
-                    "mrsfi.toml, or allow more with --timeout"
+                    f"{self._patience.handshake:g} s; no subscriber to {missing}; check [node] in "
+                    "mrsfi.toml, or increase --timeout"
                 )
             sleep(_LOOK / 2)
 
@@ -380,8 +380,8 @@ class Node(Mind):
         completion, timeout = Completion(), self._patience.tick
         self._transport.call(service, request, completion.end)
         late = TransportTimeout(
-            f"{service.name} did not answer within {timeout:g} s; look whether the node still "
-            "runs, or allow more with --timeout"
+            f"{service.name} did not answer within {timeout:g} s; check that the node still "
+            "runs, or increase --timeout"
         )
         completion.wait(lambda silence: late if silence > timeout else None)
         reply: Reply = completion.result

@@ -318,8 +318,8 @@ def _rules(
         if "world" in rule and known is COMMANDS:
             if rule.get("fields") or _KIND.findall(topic.name) != ["robot"]:
                 raise UsageError(
-                    f"{place}: found world = {rule['world']!r}; expected a topic of each {{robot}} "
-                    "that is passed on as it comes, without fields"
+                    f"{place}: found world = {rule['world']!r}; expected a topic with {{robot}} "
+                    "and no fields: its messages are passed on unchanged"
                 )
             yield Rule(topic, {}, _text(rule, "world", place))
             continue
@@ -329,7 +329,7 @@ def _rules(
 def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:
     fields = rule.get("fields")
     if not isinstance(fields, Mapping) or not fields:
-        raise UsageError(f"{place}: found fields = {fields!r}; expected {{ field = 'what' }}")
+        raise UsageError(f"{place}: found fields = {fields!r}; expected {{ field = 'name' }}")
     for text, given in fields.items():
         path = path_of(text)
         if path is None:
@@ -345,7 +345,7 @@ def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:
                     "(numbers), or value"
                 )
         if entry.get("scale") == 0:
-            raise UsageError(f"{place}: {text}: found scale = 0; expected another number")
+            raise UsageError(f"{place}: {text}: found scale = 0; expected any other number")
         yield path, Entry(**{"of": "", **entry})
 
 

@@ -298,7 +298,7 @@ class RosbridgeTransport(ListenedTransport):
         self._ros.call_later(0, self._stop_reconnecting)
         if is_open and getattr(self._ros.factory, "status", None) == HTTPStatus.UNAUTHORIZED:
             raise TransportClosed(
-                f"{self.url} asks for a token, and got none or a wrong one; expected --url "
+                f"{self.url} requires a token, and received none or a wrong one; expected --url "
                 f"{self.url}/?token=TOKEN"
             )
         if is_open:
@@ -349,5 +349,5 @@ def _require_listener(url: str, timeout: float) -> None:
     except OSError as error:
         raise TransportClosed(
             f"{without_token(url)}: cannot be reached: {error.strerror or error}; start a "
-            "rosbridge server (mrsfi bridge), or leave --url out to have one embedded"
+            "rosbridge server (mrsfi bridge), or omit --url to use an embedded one"
         ) from error

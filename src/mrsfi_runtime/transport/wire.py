@@ -94,7 +94,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
             else:
                 self._message_handlers[message["op"]](message)
         except Exception:  # noqa: BLE001 - as roslibpy does; the listener of callbacks was told
-            LOGGER.exception("Error in a callback, or a message that makes no sense; skipped.")
+            LOGGER.exception("Error in a callback, or an invalid message; the message is skipped.")
 
     def _send(self, payload: bytes) -> None:
         if self._stream.is_open:

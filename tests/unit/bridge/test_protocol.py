@@ -58,7 +58,7 @@ def test_what_precedes_bad_json_is_carried_out(told, approved):
     ("text", "reason"),
     [
         ("", None),
-        ("{", "bad JSON at letter 1 of 1"),
+        ("{", "bad JSON at character 1 of 1"),
         ("[1, 2]", "expected an object with 'op'"),
         ("5", "found 5, expected an object"),
         ("{}", "unknown op None, expected one of advertise"),

@@ -246,8 +246,8 @@ def test_missions_of_one_tick_fly():
 @pytest.mark.parametrize(
     ("tamper", "problem"),
     [
-        (nth(SPEED, 17, lose), r"17: 1\d of \d\d messages .* nothing on .*/r2/speed"),
-        (nth(SPEED, 17, double), "17: two messages on /r2/speed"),
+        (nth(SPEED, 17, lose), r"17: 1\d of \d\d messages .* none on .*/r2/speed"),
+        (nth(SPEED, 17, double), "17: two messages arrived on /r2/speed"),
         (nth(TICK, 17, lose), "17: the simulation was silent for 0.5 s"),
         (nth(TICK, 17, double), "18: the simulation announced tick 17; expected tick 18"),
         (nth(GO, 17, lose), "17: the simulation was silent for 0.5 s"),
@@ -265,11 +265,11 @@ def test_missions_of_one_tick_fly():
         ),
         (
             nth(TICK, 17, numbers(lambda *found: [*found[:3], found[3] - 1])),
-            r"17: the simulation flew with \d+ commands; \d+ were sent .*docs/bus.md",
+            r"17: the simulation flew after \d+ commands; \d+ were sent .*docs/bus.md",
         ),
         (
             nth(TICK, 17, numbers(lambda *found: [*found[:3], found[3] + 1])),
-            r"17: the simulation flew with \d+ commands; \d+ were sent .*docs/bus.md",
+            r"17: the simulation flew after \d+ commands; \d+ were sent .*docs/bus.md",
         ),
         (
             nth(TICK, 17, numbers(lambda run, *rest: [run % 1_000_000, *rest])),
@@ -300,10 +300,10 @@ def test_what_goes_wrong_on_the_way_to_the_ci_is_told_with_its_tick(tamper, prob
     [
         (
             nth(HEADING, 0, lose),
-            r"\d+ messages of the collective intelligence arrived; nothing on .*/r1/command/h",
+            r"\d+ messages from the collective intelligence arrived; none on .*/r1/command/h",
         ),
-        (nth(HEADING, 0, double), "two messages on /r1/command/heading"),
-        (nth(GO, 17, lambda go: [*other_command(go), go]), "it announced|two messages on"),
+        (nth(HEADING, 0, double), "two messages arrived on /r1/command/heading"),
+        (nth(GO, 17, lambda go: [*other_command(go), go]), "it announced|two messages arrived on"),
         (nth(GO, 17, double), "tick 18: the collective intelligence announced tick 17"),
     ],
 )
@@ -406,7 +406,7 @@ def every_setup(change):
 )
 def test_sides_of_different_semantics_refuse_each_other_at_once(change, named):
     patience = Patience(tick=0.5, handshake=600.0)
-    said = rf"semantics {SEMANTICS} is what this simulation flies; /mission/setup asked for {named}"
+    said = rf"semantics {SEMANTICS} is the version of .*; /mission/setup requests {named}"
     with sides(CODE, every_setup(change), patience) as (simulation, lockstep, _):
         with pytest.raises(ProtocolError, match=f"run 1, before tick 0: the .* refuses .*{said}"):
             BusEngine(CODE, 1, lockstep).evaluate(())
@@ -421,7 +421,7 @@ def test_a_simulation_that_refused_serves_who_comes_next_with_its_own_semantics(
         _,
     ):
         engine = BusEngine(CODE, 1, lockstep)
-        with pytest.raises(ProtocolError, match="asked for semantics 99"):
+        with pytest.raises(ProtocolError, match="requests semantics 99"):
             engine.evaluate(())
 
         assert engine.evaluate(()) == flown_in_process()

@@ -66,7 +66,7 @@ def test_every_tick_begins_anew(count):
 @pytest.mark.parametrize(
     ("counted", "announced", "message"),
     [
-        ("/a /a", [], "two messages on /a"),
+        ("/a /a", [], "two messages arrived on /a"),
         ("/a /b", [(0, 1)], r"2 messages .* it announced 1"),
         *(("", [(tick, 0)], f"announced tick {tick}; expected tick 0") for tick in (-1, 1, 7)),
         ("", [(0, 1), (0, 1)], "announced tick 0; expected tick 1"),
@@ -89,7 +89,7 @@ def test_what_is_missing_is_overdue_after_the_grace(count):
     assert count.overdue(GRACE / 2, 10.0) is None
     error = count.overdue(2 * GRACE, 10.0)
     assert type(error) is TransportError
-    assert "1 of 2 messages of the simulation arrived; nothing on /a, /c" in str(error)
+    assert "1 of 2 messages from the simulation arrived; none on /a, /c" in str(error)
 
 
 def test_silence_is_overdue_after_the_timeout(count):

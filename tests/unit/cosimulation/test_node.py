@@ -308,7 +308,7 @@ def test_a_command_that_makes_no_sense_ends_the_flight(kind, message, said):
             r"tick 0: /mission/answer carried \[1, 0\]; expected \[tick, commands\], here \[0,",
         ),
         ([0, "1"], r"tick 0: /mission/answer carried \[0, '1'\]; expected"),
-        ([0, 2], r"tick 0: the node was silent for 1 s; expected 2 commands, as it ann"),
+        ([0, 2], r"tick 0: the node was silent for 1 s; expected 2 commands, as ann"),
     ],
 )
 def test_an_answer_has_to_be_of_the_tick_and_of_its_commands(numbers, said):
@@ -321,8 +321,8 @@ def test_an_answer_has_to_be_of_the_tick_and_of_its_commands(numbers, said):
 
 
 REMEDIES = (
-    "if it answers on another topic, or on none, name that one as answer in [node] of mrsfi.toml, "
-    "or give each tick its time with --node-pace RATE; "
+    "if it answers on another topic, name that topic as answer in [node] of mrsfi.toml; "
+    "if it answers on none, set a rate with --node-pace RATE; "
 )
 
 
@@ -331,7 +331,7 @@ REMEDIES = (
     [({}, "/mission/answer", REMEDIES), ({"answer": DONE}, "/done", "")],
 )
 def test_of_a_node_that_never_answers_it_is_told_how_it_may(answer, topic, remedies):
-    said = f"expected a message on {topic}; {remedies}look whether it still runs, or allow more"
+    said = f"expected a message on {topic}; {remedies}check that it still runs, or increase"
     with (
         engine_with(CODE, mapping(**answer), silent, pace="answer") as (engine, *_),
         pytest.raises(TransportTimeout, match=re.escape(said)),

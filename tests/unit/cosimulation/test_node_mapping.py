@@ -46,9 +46,9 @@ FIRST = "f: [[node.tells]] 1: "
             FIRST + "found 'topik'; expected one of topic, type, fields, world; "
             "did you mean 'topic'?",
         ),
-        (tells(type="Float64"), FIRST + "'Float64' is no type, expected 'package/Type'"),
+        (tells(type="Float64"), FIRST + "'Float64' is not a type name; expected 'package/Type'"),
         (tells(topic=""), FIRST + "found topic = ''; expected a text"),
-        (tells(fields={}), FIRST + "found fields = {}; expected { field = 'what' }"),
+        (tells(fields={}), FIRST + "found fields = {}; expected { field = 'name' }"),
         (
             tells(fields={"a..b": "x"}),
             FIRST + "found field 'a..b'; expected a path such as data[0].x",
@@ -60,7 +60,7 @@ FIRST = "f: [[node.tells]] 1: "
         ),
         (
             tells(fields={"data": {"of": "x", "scale": 0}}),
-            FIRST + "data: found scale = 0; expected another number",
+            FIRST + "data: found scale = 0; expected any other number",
         ),
         (
             tells(fields={"data": "r1.x"}),
@@ -81,8 +81,8 @@ FIRST = "f: [[node.tells]] 1: "
         (
             obeys(world="/w", fields={"x": "speed"}),
             (
-                "f: [[node.obeys]] 1: found world = '/w'; expected a topic of each {robot} that "
-                "is passed on as it comes, without fields"
+                "f: [[node.obeys]] 1: found world = '/w'; expected a topic with {robot} "
+                "and no fields: its messages are passed on unchanged"
             ),
         ),
         (
