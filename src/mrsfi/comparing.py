@@ -132,7 +132,7 @@ def _require_same(
             )
             raise RecordError(
                 f"{place.path}: found a run with other {', '.join(other)}: {found}; expected "
-                f"{wanted}; compare in another folder with --out, or remove this one"
+                f"{wanted}; compare in another folder with --out, or remove this folder"
             )
 
 
@@ -218,12 +218,12 @@ class Change:
     def remark(self) -> str:
         """What stands beside the verdict."""
         if self.before and self.after:
-            alarm = {WENT: "a false alarm is left", CAME: "was a false alarm only"}
-            usual = "in other forms" if self.breaks is False else ""
+            alarm = {WENT: "a false alarm remains", CAME: "was only a false alarm before"}
+            usual = "by other variants" if self.breaks is False else ""
             return alarm.get(self.verdict, usual)
         if self.verdict == STAYED:
-            found = "not found again; its form breaks the goal as before"
-            return found if self.before else "found only now; its form broke the goal before"
+            found = "not found again, but its variant still has this effect"
+            return found if self.before else "found only now, but its variant had the effect before"
         return self.reason
 
     def as_json(self) -> dict[str, Any]:
@@ -303,7 +303,7 @@ def sentence(found: Iterable[Change]) -> str:
     numbers = {name: verdicts.count(name) for name in (WENT, CAME, STAYED)}
     told = ", ".join(f"{n or 'none'} {name}" for name, n in numbers.items())
     unknown = verdicts.count(UNKNOWN)
-    rest = f"; {counted(unknown, 'weaknesses')} cannot be flown any more" if unknown else ""
+    rest = f"; {counted(unknown, 'weaknesses')} can no longer be flown" if unknown else ""
     return f"Weaknesses: {told}{rest}"
 
 
@@ -313,5 +313,5 @@ def change_table(found: Iterable[Change]) -> Table:
         (each.verdict, " and ".join(each.way.faults), each.goal, each.cause, each.remark)
         for each in found
     ]
-    columns = ("verdict", "faults", "goal", "under", "remark")
-    return Table("What became of each weakness", columns, rows, columns[:2], columns[2:])
+    columns = ("verdict", "faults", "goal", "cause", "remark")
+    return Table("Weaknesses before and after", columns, rows, columns[:2], columns[2:])

@@ -56,7 +56,7 @@ def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
         assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
     log = (tmp_path / "best.log").read_text(encoding="utf-8")
     report = (campaign / "report.md").read_text(encoding="utf-8")
-    _, section = report.split(f"### Faults of 1, evaluation {best['evaluation']}\n")
+    _, section = report.split(f"### Specification 1, evaluation {best['evaluation']}\n")
     for fault, summed in zip(found["faults"], best["specification"], strict=True):
         told = {key: fault[key] for key in summed if key != "fault"}
         assert {"fault": fault["id"], **told} == summed

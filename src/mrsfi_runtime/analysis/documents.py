@@ -27,20 +27,20 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import named_faults
 
 _POPULAR = (
-    "Popular is not guilty: compare the occurrences of a type with what its share in the pool, and "
-    "in everything the campaign tried, would give by chance. A type may also ride along with the "
-    "one that does the harm."
+    "A frequent fault type need not be harmful. Compare its occurrences with the two expected "
+    "numbers, which follow from its share in the pool and in all specifications of the campaign. A "
+    "type may also be frequent because it occurs together with a harmful one."
 )
 
 
 def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     """Return the report, which links the figures that ``captions`` names."""
     step = tables.every(summary.n_evaluations, tables.MOST_LISTED)
-    listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
+    listed = f" `tables/evaluations.csv` lists one evaluation in {step}; `campaign.sqlite` has all."
     extent = (
         f"{summary.counted} of {summary.n_distinct} distinct specifications in "
-        f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
-        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}."
+        f"{summary.n_generations} finished generations; {summary.n_failures} ended with an error. "
+        f"Digest over all evaluations: `{summary.digest}`. Semantics: {summary.semantics}."
     )
     sections = [
         f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.name)}",
@@ -52,18 +52,18 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
         *_top(summary),
-        *_section(_occurring("Fault types among them", summary.patterns), _POPULAR),
+        *_section(_occurring("Fault types in these specifications", summary.patterns), _POPULAR),
         *_linked(captions, "fault_types"),
     ]
     if summary.ways:
         sections += _section(
-            _occurring("Fault types in the least sets", summary.guilty),
-            "The same over the least sets that break a goal: a type that is above but not here "
-            "rode along.",
+            _occurring("Fault types in the weaknesses", summary.guilty),
+            "The same numbers for all weaknesses. A type that is listed above but not here is part "
+            "of no known weakness.",
         )
         sections += _linked(captions, "figure_12_weaknesses")
     if summary.front is not None:
-        words = "Non-dominated specifications; of equal ones the earliest."
+        words = "The non-dominated specifications. Of equal ones, the earliest is listed."
         sections += [
             *_section(tables.front_table(summary.front), words),
             *_linked(captions, "front"),
@@ -71,14 +71,14 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     if summary.harm is not None:
         sections += _section(
             tables.harm_table(summary.harm, summary.measure),
-            "The most goals violated, and the most violations in all, by a specification of at "
-            f"most so many {summary.measure.minimised}, and the evaluations that found it. What is "
-            "not listed does no more than the line above.",
+            f"For each limit on {summary.measure.minimised}: the most goals that one specification "
+            "within this limit violates, the most violations in total, and the evaluations that "
+            "found them. Limits that are not listed have the numbers of the line above.",
         )
         sections += _linked(captions, "harm")
     if summary.pick is not None:
         picked = summary.pick.in_words(summary.measure)
-        words = f"The specification {picked}. `mrsfi replay` flies any evaluation again."
+        words = f"The specification {picked}. `mrsfi replay` simulates any evaluation again."
         sections += ["## Pick by ratio", words]
     sections += ["## Mission", *_linked(captions, "mission_map")]
     return "\n\n".join(sections) + "\n"
@@ -95,16 +95,16 @@ def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
 
 
 def trend_in_words(trend: Trend) -> str:
-    """Return how mean fitness went in this run, which is no test: generations are dependent."""
+    """Return how mean fitness changed in this run; no test, because generations are dependent."""
     rows = trend.generations
     if len(rows) < 3:
-        return f"{len(rows)} finished generations: too few to speak of a trend."
+        return f"{len(rows)} finished generations are too few for a trend."
     return (
-        f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
+        f"Mean fitness changes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
         f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
-        "generation (least squares). This describes one run and tests nothing, because its "
-        "generations depend on each other; `mrsfi compare` tests over many seeds. "
-        f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
+        "generation (least squares). This describes one run and is not a statistical test, because "
+        "its generations depend on each other; `mrsfi compare` tests over many seeds. "
+        f"The best fitness of all generations is {max(row.best for row in rows):,.6g}."
     )
 
 
@@ -115,29 +115,30 @@ def _top(summary: Summary) -> Iterator[str]:
         yield f"## {table.title}"
         yield "No evaluation is recorded yet."
         return
-    measured = "" if measure.is_shown_by_outcomes else f"{measure}: "
+    measured = "" if measure.is_shown_by_outcomes else f", {measure}; then"
+    seed = ", in the first mission seed" if measure.n_seeds > 1 else ""
     yield from _section(
         table,
-        f"Violations per goal in ticks, {measured}believed by the collective intelligence / true "
-        f"in the simulation{' on the first mission seed' if measure.n_seeds > 1 else ''}; and the "
-        "tick from which on it was certain that the goal's purpose is not met, if it was.",
+        f"For each goal{measured}{seed}: the number of ticks at which it was violated in belief "
+        "(of the collective intelligence) and in truth (in the simulation), and the tick from "
+        "which on it fails, if it does.",
     )
     yield (
-        "The faults of each: *start* and *finish* are the window, *applied* and *changed* the "
-        "numbers of ticks at which it was active and changed a value; *target* is what it "
-        "touches, behind the message that carries it."
+        "The tables below list the faults of each specification. *start* and *finish* are the "
+        "window of a fault, *applied* and *changed* the numbers of ticks at which it was active "
+        "and changed a value. *target* is the affected property, after its message, if any."
     )
     of_each = zip(top, summary.faults, summary.contained, strict=True)
     for rank, (evaluation, faults, found) in enumerate(of_each, 1):
-        title = f"Faults of {rank}, evaluation {evaluation.index}"
+        title = f"Specification {rank}, evaluation {evaluation.index}"
         yield from _section(tables.fault_table(title, faults, evaluation.outcome), level=3)
         yield (
-            f"Of generation {evaluation.generation}, {evaluation.fault_ticks} fault-ticks; "
-            f"[critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
+            f"Generation {evaluation.generation}, {evaluation.fault_ticks} fault-ticks, "
+            f"file [critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
         )
         if found:
-            some = (f"{way.goal} by {' and '.join(way.faults)} ({way.number})" for way in found)
-            yield f"Of the least sets it has: {'; '.join(some)}."
+            some = (f"{way.number} ({way.goal} by {' and '.join(way.faults)})" for way in found)
+            yield f"It contains the weaknesses {', '.join(some)}."
 
 
 def _weaknesses(summary: Summary) -> Iterator[str]:
@@ -150,22 +151,20 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
     if not summary.ways:
         return
     yield from _section(matrix_table(mission, pool, summary.ways), level=3)
-    title = "The least sets of faults, by goal"
+    title = "Weaknesses, by goal"
     yield from _section(
         way_table(title, mission, pool, summary.ways),
-        "The share of the forms tried that break it by each measure, in how many mission seeds the "
-        "form that is shown does, and this form. `weaknesses/` has each by its number, as a fault "
-        "specification; of what is the least that breaks each goal also the mildest form that was "
-        "found, which is told of below. `mrsfi show RUN N` draws number N in time and in space.",
+        "The faults of each weakness in one variant. A percentage is the share of tried variants "
+        "that break the goal, by each measure; *seeds* counts mission seeds in which this variant "
+        "does. `weaknesses/` has each weakness by its number as a fault specification, and the "
+        "mildest variant of those below. `mrsfi show RUN N` draws weakness N in time and space.",
         level=3,
     )
     for way in least(summary.ways):
-        title = f"{goal_in_words(mission, way.goal)}, broken by weakness {way.number}"
+        title = f"{goal_in_words(mission, way.goal)}, weakness {way.number}"
         outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
         goals, by = tables.goal_table(title, mission, outcome), broken_by(way, mission.units)
-        yield from _section(
-            goals, f"{by} {tables.COUNTS} It flew in the first mission seed.", level=3
-        )
+        yield from _section(goals, f"{by} {tables.COUNTS} First mission seed only.", level=3)
         yield tables.to_markdown(tables.fault_table("", faults, outcome))
         if sentences := summary.sentences.get(way.number):
             yield "\n".join(f"- {plain(each)}" for each in sentences)
@@ -241,7 +240,7 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
     mission, pool = summary.mission, summary.pool
     yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.name)}}}"
     halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
-    yield "\\\\\n".join((f"{summary.counted}, of digest", *halves))
+    yield "\\\\\n".join((f"{summary.counted}, digest", *halves))
     if summary.unrepeated:
         yield f"Caution: {in_latex(summary.unrepeated)}."
     if summary.harvest is not None:
@@ -250,7 +249,7 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
     if summary.ways:
         yield to_latex(matrix_table(mission, pool, summary.ways))
-        title = "The least that breaks each goal, in its mildest form"
+        title = "One weakness of each goal, in its mildest variant"
         yield to_latex(way_table(title, mission, pool, least(summary.ways)))
     yield to_latex(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
     yield to_latex(tables.settings_table(summary.settings))
@@ -263,14 +262,14 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
 
 
 _SAYS = (
-    "Least sets of faults that truly break a goal of the mission or let it be missed, as far as is "
-    "known. A goal that is not here is broken so by none."
+    "Known minimal sets of faults that truly violate a goal of the mission or make it fail. For a "
+    "goal that is not listed, none is known."
 )
 _OF_PFTA = (
     "For pfta 0.4 or newer. The probability of an event is the likelihood of the fault in its "
-    "pool, nan where that gives none; then nothing is known of what depends on it. That of a gate "
-    "is the sum over its sets (order 1), which is never too low; exact ones (all orders) take time "
-    "that doubles with each set."
+    "pool, or nan if the pool gives none; then probabilities that depend on it are unknown. That "
+    "of a gate is the sum over its sets (order 1), an upper bound; an exact one (all orders) takes "
+    "time that doubles with each set."
 )
 
 
@@ -314,7 +313,7 @@ def _trees(
             event[faults[0]] if len(faults) == 1 else named(goal.id, *faults): faults
             for faults in sets[goal.id]
         }
-        label = printable(f"{goal.name} ({goal.id}): truly violated or missed")
+        label = printable(f"{goal.name} ({goal.id}): truly violated or failed")
         joint = [
             _Gate(name, " and ".join(faults), "and", tuple(event[fault] for fault in faults))
             for name, faults in below.items()

@@ -89,11 +89,11 @@ def flight_map(story: Story) -> Figure:
             x, y = story.true[-1, k]
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
-            Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id} truly")
+            Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id}, true")
             for robot in mission.robots[:12]  # of more, no legend would be read
         ]
         keys += [
-            _key(".", "believed instead", color=SOFT),
+            _key(".", "believed, if wrong", color=SOFT),
             _key("^", "start", color=SOFT),
             _key("o", "end", color=SOFT, mec=INK),
         ]
@@ -104,7 +104,7 @@ def flight_map(story: Story) -> Figure:
             keys.append(_key("x", "collision", mew=2, color=INK))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
-            keys.append(_key("", f"believed outside the picture: {n_outside} robot-ticks"))
+            keys.append(_key("", f"believed outside the figure: {n_outside} robot-ticks"))
         plots.legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
@@ -146,7 +146,7 @@ def _said(story: Story, tick: int) -> str:
     active = [name for kind, name, _ in now if kind == "fault"]
     broken = [name for kind, name, what in now if (kind, what) == ("goal", "truly violated")]
     parts = [f"tick {tick}"]
-    parts += [f"{', '.join(active)} at work"] if active else []
+    parts += [f"{', '.join(active)} active"] if active else []
     parts += [f"{', '.join(broken)} truly violated"] if broken else []
     return "   ".join(parts)
 
@@ -176,12 +176,12 @@ def flight_timeline(story: Story) -> Figure:
         plots.name_rows(axes, names)
         keys: list[Line2D | Patch] = [
             Patch(fc=INK, alpha=_ACTIVE, label="fault active"),
-            Patch(fc=BELIEVED, label="believed violated"),
-            Patch(fc=TRUE, label="truly violated"),
-            _key("|", "missed from", ms=12, mew=2.2, color=INK),
+            Patch(fc=BELIEVED, label="violated in belief"),
+            Patch(fc=TRUE, label="violated in truth"),
+            _key("|", "goal fails", ms=12, mew=2.2, color=INK),
         ]
         if any(fault.trigger for fault in faults):
-            keys.insert(1, Patch(fc=INK, alpha=_WAITING, label="may be set off"))
+            keys.insert(1, Patch(fc=INK, alpha=_WAITING, label="may be triggered"))
         plots.legend_below(figure, handles=keys)
     return figure
 

@@ -172,8 +172,8 @@ def harm_front(harm: Sequence[Harm], measure: Measure) -> Figure:
             axes.scatter(costs, most, s=52, color=colour, ec=PAPER, lw=0.7, zorder=3)
             axes.set(ylabel=label, ylim=(0, max(1, *most) * 1.1))
             axes.yaxis.set_major_locator(whole_numbers())
-        above.set_title(f"Most harm with how few {measure.minimised}")
-        below.set_xlabel(f"{measure.minimised} of a specification, at most")
+        above.set_title(f"Most harm for each limit on {measure.minimised}")
+        below.set_xlabel(f"limit on {measure.minimised} of a specification")
         below.xaxis.set_major_locator(whole_numbers())
     return figure
 
@@ -207,14 +207,14 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
 
 
 def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
-    """Draw which values and windows of faults break a goal."""
+    """Draw which values and windows of faults suffice to break a goal."""
     with drawing((7.2, 4.8)) as figure:
-        axes = figure.add_subplot(title=title, xlabel="ticks at work")
-        axes.set_ylabel("values off, % of their range")
-        for is_broken, colour, words in ((False, SAND, "kept"), (True, ORANGE, "broken")):
+        axes = figure.add_subplot(title=title, xlabel="active ticks")
+        axes.set_ylabel("deviation of values, % of their range")
+        for is_broken, colour, words in ((False, SAND, "not enough"), (True, ORANGE, "enough")):
             points = [each for each in tried if each.is_broken is is_broken]
             xs, ys = [each.ticks for each in points], [100 * each.off for each in points]
-            axes.scatter(xs, ys, marker="s", color=colour, label=f"{words}, {len(points)}")
+            axes.scatter(xs, ys, marker="s", color=colour, label=f"{words} ({len(points)})")
         legend_below(figure)
     return figure
 

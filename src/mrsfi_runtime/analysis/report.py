@@ -71,7 +71,7 @@ def flight_page(
     return {
         "title": told.title,
         "mission": story.mission_content(mission),
-        "heading": "What flew",
+        "heading": "Faults and outcome",
         "shown": [told_content(mission, told, flown, 1)],
         "record": list(facts),
     }
@@ -85,7 +85,7 @@ def campaign_page(
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign; ``next_of`` has commands by what they do."""
     step = tables.every(summary.n_evaluations, 5000)  # at most so many are listed
-    listed = f"One in {step} is listed." if step > 1 else "All are listed."
+    listed = f"One evaluation in {step} is listed." if step > 1 else "All evaluations are listed."
     evaluations = tables.short_evaluations_table(listed, store.flown(step), summary.measure)
     caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
     picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
@@ -93,7 +93,7 @@ def campaign_page(
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": story.mission_content(summary.mission),
         "first": _first_screen(summary, next_of),
-        "heading": "The least that breaks each goal, as it was flown",
+        "heading": "One weakness of each goal, in its mildest variant",
         "shown": list(shown),
         "search": {
             "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}",
@@ -119,7 +119,7 @@ def _first_screen(
     about = (
         f"Campaign {summary.folder.name} on mission {summary.name}",
         counted(len(mission.robots), "robots"),
-        f"{len(guilty)} of {counted(len(pool), 'faults')} break a goal",
+        f"{len(guilty)} of {counted(len(pool), 'faults')} in a weakness",
         counted(summary.n_evaluations + known.n_flights, "flights"),
     )
     return {
@@ -220,7 +220,7 @@ def told_content(
     faults = tables.fault_table("", told.faults, told.outcome)
     nearest = tables.nearest_in_words(mission, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
-    columns = (*faults.columns, "what it did")
+    columns = (*faults.columns, "effect")
     rows = [(*row, did) for row, did in zip(faults.rows, sentences, strict=True)]
     return {
         "title": told.title,
@@ -249,7 +249,7 @@ def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
         yield _scatter("Pareto front, violations in ticks", x, y, points)
     if summary.harm:
         harm = sorted((each.cost, each.violations) for each in summary.harm)
-        words = f"Most violations with how few {summary.measure.minimised}"
+        words = f"Most violations for each limit on {summary.measure.minimised}"
         yield _scatter(words, str(summary.measure.minimised), "violations", harm)
 
 
@@ -275,7 +275,7 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
         "generations": summary.n_generations,
         "evaluations": summary.counted.rpartition(" ")[0],
         "distinct specifications": summary.n_distinct,
-        "failed": summary.n_failures,
+        "evaluations with an error": summary.n_failures,
         "semantics": summary.semantics,
         "digest": summary.digest,
     }.items()
@@ -453,10 +453,10 @@ def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str
 def _next(layout: CampaignFolder, summary: Summary, way: Way) -> dict[str, Sequence[str]]:
     run, number = str(layout.path), str(way.number)
     return {
-        "See it": ("mrsfi", "show", run, number),
-        "Fly it yourself": (*_command(layout, summary, way), "--html", f"weakness-{number}.html"),
+        "Show it": ("mrsfi", "show", run, number),
+        "Simulate it again": (*_command(layout, summary, way), "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
-        "After the fix": ("mrsfi", "check", summary.place),
+        "Check after a fix": ("mrsfi", "check", summary.place),
     }
 
 

@@ -47,7 +47,7 @@ def test_a_report_uses_the_measure_and_says_which_it_is(settings, found, rows, t
         ["0", *row] for row in rows
     ]
     assert f"trade-offs between g1, g3 ({measure})\n" in report
-    assert f"Violations per goal in ticks, {measure}: believed by" in report
+    assert f"For each goal, {measure}; then" in report
     assert summary["measure"] == {"violations": measure.kind, "mission_seeds": measure.n_seeds}
     assert summary["top"][0]["measured"] == measure.by_goal(best)
     assert f"g1: {measure} (ticks)" in figure

@@ -98,8 +98,8 @@ def test_the_map_draws_true_paths_and_what_is_believed_instead(story, tmp_path):
     for k, robot in enumerate(story.mission.robots):
         assert any(np.array_equal(line, story.true[:, k]) for line in lines)
         assert any(np.array_equal(each, story.believed[wrong[:, k], k]) for each in clouds)
-        assert f"{robot.id} truly" in texts(svg)
-    assert {"What happened", "believed instead", "start", "end"} < {*texts(svg)}
+        assert f"{robot.id}, true" in texts(svg)
+    assert {"What happened", "believed, if wrong", "start", "end"} < {*texts(svg)}
     require_inside(figure)
     assert wrong.any()
 
@@ -110,7 +110,7 @@ def test_the_map_counts_what_is_believed_outside_of_it(story, tmp_path):
     _, svg = save(flight_map(replace(story, believed=far)), tmp_path / "far")
     _, same = save(flight_map(replace(story, believed=story.true)), tmp_path / "same")
 
-    assert "believed outside the picture: 5 robot-ticks" in texts(svg)
+    assert "believed outside the figure: 5 robot-ticks" in texts(svg)
     assert not [text for text in texts(same) if "outside" in text]
 
 
@@ -121,7 +121,7 @@ def test_the_timeline_names_faults_and_goals(story, tmp_path):
     assert {f"{fault.name} {fault.fault.type}" for fault in story.faults if fault.window} < {
         *texts(svg)
     }
-    assert {*story.mission.goal_ids, "believed violated", "truly violated"} < {*texts(svg)}
+    assert {*story.mission.goal_ids, "violated in belief", "violated in truth"} < {*texts(svg)}
     require_inside(figure)
 
 
@@ -153,7 +153,7 @@ def test_a_fault_that_waited_is_drawn_lightly_where_it_may_act_and_fully_where_i
     ]
     drawn = [(bar.get_x(), bar.get_width(), bar.get_alpha()) for bar in figure.axes[0].patches]
     assert drawn == [(5, 86, 0.15), (10, 20, 0.75), (5, 86, 0.15), (5, 86, 0.75)]
-    assert "may be set off" in texts(svg)
+    assert "may be triggered" in texts(svg)
     assert [each["window"] for each in content] == [(10, 29), None, (5, 90)]
     assert [each.get("waits") for each in content] == [(5, 90), (5, 90), None]
 

@@ -86,7 +86,7 @@ def test_labels_are_one_line_and_names_differ_whatever_ids_and_names_hold():
         "Event: f_9-2",
         "Event: f_9-3",
     ]
-    assert "- label: a - type: NULL <b>&]]> c (F 9): truly violated or missed" in lines
+    assert "- label: a - type: NULL <b>&]]> c (F 9): truly violated or failed" in lines
     names = [each.get("name") for each in root.iter("define-gate", "define-basic-event")]
     assert names == ["F_9", "f_9-2", "f_9-3"]
 

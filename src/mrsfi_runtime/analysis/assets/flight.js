@@ -77,11 +77,11 @@ class FlightView {
     this.play = button("Play", "play or pause (space)", () => this.toggle(), { id: "play" });
     this.now = make("output", { id: "now" });
     this.event = make("p", { class: "note", id: "event", role: "status" });
-    this.hover = make("p", { class: "note", id: "hover" }, "Point at a robot, a sample or an obstacle for its numbers.");
+    this.hover = make("p", { class: "note", id: "hover" }, "Point at a robot or an obstacle to see its numbers.");
     this.numbers = make("div");
     const speeds = make("select", { "aria-label": "ticks a frame", id: "speed", on: { change: (event) => { this.speed = Number(event.target.value); } } },
       [0.25, 0.5, 1, 2, 4, 8, 16].map((n) => make("option", { value: n, selected: n === this.speed }, `× ${n}`)));
-    this.following = button("Follow", "follow the robots that matter, or show the whole area (f)", () => this.follow(), { id: "follow", "aria-pressed": String(this.follows) });
+    this.following = button("Follow", "follow the robots that the faults affect, or show the whole area (f)", () => this.follow(), { id: "follow", "aria-pressed": String(this.follows) });
     this.timeline = make("div", { class: "timeline" });
     this.charts = make("div", { class: "side" });
     this.element.replaceChildren(
@@ -94,9 +94,9 @@ class FlightView {
       this.event);
     this.details.replaceChildren(
       make("h2", {}, "The flight in numbers"),
-      make("p", { class: "note" }, "Discs and solid trails are true, dashed ones believed ",
-        `(trails of the last ${believedTrail} ticks), joined where they differ; dots are samples that counted. `,
-        "A black line in the timeline: from then on certain to be missed. Click a fault for the flight without it, drawn pale."),
+      make("p", { class: "note" }, "Filled discs and solid lines show true positions. ",
+        `Dashed circles and lines (of the last ${believedTrail} ticks) show believed positions; a line joins the two where they differ. Dots are samples that counted. `,
+        "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours."),
       this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
     this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
     this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
@@ -137,14 +137,14 @@ class FlightView {
     });
     const goals = concerned.sort(([a], [b]) => (b.id === this.data.goal) - (a.id === this.data.goal)).map(([goal, k]) => {
       const judged = this.flight.goals[k];
-      const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} ${kind} violated, ticks ${first} to ${last}`)));
-      if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} certain to be missed from tick ${judged.missed}`));
-      return make("div", { class: "row" }, make("span", { title: goal.name }, said(goal.label === goal.id ? goal.id : `${goal.label} ${goal.id}`)), track(...bars));
+      const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} violated in ${kind === "true" ? "truth" : "belief"}, ticks ${first} to ${last}`)));
+      if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} fails from tick ${judged.missed} on: it can no longer be met`));
+      return make("div", { class: "row" }, make("span", { title: goal.name }, said(goal.label === goal.id ? goal.id : `${goal.label} (${goal.id})`)), track(...bars));
     });
     this.cursor = make("div", { class: "cursor" });
     this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
-      make("span", { class: "key fault" }), "fault at work", make("span", { class: "key believed" }), "believed violated", make("span", { class: "key true" }), "truly violated",
-      make("span", { class: "key missed" }), "certain to be missed"));
+      make("span", { class: "key fault" }), "fault active", make("span", { class: "key believed" }), "violated in belief", make("span", { class: "key true" }), "violated in truth",
+      make("span", { class: "key missed" }), "goal fails"));
   }
 
   buildCharts() {

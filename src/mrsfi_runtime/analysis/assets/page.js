@@ -7,7 +7,7 @@ function flownOf(data) {
       shown.sentence ? make("p", {}, said(shown.sentence)) : null,
       table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
-      make("div", { class: "command" }, make("span", {}, "Fly it again"), make("code", {}, said(shown.command)), copying(shown.command)),
+      make("div", { class: "command" }, make("span", {}, "Simulate it again"), make("code", {}, said(shown.command)), copying(shown.command)),
       make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)))));
 }
 
@@ -21,7 +21,7 @@ function chart(place, { title, x, y, lines, points }) {
 
 function searchOf(search) {
   const place = make("div", { class: "side" });
-  const element = make("section", { id: "search" }, make("h2", {}, "The search"), make("p", {}, said(search.said)), place);
+  const element = make("section", { id: "search" }, make("h2", {}, "Search"), make("p", {}, said(search.said)), place);
   requestAnimationFrame(() => search.charts.forEach((each) => {
     const lines = each.lines.map((line, k) => [line.label, palette[k], line.values]);
     lines.xs = each.xs;
@@ -40,7 +40,7 @@ function evaluationsOf(data) {
     const sign = state.up ? 1 : -1, by = (a, b) => (a === b ? 0 : a === null ? 1 : b === null ? -1 : a < b ? -sign : sign);
     found.sort((a, b) => by(a[state.column], b[state.column]));
     body.replaceChildren(...found.slice(0, most).map((row) => make("tr", {}, row.map((cell) => make("td", { class: "number" }, number(cell))))));
-    count.textContent = `${found.length} of ${data.rows.length}${found.length > most ? `, the first ${most} are shown` : ""}`;
+    count.textContent = `${found.length} of ${data.rows.length} rows${found.length > most ? `; the first ${most} are shown` : ""}`;
   };
   const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", on: { click: () => {
     Object.assign(state, { up: state.column === k ? !state.up : true, column: k });
@@ -48,13 +48,13 @@ function evaluationsOf(data) {
     fill();
   } } }, said(name))));
   fill();
-  return make("section", { id: "evaluations" }, make("h2", {}, "The evaluations"), make("p", { class: "note" }, data.title),
+  return make("section", { id: "evaluations" }, make("h2", {}, "Evaluations"), make("p", { class: "note" }, data.title),
     make("p", { class: "controls" }, make("label", {}, "Rows that contain ", make("input", { type: "search", id: "filter", on: { input: (event) => { state.text = event.target.value; fill(); } } })), count),
     make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "evaluations" }, make("table", {}, make("thead", {}, make("tr", {}, head)), body)));
 }
 
 function recordOf(rows) {
-  return make("section", { id: "record" }, make("h2", {}, "The record"), table(["what", "value"], rows));
+  return make("section", { id: "record" }, make("h2", {}, "Record"), table(["name", "value"], rows));
 }
 
 async function main() {
@@ -68,15 +68,15 @@ async function main() {
   if (screen || only) sections.push(["numbers-of-the-flight", "The flight in numbers", view.details]);
   if (data.shown) sections.push(["flown", data.heading, flownOf(data)]);
   (data.tables || []).forEach((each, k) => sections.push([`table-${k + 1}`, each.title, make("section", { id: `table-${k + 1}` }, titled(each))]));
-  if (data.search) sections.push(["search", "The search", searchOf(data.search)]);
-  if (data.evaluations) sections.push(["evaluations", "The evaluations", evaluationsOf(data.evaluations)]);
-  sections.push(["record", "The record", recordOf(data.record)]);
+  if (data.search) sections.push(["search", "Search", searchOf(data.search)]);
+  if (data.evaluations) sections.push(["evaluations", "Evaluations", evaluationsOf(data.evaluations)]);
+  sections.push(["record", "Record", recordOf(data.record)]);
   const links = sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)));
   document.body.append(
     make("header", {}, screen ? screen.header() : make("h1", {}, said(data.title))),
     make("main", {}, sections.map(([, , element]) => element)),
     make("footer", { class: "note" }, make("nav", { "aria-label": "sections" }, make("ul", {}, links)),
-      "Keys: space plays · ← → tick, with shift ten · n, p event · f follows · Home, End. CI: collective intelligence."));
+      "Keys: space plays or pauses; ← and → move by one tick, with shift by ten; n and p go to the next or previous event; f follows robots; Home and End go to the first or last tick. CI: collective intelligence."));
   if (only) await view.show(only);
   if (screen) await screen.followLink();
   document.documentElement.dataset.ready = "true";

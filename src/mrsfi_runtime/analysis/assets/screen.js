@@ -21,14 +21,14 @@ class Screen {
   }
 
   goalsOf() {
-    const heads = ["", "Goal and its least cause", "Detection", "How sure", "Otherwise"];
+    const heads = ["", "Goal and its main weakness", "Detection", "Evidence", "Other weaknesses"];
     return make("table", { id: "goals" },
       make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each || make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
         const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
           make("td", {}, goal.detection), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
           make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
@@ -52,13 +52,13 @@ class Screen {
       return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, undetected in at least one variant", make("span", { class: "key share" }), "broken, detected in all",
-        make("span", { class: "key share believed" }), "false alarm · height: share of forms · + jointly"),
+      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, undetected in at least one variant", make("span", { class: "key share" }), "broken, detected in all variants",
+        make("span", { class: "key share believed" }), "false alarm only. Height: share of tried variants. +: only together with other faults"),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
-        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), row.id === row.name ? null : [" ", make("small", {}, said(row.id))]), row.cells.map(cell)))))),
+        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), row.id === row.name ? null : [" ", make("small", {}, said(`(${row.id})`))]), row.cells.map(cell)))))),
       make("p", { class: "note" }, said(note)));
   }
 
@@ -68,8 +68,8 @@ class Screen {
     for (const row of this.element.querySelectorAll("#goals tbody tr")) row.classList.toggle("chosen", row.dataset.goal === way.goal);
     if (!keep) history.replaceState(null, "", `#weakness-${number}`);
     const shown = way.shown === null ? null : this.shown[way.shown];
-    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "Its flight is not on this page: the first command draws it.";
-    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal === way.name ? "" : `${way.goal} · `}weakness ${number}`))),
+    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight. The first command below draws it.";
+    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
       make("p", {}, said(`${way.said}.`)), make("p", { class: "note" }, said(`${way.sure}. ${why}`)));
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, said(command)), copying(command))));
     const flight = shown ? shown.flight : null;
