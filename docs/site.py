@@ -17,7 +17,7 @@ from mkdocs.structure.pages import Page
 
 from m2t.metaclasses import features
 from m2t.metamodels import load_metamodels
-from mrsfi_runtime.cli.main import cli
+from mrsfi_runtime.cli.main import cli, help_text
 from mrsfi_runtime.project_file import installed_version
 
 ROOT = Path(__file__).parent.parent
@@ -103,6 +103,7 @@ def _commands() -> str:
         assert command is not None
         text = command.get_help(click.Context(command, info_name=name, parent=context))
         parts.append(f"## mrsfi {name}\n\n```text\n{text}\n```\n")
+    parts.append(f"## mrsfi help bus\n\n```text\n{help_text(context, 'bus')}\n```\n")
     return "\n".join(parts)
 
 

@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from m2t.models.load import load_mission_folder
+from mrsfi_runtime.glossary import TERMS
 from tests.support.cli import MISSION, edit, mrsfi, stop_specification
 from tests.support.models.published import published
 from tests.tiers import slow
@@ -28,6 +29,7 @@ COMMANDS = (
     "rename",
     "diff",
     "pack",
+    "help",
 )
 
 HEAVY = {
@@ -59,6 +61,7 @@ LONG = [
 IMPORTED = [
     (("--help",), set()),
     *(((command, "--help"), set()) for command in COMMANDS),
+    *((("help", topic), set()) for topic in ("evolve", "bus", "words")),
     (("--version",), {"importlib.metadata"}),
     (("validate", MISSION), FLIGHT),
     (("generate", MISSION, "--check"), FRESH),
@@ -97,6 +100,55 @@ def test_help_of_every_command_has_examples(command, tmp_path):
 
     assert f"Usage: mrsfi {command} " in text
     assert f"Examples:\n    mrsfi {command}" in text
+
+
+FLYING = ("simulate", "evolve", "weaknesses", "explain", "replay", "keep", "check", "compare")
+
+
+@pytest.mark.parametrize("command", FLYING)
+def test_options_of_a_bus_are_named_in_each_command_and_described_in_a_topic(command, tmp_path):
+    text = mrsfi(command, "--help", cwd=tmp_path).stdout.partition("\nOptions:")[2]
+
+    named = text.partition("Your own simulator or node:\n")[2].partition(": see `mrsfi help bus`")[
+        0
+    ]
+    topic = mrsfi("help", "bus", cwd=tmp_path).stdout
+    assert len(named.split()) == 11
+    for name in named.replace(",", "").split():
+        assert f"\n  {name} " in topic
+        assert text.count(f"{name} ") + text.count(f"{name},") + text.count(f"{name}:") == 1
+
+
+def test_options_stand_in_groups(tmp_path):
+    text = mrsfi("evolve", "--help", cwd=tmp_path).stdout
+
+    heads = [line for line in text.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert heads == ["Options:", "Search:", "Engine:", "Your own simulator or node:", "Output:"]
+
+
+def test_help_prints_what_a_command_prints_and_every_term_of_the_glossary(tmp_path, approved):
+    words = mrsfi("help", "words", cwd=tmp_path).stdout
+
+    assert all(f"{term.name}:\n" in words for term in TERMS)
+    assert all(len(line) <= 80 for line in words.splitlines())
+    assert (
+        mrsfi("help", "evolve", cwd=tmp_path).stdout
+        == mrsfi("evolve", "--help", cwd=tmp_path).stdout
+    )
+    approved(mrsfi("help", "evolv", cwd=tmp_path, expected=2).stderr)
+
+
+def test_a_shell_completes_commands(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "mrsfi_runtime.cli.main"],
+        cwd=tmp_path,
+        env={"_MRSFI_COMPLETE": "bash_complete", "COMP_WORDS": "mrsfi weak", "COMP_CWORD": "1"},
+        capture_output=True,
+        check=False,
+        encoding="utf-8",
+    )
+
+    assert done.stdout == "plain,weaknesses\n"
 
 
 @pytest.mark.parametrize(("arguments", "expected"), IMPORTED, ids=_named)

@@ -32,10 +32,24 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     return None if text is None else [goal.strip() for goal in text.split(",")]
 
 
-@click.command(name="evolve")
+@options.command(name="evolve")
 @click.pass_context
 @click.argument("mission", metavar="[MISSION]", required=False)
 @options.generated_option
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
+)
+@click.option(
+    "--explain/--no-explain",
+    default=None,
+    help="Look for weaknesses after the search, or not: then there are no weaknesses, no mildest "
+    "variants, and nothing of them in report and page, for show and for keep [default: --explain, "
+    "or as the campaign was begun].",
+)
+@options.under("Search")
 @click.option(
     "--case",
     show_default="a",
@@ -63,23 +77,11 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 )
 @options.worker_options
 @options.engine_options(default=AUTO)
+@options.under("Output")
 @options.folder_option(
     "--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N]."
 )
-@click.option(
-    "--resume",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
-)
 @click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
-@click.option(
-    "--explain/--no-explain",
-    default=None,
-    help="Look for weaknesses after the search, or not: then there are no weaknesses, no mildest "
-    "variants, and nothing of them in report and page, for show and for keep [default: --explain, "
-    "or as the campaign was begun].",
-)
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def evolve_command(
     ctx: click.Context,
@@ -243,11 +245,14 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
         report(campaign, ratio, is_json=is_json, latex=form == "latex")
 
 
-@click.command(name="weaknesses")
+@options.command(name="weaknesses")
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.option("--goal", metavar="G", help="Of this goal alone.")
 @options.seeds_option("Fly in N mission seeds.")
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
+@options.worker_options
+@options.engine_options(default=AUTO)
+@options.under("Output")
 @click.option(
     "--map",
     "drawn",
@@ -257,8 +262,6 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
 )
 @options.file_option("--fmea", "Write failure modes: .csv or .md.")
 @options.file_option("--fault-tree", "Write .xml, or .txt for pfta.")
-@options.worker_options
-@options.engine_options(default=AUTO)
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
 @click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
 def weaknesses_command(

@@ -60,10 +60,11 @@ def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) ->
 _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 
 
-@click.command(name="compare")
+@options.command(name="compare")
 @click.pass_context
 @click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
 @options.generated_option
+@options.under("Search")
 @click.option(
     "--case",
     default="a",
@@ -99,6 +100,7 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 )
 @options.worker_options
 @options.engine_options(default=AUTO, sides=(BOTH,))
+@options.under("Output")
 @options.folder_option(
     "--out", "Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE]."
 )

@@ -34,14 +34,15 @@ if TYPE_CHECKING:
     from mrsfi_runtime.model.faults import FaultPool, Specification
 
 
-@click.command(name="simulate")
+@options.command(name="simulate")
 @options.mission_argument
 @options.generated_option
 @click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
 @options.file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
-@options.recording_options
 @options.engine_options(sides=(*SIDES, SIMULATION))
+@options.under("Output")
+@options.recording_options
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def simulate_command(
     mission: str,
@@ -122,13 +123,14 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
     serve_simulation(code, settings, on_ready)
 
 
-@click.command(name="replay")
+@options.command(name="replay")
 @click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
-@options.recording_options
 @options.engine_options()
+@options.under("Output")
+@options.recording_options
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def replay_command(
     folder: Path,
@@ -198,7 +200,7 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
         click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
 
 
-@click.command(name="explain")
+@options.command(name="explain")
 @click.argument("target", metavar="RUN|MISSION")
 @options.generated_option
 @options.file_option("--faults", "Explain this fault specification of MISSION.")
@@ -226,13 +228,14 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
     show_default="that of RUN, else 1",
     help="With --faults: mission seed.",
 )
+@options.worker_options
+@options.engine_options(default=AUTO)
+@options.under("Output")
 @options.folder_option(
     "--out",
     "Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
     "weaknesses need one].",
 )
-@options.worker_options
-@options.engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def explain_command(  # noqa: PLR0913 - one parameter per option
     *,

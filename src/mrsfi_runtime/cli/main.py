@@ -13,8 +13,10 @@ from typing import Any, cast
 
 import click
 
+from mrsfi_runtime.cli.options import BUS, head_of
 from mrsfi_runtime.cli.terminal import steady_output
-from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError
+from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError, expected
+from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 
 _INTERRUPTED = 130
@@ -38,8 +40,46 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "import": ("models", "Make a mission folder from a model of the paper's prototype."),
     "rename": ("models", "Give elements of a mission other IDs, everywhere at once."),
     "diff": ("models", "Print the difference of two models in the words of the model."),
+    "help": ("main", "Print the help of a command, or of a topic: bus, words."),
 }
 """Subcommands with their module and one-line help: ``mrsfi --help`` need not import them."""
+
+
+_BUS = """\
+How to connect your own simulator, or your own node, to mrsfi.
+
+A mission has two sides: the collective intelligence (CI), which commands the
+robots, and the simulation. With --engine rosbridge they exchange ROS messages
+through a rosbridge server (the bus). Either side can be your own:
+
+  --engine rosbridge
+      Both sides are mrsfi's, on a server that mrsfi starts.
+  --engine rosbridge --url ws://127.0.0.1:9090 --side ci
+      Your simulator flies; mrsfi runs the CI and injects the faults.
+  --side injector --node "python node.py {url}"
+      Your node is the CI; mrsfi simulates and injects the faults.
+
+mrsfi bridge starts such a server without ROS. The file mrsfi.toml, at the
+root of the project, states the version of ROS and the topics of your node;
+mrsfi new NAME --node URL writes it from a running server:
+
+  [project]
+  ros = 2
+
+  [[node.tells]]                    # messages that your node receives
+  topic = "/{robot}/odom"
+  type = "nav_msgs/Odometry"
+  fields = { "pose.pose.position.x" = "x", "pose.pose.position.y" = "y" }
+
+  [[node.obeys]]                    # messages that your node sends
+  topic = "/{robot}/cmd_vel"
+  type = "geometry_msgs/Twist"
+  fields = { "linear.x" = "speed", "angular.z" = "turn" }
+
+The other values are options of every command that flies. A campaign records
+them: replay, explain and evolve --resume use the recorded values.
+docs/bus.md and docs/node.md have the details.
+"""
 
 
 class CommandGroup(click.Group):
@@ -151,6 +191,47 @@ def cli(traceback: bool) -> None:
       5  a fault specification that         130  interrupted
          cannot be flown
     """
+
+
+@click.command(name="help")
+@click.argument("topic", metavar="[COMMAND|TOPIC]", default="help")
+@click.pass_context
+def help_command(ctx: click.Context, topic: str) -> None:
+    """Print the help of a command, or of a topic.
+
+    \b
+    Topics:
+      bus     connect your own simulator or node
+      words   the glossary: every term of mrsfi, with an example
+
+    \b
+    Examples:
+      mrsfi help evolve
+      mrsfi help bus
+      mrsfi help words
+    """
+    click.echo(help_text(ctx, topic))
+
+
+def help_text(ctx: click.Context, topic: str) -> str:
+    """Return the help of a command or of a topic, as wide as the terminal."""
+    formatter = ctx.make_formatter()
+    if topic == "bus":
+        simulate = cast("click.Command", cli.get_command(ctx, "simulate"))
+        rows = [each.get_help_record(ctx) for each in simulate.params if head_of(each) == BUS]
+        formatter.write(_BUS)
+        with formatter.section("Options"):
+            formatter.write_dl([row for row in rows if row is not None])
+    elif topic == "words":
+        for term in TERMS:
+            with formatter.section(term.name):
+                formatter.write_text(f"{term.meaning} Example: {term.example}")
+                formatter.write_text(f"Related terms: {term.neighbour}")
+    elif (command := cli.get_command(ctx, topic)) is not None:
+        return command.get_help(click.Context(command, info_name=topic, parent=ctx.parent))
+    else:
+        raise UsageError(f"found '{topic}'; {expected(topic, ('bus', 'words', *_COMMANDS))}")
+    return formatter.getvalue().rstrip()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,7 +6,7 @@ receives them as one argument. So a new option of every command that flies is on
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, astuple, dataclass, fields
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -18,6 +18,51 @@ from mrsfi_runtime.record import engine_settings
 from mrsfi_runtime.record.engine_settings import REFERENCE, SIDES, EngineSettings, Workers, option
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+BUS = "Your own simulator or node"
+"""Head of the options of a bus."""
+
+
+class Command(click.Command):
+    """A command whose help lists its options in groups; ``mrsfi help bus`` has those of a bus."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options of each group below its head, and of a bus only the names."""
+        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for each in self.get_params(ctx):
+            record = each.get_help_record(ctx)
+            if record is not None and isinstance(each, click.Option):
+                groups.setdefault(head_of(each), []).append(record)
+        for head, rows in groups.items():
+            with formatter.section(head):
+                if head == BUS:
+                    names = ", ".join(name.split()[0] for name, _ in rows)
+                    formatter.write_text(f"{names}: see `mrsfi help bus`")
+                else:
+                    formatter.write_dl(rows)
+
+
+command = partial(click.command, cls=Command)
+"""Makes a function a command with groups of options."""
+
+
+def head_of(option: click.Parameter) -> str:
+    """Return the head of the group that an option belongs to."""
+    if option.name in OF_ENGINE:
+        return BUS if option.name in _OF_BUS else "Engine"
+    return getattr(option, "head", "Options")
+
+
+def under(head: str) -> Callable[[F], F]:
+    """Put the options that follow, up to the next head, into a group of a command's help."""
+
+    def decorate(command: Any) -> Any:
+        for each in command.__click_params__:
+            each.head = getattr(each, "head", head)
+        return command
+
+    return decorate
+
 
 mission_argument = click.argument("mission", metavar="MISSION")
 """Gives a command the argument MISSION."""
@@ -135,6 +180,12 @@ OF_ENGINE = {
     engine_settings.spelling(each) for kind in (EngineSettings, Workers) for each in fields(kind)
 }
 """Parameters of commands that give the engine and its workers."""
+
+_OF_BUS = {
+    engine_settings.spelling(each)
+    for each in fields(EngineSettings)
+    if each.name not in engine_settings.OF_ANY_ENGINE
+}
 
 
 @dataclass(frozen=True, slots=True)

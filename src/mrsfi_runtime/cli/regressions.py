@@ -179,7 +179,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     return limits
 
 
-@click.command(name="keep")
+@options.command(name="keep")
 @click.argument("target", metavar="CAMPAIGN|MISSION")
 @click.option("--weakness", type=click.IntRange(1), metavar="N", help="Weakness N of the campaign.")
 @click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-weakness-N].")
@@ -273,21 +273,22 @@ def _print_change(before: "Regression", new: "Regression") -> None:
             click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")
 
 
-@click.command(name="check")
+@options.command(name="check")
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @options.generated_option
 @options.seeds_option(
     "Fly in N mission seeds: those that are kept first, then others, of which limits say "
     "nothing unless they hold there too."
 )
-@options.file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
 @click.option(
     "--digest",
     metavar="HEX",
     help="Refuse an ARCHIVE unless mrsfi pack printed this digest for it.",
 )
-@click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @options.engine_options(default=AUTO)
+@options.under("Output")
+@options.file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
+@click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
 def check_command(
     mission: str | None,
