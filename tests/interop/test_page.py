@@ -18,6 +18,7 @@ from benchmarks.fleets import write_fleet
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import TOLD
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
@@ -287,6 +288,19 @@ def test_on_paper_stand_goals_matrix_and_flight_with_its_cursor(chromium, campai
         for name in ("canvas", ".cursor", ".row > :first-child", "#next code"):
             assert page.shown.locator(name).first.is_visible()
         assert not page.shown.locator("#play").is_visible()
+
+
+def test_a_term_shows_its_meaning_when_it_has_the_focus(chromium, campaign):
+    known = {each.name: each.meaning.replace("`", "") for each in TERMS}
+    with opened(chromium, campaign / "report.html") as page:
+        terms = page.shown.locator("abbr")
+        titles = {each.inner_text(): each.get_attribute("title") for each in terms.all()}
+        terms.first.focus()
+        shown = terms.first.evaluate("each => getComputedStyle(each, '::after').content")
+
+    assert {*titles.values()} <= {*known.values()}
+    assert titles["undetected"] == titles["masked"] == known["undetected"]
+    assert shown in {json.dumps(each) for each in known.values()}
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -43,6 +43,7 @@ from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError, counted
+from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.database import CampaignFolder
@@ -286,12 +287,35 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
     yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
 
 
+_ALSO = {
+    "broken": "breaks",
+    "CI": "collective intelligence",
+    "failed": "fails",
+    "in belief": "believed",
+    "in truth": "true",
+    "masked": "undetected",
+    "missed": "fails",
+    "phantom": "false alarm",
+}
+"""Other words for terms of the glossary."""
+
+_PLAIN = {"fault", "goal", "mission", "tick"}
+"""Terms that stand in every second sentence of the page."""
+
+
+def meanings() -> dict[str, str]:
+    """Return the tooltips of the page: the meaning of each term, by the words for it."""
+    found = {each.name: each.meaning.replace("`", "") for each in TERMS if each.name not in _PLAIN}
+    return found | {word: found[name] for word, name in _ALSO.items()}
+
+
 def document(content: Mapping[str, Any]) -> str:
     """Return the page that shows some content: plain values, as ``page.js`` reads them."""
     styles = "\n".join(map(_asset, ("uPlot.css", "page.css")))
     names = ("uPlot.js", "build.js", "flight.js", "screen.js", "page.js")
     scripts = "\n".join(map(_asset, names))
-    data = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    shown = {**content, "terms": meanings()}
+    data = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     safe = data.translate({ord(each): f"\\u{ord(each):04x}" for each in "<>&\u2028\u2029"})
     parts = {
         "policy": f"default-src 'none'; script-src '{_hash(scripts)}'; style-src "

@@ -15,7 +15,30 @@ function make(tag, attributes, ...children) {
 
 const longest = 300; // letters; what is longer scrolls by itself
 
-const said = (text) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, String(text));
+// With "terms", a set, those of its words that are terms and not in the set get their meaning as tooltip.
+const said = (text, terms) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, terms ? explained(String(text), terms) : String(text));
+
+const meanings = new Map();
+let anyTerm = /(?!)/g;
+
+function explain(terms) {
+  for (const [word, meaning] of Object.entries(terms)) meanings.set(word.toLowerCase(), meaning);
+  const words = [...meanings.keys()].sort((a, b) => b.length - a.length);
+  anyTerm = new RegExp(`\\b(${words.join("|")})(?:e?s)?\\b`, "gi");
+}
+
+function explained(text, terms) {
+  const parts = [];
+  let end = 0;
+  for (const match of text.matchAll(anyTerm)) {
+    const title = meanings.get(match[1].toLowerCase());
+    if (terms.has(title)) continue;
+    terms.add(title);
+    parts.push(text.slice(end, match.index), make("abbr", { title, tabindex: "0" }, match[0]));
+    end = match.index + match[0].length;
+  }
+  return [...parts, text.slice(end)];
+}
 
 function number(value) {
   if (value === null || value === undefined) return "–";
@@ -27,14 +50,15 @@ let nTables = 0; // each of them is a landmark with a name of its own
 
 function table(header, rows, attributes) {
   const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
-  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? said(value) : value instanceof Node ? value : number(value));
+  const terms = new Set();
+  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? said(value, terms) : value instanceof Node ? value : number(value));
   return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": `table ${(nTables += 1)}` },
     make("table", attributes || {},
       make("thead", {}, make("tr", {}, header.map((value, k) => cell("th", value, k)))),
       make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));
 }
 
-const titled = ({ title, header, rows }) => [make("p", { class: "note" }, said(title)), table(header, rows)];
+const titled = ({ title, header, rows }) => [make("p", { class: "note" }, said(title, new Set())), table(header, rows)];
 
 function copying(text) {
   const button = make("button", { type: "button" }, "Copy");

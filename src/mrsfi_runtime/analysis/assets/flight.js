@@ -69,7 +69,7 @@ class FlightView {
   }
 
   build() {
-    const { mission, data } = this, last = mission.duration - 1;
+    const { mission, data } = this, last = mission.duration - 1, terms = new Set();
     const button = (label, title, act, more) => make("button", { type: "button", title, "aria-label": title, on: { click: act }, ...more }, label);
     this.canvas = make("canvas", { role: "img", "aria-label": "map of the mission with true and believed positions" });
     this.slider = make("input", { type: "range", min: 0, max: last, value: this.tick, "aria-label": "tick", id: "tick",
@@ -94,9 +94,9 @@ class FlightView {
       this.event);
     this.details.replaceChildren(
       make("h2", {}, "The flight in numbers"),
-      make("p", { class: "note" }, "Filled discs and solid lines show true positions. ",
-        `Dashed circles and lines (of the last ${believedTrail} ticks) show believed positions; a line joins the two where they differ. Dots are samples that counted. `,
-        "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours."),
+      make("p", { class: "note" }, said("Filled discs and solid lines show true positions. " +
+        `Dashed circles and lines (of the last ${believedTrail} ticks) show believed positions; a line joins the two where they differ. Dots are samples that counted. ` +
+        "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours.", terms)),
       this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
     this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
     this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
@@ -112,7 +112,7 @@ class FlightView {
   }
 
   buildTimeline() {
-    const total = this.mission.duration, share = (tick) => `${(100 * tick) / total}%`;
+    const total = this.mission.duration, terms = new Set(), share = (tick) => `${(100 * tick) / total}%`;
     const bar = (kind, first, last, title) => {
       const element = make("div", { class: `bar ${kind}`, title });
       element.style.left = share(first);
@@ -143,8 +143,8 @@ class FlightView {
     });
     this.cursor = make("div", { class: "cursor" });
     this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
-      make("span", { class: "key fault" }), "fault active", make("span", { class: "key believed" }), "violated in belief", make("span", { class: "key true" }), "violated in truth",
-      make("span", { class: "key missed" }), "goal fails"));
+      make("span", { class: "key fault" }), said("fault active", terms), make("span", { class: "key believed" }), said("violated in belief", terms), make("span", { class: "key true" }), said("violated in truth", terms),
+      make("span", { class: "key missed" }), said("goal fails", terms)));
   }
 
   buildCharts() {

@@ -4,7 +4,7 @@ function flownOf(data) {
   return make("section", { id: "flown" }, make("h2", {}, data.heading),
     data.shown.map((shown) => make("article", {},
       make("h3", {}, said(shown.title)),
-      shown.sentence ? make("p", {}, said(shown.sentence)) : null,
+      shown.sentence ? make("p", {}, said(shown.sentence, new Set())) : null,
       table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
       make("div", { class: "command" }, make("span", {}, "Simulate it again"), make("code", {}, said(shown.command)), copying(shown.command)),
@@ -42,7 +42,7 @@ function evaluationsOf(data) {
     body.replaceChildren(...found.slice(0, most).map((row) => make("tr", {}, row.map((cell) => make("td", { class: "number" }, number(cell))))));
     count.textContent = `${found.length} of ${data.rows.length} rows${found.length > most ? `; the first ${most} are shown` : ""}`;
   };
-  const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", on: { click: () => {
+  const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", title: meanings.get(name), on: { click: () => {
     Object.assign(state, { up: state.column === k ? !state.up : true, column: k });
     head.forEach((each, place) => each.setAttribute("aria-sort", place === k ? (state.up ? "ascending" : "descending") : "none"));
     fill();
@@ -59,6 +59,7 @@ function recordOf(rows) {
 
 async function main() {
   const data = JSON.parse(document.getElementById("data").textContent);
+  explain(data.terms);
   document.title = data.title;
   const view = data.mission ? new FlightView(data.mission) : null, screen = data.first ? new Screen(data, view) : null;
   const only = screen ? null : (data.shown || []).map((each) => each.flight).find(Boolean);

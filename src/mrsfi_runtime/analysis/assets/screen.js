@@ -15,22 +15,23 @@ class Screen {
   }
 
   header() {
+    const terms = new Set();
     return make("div", { class: "head" },
       make("div", {}, make("h1", {}, said(this.headline)), make("p", { class: "note" }, said(this.about))),
-      make("ul", {}, this.facts.map((fact) => make("li", {}, said(fact)))));
+      make("ul", {}, this.facts.map((fact) => make("li", {}, said(fact, terms)))));
   }
 
   goalsOf() {
-    const heads = ["", "Goal and its main weakness", "Detection", "Evidence", "Other weaknesses"];
+    const terms = new Set(), heads = ["", "Goal and its main weakness", "Detection", "Evidence", "Other weaknesses"];
     return make("table", { id: "goals" },
-      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each || make("span", { class: "hidden" }, "state"))))),
+      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? said(each, terms) : make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
         const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
-          make("td", {}, goal.detection), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
-          make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, said(goal.state, terms)), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
+          make("td", {}, said(goal.detection, terms)), make("td", {}, goal.sure.map((each) => make("div", {}, said(each, terms)))),
+          make("td", {}, make("div", {}, said(goal.others, terms)), make("div", { class: "soft" }, said(goal.unknown, terms))));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
       })));
@@ -43,7 +44,7 @@ class Screen {
   }
 
   matrixOf() {
-    const { owners, faults, rows, note } = this.matrix;
+    const { owners, faults, rows, note } = this.matrix, terms = new Set();
     const cell = (number) => {
       const each = this.ways.find((way) => way.number === number);
       if (!each) return make("td", { class: "none" });
@@ -52,25 +53,25 @@ class Screen {
       return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, undetected in at least one variant", make("span", { class: "key share" }), "broken, detected in all variants",
-        make("span", { class: "key share believed" }), "false alarm only. Height: share of tried variants. +: only together with other faults"),
+      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), said("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), said("broken, detected in all variants", terms),
+        make("span", { class: "key share believed" }), said("false alarm only. Height: share of tried variants. +: only together with other faults", terms)),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
         make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), row.id === row.name ? null : [" ", make("small", {}, said(`(${row.id})`))]), row.cells.map(cell)))))),
-      make("p", { class: "note" }, said(note)));
+      make("p", { class: "note" }, said(note, terms)));
   }
 
   async choose(number, keep) {
-    const way = this.ways.find((each) => each.number === number);
+    const way = this.ways.find((each) => each.number === number), terms = new Set();
     for (const [key, buttons] of this.buttons) buttons.forEach((each) => each.setAttribute("aria-pressed", String(key === number)));
     for (const row of this.element.querySelectorAll("#goals tbody tr")) row.classList.toggle("chosen", row.dataset.goal === way.goal);
     if (!keep) history.replaceState(null, "", `#weakness-${number}`);
     const shown = way.shown === null ? null : this.shown[way.shown];
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight. The first command below draws it.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
-      make("p", {}, said(`${way.said}.`)), make("p", { class: "note" }, said(`${way.sure}. ${why}`)));
+      make("p", {}, said(`${way.said}.`, terms)), make("p", { class: "note" }, said(`${way.sure}. ${why}`, terms)));
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, said(command)), copying(command))));
     const flight = shown ? shown.flight : null;
     this.view.element.hidden = this.view.details.hidden = !flight;
