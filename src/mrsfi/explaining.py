@@ -72,7 +72,7 @@ from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_o
 from mrsfi_runtime.record.store import Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
-CAUSE_SET, SIMPLEST = "cause set", "simplest form"
+CAUSE_SET, SIMPLEST = "cause set", "simplest variant"
 """What specifications are that come of an explanation."""
 
 
@@ -158,7 +158,9 @@ def explainer_of_file(
     sets go beside the file if no folder is named, but never among kept weaknesses.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
-        found = f"{path}: is a kept weakness, and its cause sets would stand among what is kept"
+        found = (
+            f"{path}: is a kept weakness; its cause sets would be written among the kept weaknesses"
+        )
         raise UsageError(f"{found}; expected another folder: name it with --out")
     code = load_fresh(folders)
     written = read_specification(path, code, tell)
@@ -237,8 +239,8 @@ def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
         raise ReplayMismatch(
             f"{subject.title}: flown twice, it had violations {first.believed} and "
             f"{second.believed} believed, {first.true} and {second.true} true, digests "
-            f"{first.digest[:8]}… and {second.digest[:8]}…; expected what repeats itself; without "
-            "that, no cause can be told from chance"
+            f"{first.digest[:8]}… and {second.digest[:8]}…; expected the same twice: otherwise a "
+            "cause cannot be distinguished from chance"
         )
 
 
@@ -264,9 +266,8 @@ def harvested(campaign: OpenCampaign) -> Harvest:
     found = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
     if found is None:
         path = campaign.folder.path
-        what = f"{path}: found evaluations, and not yet what breaks which goal at the least"
-        advice = f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
-        raise RecordError(f"{what}; {advice}")
+        what = f"{path}: found evaluations, and no finished search for weaknesses"
+        raise RecordError(f"{what}; expected both: run mrsfi explain {path} --all")
     return found
 
 
@@ -275,7 +276,7 @@ def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
     for way in found:
         if way.number == number:
             return way
-    numbers = ", ".join(str(way.number) for way in found) or "none, because nothing breaks"
+    numbers = ", ".join(str(way.number) for way in found) or "none, because no goal breaks"
     raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
 
 
@@ -382,7 +383,7 @@ def write_map(
         content = as_csv([shrinking.Tried._fields, *tried])
     else:
         goal = goal_in_words(campaign.mission, way.goal)
-        title = f"{goal}, broken by {' and '.join(way.faults)}"
+        title = f"{goal} under {' and '.join(way.faults)}"
         content = drawn(Drawing("tried_map", (title, tried)))[path.suffix]
     with whole_file(path) as file:
         file.write(content)

@@ -16,7 +16,7 @@ from mrsfi.explaining import flying_again, harvested, way_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.analysis.weaknesses import verdict
+from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights
 from mrsfi_runtime.causes.chain import find_cause
 from mrsfi_runtime.engine.flights import Engine
@@ -114,10 +114,10 @@ def keep(
     stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
-    by = verdict(way, campaign.mission.units)
+    found = sentence(campaign.mission, campaign.pool, way)
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, weakness {number}: {way.goal} is broken by {by}",
+        f"{path}, weakness {number}: {found}. {evidence(way)}",
         way.shown.column.kind,
         following(settings.mission_seed, n_seeds),
         {way.goal: 0} if limits is None else limits,
@@ -302,7 +302,7 @@ def _why(
     if cause is None or not cause.places:
         return ("without any of its faults, the violations are there as well",)
     names = [fault.id for fault in engine.code.pool]
-    return cause.sentences(named_faults(mission, engine.code.pool, specification, names))
+    return cause.sentences(mission, named_faults(mission, engine.code.pool, specification, names))
 
 
 def regression_test(

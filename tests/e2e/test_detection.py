@@ -93,7 +93,7 @@ def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeyp
         unit = model.units.time
     expected = {number: counted(late.get(cell)) for number, cell in cells.items()}
     words = {number: in_words(late.get(cell), unit) for number, cell in cells.items()}
-    unseen = {number for number in cells if words[number].startswith("undetected")}
+    unseen = {number for number in cells if words[number].startswith("The CI does not")}
 
     assert {*late} == truly != set()
     assert {row["number"]: row["detection"] for row in rows} == expected
@@ -107,10 +107,12 @@ def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeyp
     for number, sentence in told.items():
         if "without any fault" in sentence:
             continue
-        assert sentence.endswith(f"; {words[number]}")
+        if cells[number] not in truly:
+            assert "(a false alarm)" in sentence
+            continue
+        assert sentence.endswith(f". {words[number]}.")
         assert all(words[number] in text for text in texts)
-        if cells[number] in truly:
-            assert re.search(rf"^{number}  .*\n    Broken by .*, {words[number]}; ", shown, re.M)
+        assert re.search(rf"^{number}  .*\n    [^.]*\. {words[number]}\. ", shown, re.M)
 
 
 def test_what_a_command_flies_to_find_mildest_variants_counts_for_it(tmp_path):
@@ -213,15 +215,15 @@ def counted(late):
 
 def in_words(late, unit):
     if late is None:
-        return "a false alarm of the CI"
+        return "It is a false alarm of the CI"
     found = counted(late)
     variants = f"{len(late)} variant{'s' * (len(late) > 1)}"
     if found["worst"] == "never":
-        return f"undetected in {found['n_never']} of {variants}"
+        return f"The CI does not detect it in {found['n_never']} of {variants}"
     if found["worst"] == "late":
         most = f"{found['latest']} {unit or ('ticks' if found['latest'] > 1 else 'tick')}"
-        return f"detected late in {found['n_late']} of {variants}, by up to {most}"
-    return f"detected in time in {len(late)} of {variants}"
+        return f"The CI detects it late in {found['n_late']} of {variants}, by up to {most}"
+    return f"The CI detects it in time in {len(late)} of {variants}"
 
 
 def summarised(run):
@@ -241,16 +243,19 @@ def on_page(run):
     ways = {each["number"]: each for each in data["first"]["ways"]}
     for goal in data["first"]["goals"]:
         if goal["detection"]:
-            assert ways[goal["number"]]["said"].endswith(f"; {goal['detection']}")
-    return {
-        number: (each["said"].rpartition("; ")[2], each["unseen"]) for number, each in ways.items()
-    }
+            assert ways[goal["number"]]["said"].endswith(f". {goal['detection']}")
+
+    def detection(said):
+        is_alarm = "(a false alarm)" in said
+        return "It is a false alarm of the CI" if is_alarm else said.rpartition(". ")[2]
+
+    return {number: (detection(each["said"]), each["unseen"]) for number, each in ways.items()}
 
 
 def stars(printed):
     """Return the goals and faults whose cell of the matrix has a star."""
-    _, _, table = printed.partition("Share of forms that do")
-    head, _, *rows = (line.split() for line in table.partition("\n\n")[0].splitlines()[1:])
+    _, _, table = printed.partition("Share of tried variants")
+    head, _, *rows = (line.split() for line in table.partition("\n\n")[0].splitlines()[2:])
     goals = head[2 : head.index("target")]
     return {
         (goal, (row[0],))
@@ -262,6 +267,6 @@ def stars(printed):
 
 def sentences(printed):
     """Return the first sentences of goals that break, by the number of the weakness."""
-    lines = printed.partition("Share of forms that do")[0].splitlines()
-    found = [(re.match(r"    weakness (\d+):", below), line) for line, below in pairwise(lines)]
+    lines = printed.partition("Share of tried variants")[0].splitlines()
+    found = [(re.match(r"    weakness (\d+) ", below), line) for line, below in pairwise(lines)]
     return {int(match[1]): line for match, line in found if match}

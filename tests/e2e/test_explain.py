@@ -82,12 +82,12 @@ def test_a_fault_that_does_it_alone_is_named(place):
     text = mrsfi("explain", MISSION, "--faults", path, *COMPILED, cwd=place).stdout
 
     assert (
-        "stop.xmi: cause set 1 of 3 faults, which keeps 95 % of every goal's believed and true viol"
+        "stop.xmi: the cause set has 1 of 3 faults and keeps 95 % of every goal's believed and true"
         in text
     )
     assert re.search(r"\nh2 +g\d +believed +sole ", text)
-    assert "bystanders to every goal: h1 h3\n" in text
-    assert "h2 (StopRobot) forged r1 motion from tick 100 to 900: at tick" in text
+    assert "Bystanders to every goal: h1 h3\n" in text
+    assert "h2 (StopRobot) forged the motion of LEN (r1) from tick 100 to 900. At tick" in text
     assert "\ncause set        " in text
     flight = mrsfi_json(
         "simulate", MISSION, "--faults", path.with_name("stop-cause.xmi"), cwd=place
@@ -101,7 +101,7 @@ def test_what_violates_nothing_has_nothing_to_explain(windows, n, place):
 
     text = mrsfi("explain", MISSION, "--faults", path, *FAST, cwd=place).stdout
 
-    assert text == f"{path}: {n}, and no goal is violated; there is nothing to explain\n"
+    assert text == f"{path}: {n}. No goal is violated, so there is nothing to explain\n"
     (found,) = explained(MISSION, "--faults", path, *FAST, cwd=place)
     assert not found["is_violated"]
     assert not [*path.parent.glob("*-cause.xmi")]

@@ -34,7 +34,7 @@ def test_a_robot_is_stopped_just_as_long_as_it_takes_to_be_late(found):
 
     (timed,) = stopped["witness"]
     assert slack <= timed["finish"] - timed["start"] + 1 <= slack + 4
-    assert stopped["sentence"].startswith("stop_b: g2 is missed when at work for ")
+    assert stopped["sentence"].startswith("g2 fails when stop_b is active for ")
 
 
 def test_sentences_and_flights_are_printed_and_seeds_if_asked_for(found):

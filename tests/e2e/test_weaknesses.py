@@ -89,10 +89,10 @@ def test_sentences_tell_of_as_many_mission_seeds_as_the_table(place, told):
 
     said = mrsfi("weaknesses", "runs/cover", *options, cwd=place).stdout
 
-    (of_sentence,) = re.findall(r"weakness 1: .* (\d)/3 seeds", said)
+    (of_sentence,) = re.findall(r"weakness 1 .* in (\d) of 3 mission seeds", said)
     again = mrsfi_json("weaknesses", "runs/cover", *options, cwd=place)
     assert int(of_sentence) in {one["seeds"]["held"] for one in again if one["number"] == 1}
-    assert "1/1" not in said
+    assert "1 of 1" not in said
 
 
 def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatch):
@@ -101,7 +101,7 @@ def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatc
     said = mrsfi("weaknesses", "runs/cover", cwd=place).stdout
 
     truly = {one["goal"] for one in told if one["measure"] != "believed"}
-    assert said.startswith("Six of seven goals break, each under one single fault\n")
+    assert said.startswith("Six of seven goals break, each under a single fault\n")
     assert len(truly) == 6
     assert "…" not in said.replace(" … ", "").replace("(…)", "")
     words = {*said.split()}
@@ -109,7 +109,7 @@ def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatc
     guilty = {fault for one in told for fault in one["faults"]}
     assert guilty <= words
     assert guilty == {f"f{n}" for n in range(1, 31)}
-    assert "Each of 30 faults breaks a goal in some form, alone or together with others\n" in said
+    assert "Each of 30 faults is part of a known weakness\n" in said
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):
@@ -117,7 +117,7 @@ def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told
     said = mrsfi("weaknesses", "runs/cover", "--goal", "within", cwd=place).stdout
     refused = mrsfi("weaknesses", "runs/cover", "--goal", "withn", cwd=place, expected=2)
 
-    assert "Each of 30 faults breaks a goal in some form" in said  # of any goal
+    assert "Each of 30 faults is part of a known weakness" in said  # of any goal
     assert of_goal == [one for one in told if one["goal"] == "within"]
     assert "found 'withn'; expected one of" in refused.stderr
     assert "did you mean 'within'?" in refused.stderr
@@ -128,7 +128,8 @@ def test_a_column_that_a_record_lacks_prints_not_recorded(place, tmp_path):
     for column in ("margins", "detection"):
         execute(tmp_path / "run", f"ALTER TABLE evaluation DROP COLUMN {column}")
 
-    assert "; detection not recorded" in mrsfi("report", "run", cwd=tmp_path).stdout
+    printed = mrsfi("report", "run", cwd=tmp_path).stdout
+    assert "Whether the CI detects it is not recorded" in " ".join(printed.split())
     mrsfi("replay", "run", "--engine", "reference", cwd=tmp_path)
     found = mrsfi_json("weaknesses", "run", cwd=tmp_path)
     assert {one["detection"] for one in found} == {None}
@@ -154,7 +155,7 @@ def test_failure_modes_have_a_row_for_each_goal_and_set(place, told, tmp_path):
     assert sorted(zip(goals, (each["faults"] for each in rows), strict=True)) == sorted(sets)
     worst = {(one["goal"], " ".join(one["faults"])): one["detection"] for one in told}
     assert {
-        (goal, each["faults"]): each["detected"].startswith("undetected")
+        (goal, each["faults"]): each["detected"].startswith("The CI does not")
         for goal, each in zip(goals, rows, strict=True)
     } == {cell: found is not None and found["worst"] == "never" for cell, found in worst.items()}
     assert all(each["item"] and each["local_effect"] and int(each["ticks"]) for each in rows)

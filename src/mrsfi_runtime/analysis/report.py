@@ -133,10 +133,8 @@ def _first_screen(
                 "number": way.number,
                 "goal": way.goal,
                 "name": names[way.goal],
-                "said": f"{names[way.goal]} breaks if "
-                f"{weaknesses.cause_in_words(mission, pool, way)}; "
-                f"{weaknesses.detection(way, mission.units)}",
-                "sure": weaknesses.verdict(way, mission.units),
+                "said": weaknesses.sentence(mission, pool, way),
+                "sure": weaknesses.evidence(way),
                 "kind": way.shown.column.kind,
                 "unseen": way.is_undetected,
                 "share": way.shown.share,
@@ -162,7 +160,7 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "by": "" if way is None else " and ".join(way.faults),
         "detection": each.detection,
         "sure": each.sure,
-        "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
+        "others": each.others,
         "unknown": each.unknown,
         "number": None if way is None else way.number,
     }
@@ -205,7 +203,7 @@ def flown_of(
         twin = record(without(witness, place))
         linked = chain(mission, flight, twin)
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
-        said.append(sentence(fault, replace(linked, verdicts=verdicts)))
+        said.append(sentence(mission, fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
     title, since = weaknesses.goal_in_words(mission, way.goal), way.shown.since or 0
     return Flown(title, faults, flight, others, way.goal, since), tuple(said)

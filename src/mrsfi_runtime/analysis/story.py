@@ -166,11 +166,11 @@ def windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
             yield "fault", fault.name, fault.words, *fault.window
     last = story.mission.duration - 1
     for goal, said in zip(story.mission.goals, story.goals, strict=True):
-        for what, times in (("believed violated", said.believed), ("truly violated", said.true)):
+        for what, times in (("violated in belief", said.believed), ("truly violated", said.true)):
             for window in times:
                 yield "goal", goal.id, what, *window
         if said.missed is not None:
-            yield "goal", goal.id, "certain to be missed", said.missed, last
+            yield "goal", goal.id, "failed", said.missed, last
     for each in story.collisions:
         yield "collision", each.names, "truly", *each.window
 
@@ -240,8 +240,10 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     steps = {name: _step(world[name], belief[name]) for name in _SERIES}
     steps["x"] = steps["y"] = max(steps["x"], steps["y"])
     flights = [(None, flown.recording), *flown.others.items()]
-    ticks = "every tick" if stride == 1 else f"every {stride}th tick and on straight lines between"
-    kept = ", ".join(f"{name} to {step / 2:g}" for name, step in steps.items() if name != "y")
+    ticks = "every tick" if stride == 1 else f"every {stride}th tick, with straight lines between"
+    kept = ", ".join(
+        f"{name} to within {step / 2:g}" for name, step in steps.items() if name != "y"
+    )
     return {
         "title": flown.title,
         "goal": flown.goal,
@@ -266,7 +268,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "displaced": list(_displaced(mission, flown.recording)),
         "samples": list(_samples(mission, flown.recording, _digits(steps["x"]))),
         "events": sorted(_events(story), key=lambda event: event[0]),
-        "said": f"Of {ticks}: {kept.replace('x to', 'positions to')}, in units of the mission.",
+        "said": f"Shown for {ticks}; {kept.replace('x to', 'positions to')}, in mission units.",
     }
 
 

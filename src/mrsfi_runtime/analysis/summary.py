@@ -398,7 +398,7 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
         yield from _fronts(summary, summary.front.goals[:2], columns, store)
     for name, found, where, patterns in (
         ("fault_types", summary.top, "most critical specifications", summary.patterns),
-        ("weaknesses", summary.ways, "least sets that break a goal", summary.guilty),
+        ("weaknesses", summary.ways, "weaknesses", summary.guilty),
     ):
         if found:
             table = tables.pattern_table(f"Fault types in the {len(found)} {where}", patterns)

@@ -35,6 +35,7 @@ from mrsfi_runtime.model.mission import (
     Margin,
     Mission,
     Outcome,
+    with_id,
 )
 from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -250,15 +251,15 @@ def find_patterns(
 
 
 COUNTS = (
-    "Ticks at which each goal was violated; phantom: believed, not true; masked: true, not "
-    "believed."
+    "Ticks at which each goal was violated in belief and in truth. Phantom: in belief only; "
+    "masked: in truth only."
 )
 """What ``goal_table`` shows."""
 
 MOST_LISTED = 100_000
 """Evaluations that ``evaluations.csv`` lists, at most."""
 
-_MISSED_FROM = "missed from"
+_FAILED_FROM = "failed from"
 
 
 def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
@@ -269,7 +270,7 @@ def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
     found = zip(mission.goals, zip(*counts, since, strict=True), outcome.samples, strict=True)
     rows = [(goal.id, goal.task.name, *cells, _samples(goal, n)) for goal, cells, n in found]
     words = ("goal", "task")
-    return Table(title, (*words, *counted, _MISSED_FROM, "samples"), rows, words, is_compact=True)
+    return Table(title, (*words, *counted, _FAILED_FROM, "samples"), rows, words, is_compact=True)
 
 
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
@@ -287,19 +288,19 @@ def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
 def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
     """Say of goals that held by how much, and when that was the least; empty if of none."""
     if outcome.margins is None:
-        return "Held: not recorded"
+        return "Closest approach of unbroken goals to their limits: not recorded"
     found = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
     told = [
-        f"{goal.id} by {nearness(mission, goal, margin)} at tick {margin[1]}"
+        f"{goal.id} {nearness(mission, goal, margin)} at tick {margin[1]}"
         for goal, margin, *n_broken in found
         if margin is not None and not any(n_broken)
     ]
-    return f"Held: {', '.join(told)}" if told else ""
+    return f"Closest approach of unbroken goals to their limits: {', '.join(told)}" if told else ""
 
 
 def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
     """Return a goal's margin with its unit."""
-    return mission.units.told(margin[0], goal.task.spares, 5)
+    return mission.units.told(margin[0], goal.task.spares)
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
@@ -358,7 +359,7 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
     yield ("believed", *map(str, evaluation.outcome.believed))
     yield ("true", *map(str, evaluation.outcome.true))
     since = evaluation.outcome.missed_since(measure.duration)
-    yield (_MISSED_FROM, *map(in_words, since))
+    yield (_FAILED_FROM, *map(in_words, since))
 
 
 def map_table(title: str, mission: Mission) -> Table:
@@ -377,10 +378,10 @@ def map_table(title: str, mission: Mission) -> Table:
 def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
     """Return what a mission is made of."""
     parts = {
-        "robots": (" ".join(filter(None, (each.id, each.name))) for each in mission.robots),
-        "goals": (" ".join(filter(None, (each.id, each.name))) for each in mission.goals),
+        "robots": map(with_id, mission.robots),
+        "goals": map(with_id, mission.goals),
         "obstacles": (each.id for each in mission.obstacles),
-        "faults": (f"{each.id} {each.type}" for each in pool),
+        "faults": (f"{each.type} ({each.id})" for each in pool),
     }
     rows = [(what, ", ".join(some) or NONE) for what, some in parts.items()]
     title = f"Mission {name}, {mission.units.ticks(mission.duration)}"
@@ -416,7 +417,7 @@ def front_table(front: "Front") -> Table:
 def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
     """Return the front of harm against what is minimised; ``by`` names an evaluation."""
     few = str(measure.minimised)
-    title = f"Most harm with how few {few} ({measure}, {', '.join(measure.chosen)})"
+    title = f"Most violations for each limit on {few} ({measure}, {', '.join(measure.chosen)})"
     columns = (few, "goals violated", "goals by", "violations", "violations by")
     return Table(title, columns, [*map(astuple, harm)])
 
@@ -461,4 +462,4 @@ def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure
         for each in flown
     )
     first = ("evaluation", "generation", "fitness", "faults", "fault-ticks")
-    return Table(title, (*first, *COUNTED[:-1], "goals missed"), rows)
+    return Table(title, (*first, *COUNTED[:-1], "goals failed"), rows)

@@ -27,11 +27,16 @@ from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, Target, robots_of, touched
-from mrsfi_runtime.model.mission import Goal, Mission, starvation
+from mrsfi_runtime.model.mission import Goal, Mission, starvation, with_id
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE
 
-_BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
+_DOES = {
+    "believed": ("violates it in belief only (a false alarm)", "violate it in belief"),
+    "true": ("violates it", "truly violate it"),
+    "missed": ("makes it fail", "make it fail"),
+}
+"""What one fault, and what several specifications do to a goal, by measure."""
 
 
 def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Table:
@@ -58,7 +63,10 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
         for fault in pool
         if fault.id in cells
     ]
-    title = "Share of forms that do; (%): only believed, *: undetected in some, joint: with others"
+    title = (
+        "Share of tried variants in which the fault alone breaks the goal\n(n %): false alarm "
+        "only; *: undetected in at least one variant; joint: only with other faults"
+    )
     columns = ("fault", "type", *goals, "target")
     words, folded = (*columns[:2], columns[-1]), ("goals", goals)
     return Table(title, columns, rows, words, is_compact=True, spare=words[-1:], folded=folded)
@@ -70,12 +78,9 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
     rest = [fault.id for fault in pool if fault.id not in guilty]
     faults = counted(len(pool), "faults")
     if not rest:
-        return f"Each of {faults} breaks a goal in some form, alone or together with others"
-    breaks = "breaks" if len(rest) == 1 else "break"
-    return (
-        f"{len(rest)} of {faults} {breaks} no goal in any form tried, alone or together: "
-        f"{', '.join(rest)}"
-    )
+        return f"Each of {faults} is part of a known weakness"
+    are = "is" if len(rest) == 1 else "are"
+    return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(rest)}"
 
 
 def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
@@ -93,55 +98,61 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
             rows.append((*head, named.name, *how))
             head = ("", "and", *[""] * (len(head) - 2))
     folded = ("type", "window", "target", "values")
-    columns = ("#", "goal", *MEASURES, "since", "seeds", "fault", *folded)
+    columns = ("#", "goal", *MEASURES[:2], "failed", "since", "seeds", "fault", *folded)
     words, texts = ("#", "goal", "fault", *folded[::2]), folded[1::2]
     return Table(title, columns, rows, words, texts, is_compact=True, folded=("how", folded))
 
 
 def not_found(known: Known, goal: str) -> str:
     """Return in a sentence how seldom a goal may break in a way that is not known."""
-    columns = ((Column(goal, measure), words) for measure, words in _BREAKS.items())
-    parts = (
-        f"{100 * known.bound(column):.1f} % {words} (0 of {known.n_kept[column]})"
-        for column, words in columns
-    )
+
+    def part(measure: str) -> str:
+        column, does = Column(goal, measure), _DOES[measure][1]
+        n = known.n_kept[column]
+        least = f"at most {100 * known.bound(column):.1f} % {does} (0 of {n} did)"
+        return least if n else f"no bound yet on those that {does}"
+
+    truly, believed, missed = map(part, ("true", "believed", "missed"))
     return (
-        f"{goal} breaks under at most so many random specifications without these: "
-        f"{', '.join(parts)}; 95 % sure"
+        f"Not found yet for {goal} (95 % confidence): of random specifications that contain none "
+        f"of these sets, {truly}; {believed}; {missed}"
     )
 
 
 def goal_in_words(mission: Mission, goal: str) -> str:
     """Return the name of a goal, if it has one, before its ID."""
-    name = mission.goals[mission.goal_ids.index(goal)].name
-    return f"{name} ({goal})" if name else goal
+    return with_id(mission.goals[mission.goal_ids.index(goal)])
 
 
 def detection(way: Way, units: Units) -> str:
-    """Return whether the CI detects what breaks a goal."""
+    """Return in a sentence whether the CI detects what breaks a goal."""
     if way.shown.column.kind == MEASURES[0]:
-        return "a false alarm of the CI"
-    return way.shown.detection.in_words(units) if way.shown.detection else "detection not recorded"
+        return "It is a false alarm of the CI"
+    found = way.shown.detection
+    return found.in_words(units) if found else "Whether the CI detects it is not recorded"
 
 
-def verdict(way: Way, units: Units) -> str:
-    """Return in words how firmly a way breaks its goal, and whether the CI detects it."""
+def evidence(way: Way) -> str:
+    """Return in a sentence in how many variants and mission seeds a way breaks its goal."""
     shown = way.shown
-    kind = shown.column.kind
-    alone = "alone" if len(way.faults) == 1 else "together"
-    how = f"only {_BREAKS[kind]}" if kind == MEASURES[0] else _BREAKS[kind]
-    seen = "" if kind == MEASURES[0] else f", {detection(way, units)}"
-    forms, do = counted(shown.n_tried, "forms"), "does" if shown.n_tried == 1 else "do"
+    variants, do = counted(shown.n_tried, "tried variants"), "does" if shown.n_tried == 1 else "do"
     return (
-        f"{' and '.join(way.faults)} {alone}, {how}{seen}; {100 * shown.share:.0f} % of {forms} "
-        f"{do}, this one in {shown.n_held} of {shown.n_seeds} mission seeds"
+        f"{100 * shown.share:.0f} % of {variants} {do} so; this variant does so in {shown.n_held} "
+        f"of {counted(shown.n_seeds, 'mission seeds')}"
     )
 
 
 def broken_by(way: Way, units: Units) -> str:
     """Return in sentences by what a goal is broken, and from what on if that is known."""
-    least = f" {way.mildest.sentence}." if way.mildest else ""
-    return f"Broken by {verdict(way, units)}.{least}"
+    faults = f"{' and '.join(way.faults)} {'alone' if len(way.faults) == 1 else 'together'}"
+    kind = way.shown.column.kind
+    does, many = _DOES[kind]
+    if len(way.faults) > 1:
+        does = many.replace("truly ", "")
+    said = [f"{faults} {does}", evidence(way), *([way.mildest.sentence] if way.mildest else [])]
+    if kind != MEASURES[0]:
+        said.insert(1, detection(way, units))
+    return "".join(f"{each}. " for each in said).rstrip()
 
 
 class FailureMode(NamedTuple):
@@ -178,7 +189,7 @@ def failure_modes(
 
     @cache
     def flown(form: Specification) -> tuple[str, list[tuple[int, ...]]]:
-        effects = (local_effect(chain, units) or NONE for chain in chains(fly, mission, form))
+        effects = (local_effect(mission, chain) or NONE for chain in chains(fly, mission, form))
         counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
         return "; ".join(effects), [*zip(*counts, strict=True)]
 
@@ -241,28 +252,28 @@ _WORDS = (
     "fails",
     "is violated",
     "is violated without any fault",
-    "is only believed broken",
-    "is broken by nothing that was found",
+    "is violated in belief only (a false alarm)",
+    "has no known weakness",
 )
 """What stands for each state in a sentence."""
 
 _DEEDS: Mapping[Mode, tuple[str, str]] = {
-    Mode.DELAY: ("come{s} {first} late", "late"),
-    Mode.BLOCK: ("{is_} held back", "lost"),
-    Mode.RANDOM: ("{is_} reported at random", "random"),
-    Mode.ZERO: ("{is_} reported as 0", "zero"),
-    Mode.FIXED: ("stick{s} {fixed}", "stuck"),
-    Mode.INCREMENT: ("{is_} reported {first} too high", "too high"),
-    Mode.DECREMENT: ("{is_} reported {first} too low", "too low"),
-    Mode.INCREMENT_PERCENT: ("{is_} reported {first} too high", "too high"),
-    Mode.DECREMENT_PERCENT: ("{is_} reported {first} too low", "too low"),
-    Mode.STOP: ("{is_} stopped", "stopped"),
-    Mode.START: ("{is_} set going", "set going"),
-    Mode.DEACTIVATE: ("{is_} switched off", "off"),
-    Mode.ACTIVATE: ("{is_} switched on", "on"),
-    Mode.OWN: ("suffer{s}", ""),
+    Mode.DELAY: ("delayed by {first}", "late"),
+    Mode.BLOCK: ("blocked", "blocked"),
+    Mode.RANDOM: ("reported at random", "random"),
+    Mode.ZERO: ("reported as 0", "zero"),
+    Mode.FIXED: ("frozen{fixed}", "frozen"),
+    Mode.INCREMENT: ("reported {first} too high", "too high"),
+    Mode.DECREMENT: ("reported {first} too low", "too low"),
+    Mode.INCREMENT_PERCENT: ("reported {first} too high", "too high"),
+    Mode.DECREMENT_PERCENT: ("reported {first} too low", "too low"),
+    Mode.STOP: ("stopped", "stopped"),
+    Mode.START: ("forced to move", "moving"),
+    Mode.DEACTIVATE: ("switched off", "off"),
+    Mode.ACTIVATE: ("switched on", "on"),
+    Mode.OWN: ("altered by {own}", ""),
 }
-"""What a fault of each mode does, as a sentence goes on, and in a word or two."""
+"""What is done by a fault of each mode, after ``is``, and in a word or two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,14 +305,14 @@ class GoalVerdict:
 
     @property
     def sentence(self) -> str:
-        """All but how sure it is, in one sentence."""
+        """All but the evidence, in one or two sentences."""
         return f"{self.label} {self.words}{self.because}"
 
     @property
     def because(self) -> str:
         """By what it breaks, and whether that is detected, as a sentence goes on."""
         cause = f" {self.cause}" if self.cause else ""
-        return f"{cause}; {self.detection}" if self.detection else cause
+        return f"{cause}. {self.detection}" if self.detection else cause
 
     @property
     def evidence(self) -> tuple[str, ...]:
@@ -309,9 +320,13 @@ class GoalVerdict:
         near = (self.nearest,) if self.nearest else ()
         if self.way is None:
             return (self.unknown, *near)
-        number = f"weakness {self.way.number}: {' and '.join(self.way.faults)}"
-        others = (f"{counted(self.n_others, 'ways')} more",) if self.n_others else ()
-        return (number, *self.sure, *others, self.unknown, *near)
+        number = f"weakness {self.way.number}", " and ".join(self.way.faults)
+        return (*number, *self.sure, *filter(None, (self.others,)), self.unknown, *near)
+
+    @property
+    def others(self) -> str:
+        """How many other weaknesses it has; empty if none."""
+        return counted(self.n_others, "other weaknesses") if self.n_others else ""
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
@@ -338,10 +353,13 @@ def _verdict(
     if state is State.BROKEN_ANYWAY:  # not by what it would break
         cause = starvation(mission, goal)
     elif way is not None:
-        cause, seen = f"if {cause_in_words(mission, pool, way)}", detection(way, mission.units)
+        cause = f"if {cause_in_words(mission, pool, way)}"
+        seen = "" if state is State.FALSE_ALARM else detection(way, mission.units)
     if way is not None:
-        seeds = f"{way.shown.n_held}/{way.shown.n_seeds} seeds"
-        sure = seeds, f"{100 * way.shown.share:.0f} % of forms"
+        seeds = f"in {way.shown.n_held} of {counted(way.shown.n_seeds, 'mission seeds')}"
+        sure = seeds, f"{100 * way.shown.share:.0f} % of tried variants"
+    others = "other random specifications"
+    limit = f"{others} that break it: at most {100 * unknown:.0f} % (95 % confidence)"
     return GoalVerdict(
         goal=goal.id,
         name=mission.name_of(goal),
@@ -353,7 +371,7 @@ def _verdict(
         detection=seen,
         sure=sure,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
-        unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
+        unknown=limit if unknown < 1.0 else f"no bound yet on {others}",
     )
 
 
@@ -362,11 +380,12 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
         return ""
     evaluation = f"evaluation {found.evaluation}"
     if found.margin is None:
-        return f"was violated in {evaluation} all the same"
+        return f"violated in {evaluation}, which no known weakness explains"
     least, tick = found.margin
     if least < 0.0:
-        return f"was violated at tick {tick} of {evaluation} all the same"
-    return f"came within {nearness(mission, goal, found.margin)} at tick {tick} of {evaluation}"
+        return f"violated at tick {tick} of {evaluation}, which no known weakness explains"
+    near = nearness(mission, goal, found.margin)
+    return f"closest approach: {near} from its limit, at tick {tick} of {evaluation}"
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
@@ -377,40 +396,60 @@ def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
     return " and ".join(deed(mission, fault, apart) for fault, apart in told)
 
 
+def sentence(mission: Mission, pool: FaultPool, way: Way) -> str:
+    """Return in one or two sentences what a way does, to which goal, and who detects it."""
+    goal = mission.label_of(mission.goals[mission.goal_ids.index(way.goal)])
+    state = _STATES[way.shown.column.kind]
+    said = f"{goal} {_WORDS[state]} if {cause_in_words(mission, pool, way)}"
+    return said if state is State.FALSE_ALARM else f"{said}. {detection(way, mission.units)}"
+
+
 def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
-    subject, s = _subject(mission, fault.fault)
-    kind, values = fault.fault.kind, fault.timed.values
-    told = zip(values, kind.parameters, strict=True)
+    kind, values, units = fault.fault.kind, fault.timed.values, fault.units
+    is_frozen = kind.mode is Mode.FIXED
+    subject, are = _subject(mission, fault.fault, "reported " * is_frozen)
+    parameters = zip(values, kind.parameters, strict=True)
     one = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
-    words = [one.sub(r"\1", fault.units.told(value, each.range)) for value, each in told]
+    words = [one.sub(r"\1", units.told(value, each.range)) for value, each in parameters]
     first = words[0].replace(" percent", " %") if words else ""
-    fixed = off
+    fixed = apart = ""
     if off is None:
-        fixed = f"at ({', '.join(words[:2])})" if kind.is_place else f"at {first}"
-    done = _DEEDS[kind.mode][0].format(s=s, is_="is" if s else "are", first=first, fixed=fixed)
+        fixed = f" at ({', '.join(words[:2])})" if kind.is_place else f" at {first}"
+    elif off and is_frozen:
+        apart = f", {_apart(mission, fault.fault, off.removesuffix(' off'))}"
+    own = f"{kind.name} ({kind.in_words(values, units, 4)})" if values else kind.name
+    done = _DEEDS[kind.mode][0].format(first=first, fixed=fixed, own=own)
     begin, end = fault.window or (0, -1)
-    of = f" from {kind.name}" if kind.mode is Mode.OWN else ""
     waits = "" if fault.trigger is None else f" at most, {fault.trigger.when}"
     n_ticks = min(end - begin + 1, fault.most)
-    return f"{subject} {done.rstrip()}{of} for {fault.units.ticks(n_ticks)}{waits}"
+    return f"{subject} {are} {done} for {units.ticks(n_ticks)}{waits}{apart}"
 
 
-def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:
-    """Return what a fault strikes, in names, and the ending of a verb that goes with it."""
+def _apart(mission: Mission, fault: Fault, off: str) -> str:
+    """Say how far a fixed value is off."""
+    if not fault.kind.is_place:
+        return f"{off} from the true value when the fault begins"
+    owner, _ = _owned(mission, touched(mission, fault)[0])
+    unit = "" if mission.distance_unit else " units"
+    return f"{off}{unit} from where {owner} is when the fault begins"
+
+
+def _subject(mission: Mission, fault: Fault, reported: str = "") -> tuple[str, str]:
+    """Return what a fault strikes, in names, and ``is`` or ``are``, which goes with it."""
     targets = touched(mission, fault)
     if not targets:
-        return f"{fault.kind.struck.value} {fault.target}", "s"
+        return f"{fault.kind.struck.value} {fault.target}", "is"
     by_owner: dict[str, list[str]] = {}
     for target in targets:
         owner, what = _owned(mission, target)
         by_owner.setdefault(owner, []).append(what)
     parts = [
-        f"{owner}'s {' and '.join(filter(None, what))}" if any(what) else owner
+        f"{owner}'s {reported}{' and '.join(filter(None, what))}" if any(what) else owner
         for owner, what in by_owner.items()
     ]
     is_one = len(targets) == 1 and not parts[0].endswith("samples")
-    return " and ".join(parts), "s" if is_one else ""
+    return " and ".join(parts), "is" if is_one else "are"
 
 
 def _owned(mission: Mission, target: Target) -> tuple[str, str]:
@@ -441,21 +480,21 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
     if not robots:
         return (len(mission.robots), "map"), f"{what} {does}".strip()
     robot = mission.robots[robots[0]]
-    return (robots[0], f"{robot.name} {robot.id}".strip()), f"{what} {does}".strip()
+    return (robots[0], with_id(robot)), f"{what} {does}".strip()
 
 
 def headline(found: Sequence[GoalVerdict]) -> str:
     """Say in a sentence how many goals break, and under how many faults."""
     broken = [each for each in found if each.state <= State.VIOLATED]
     if not broken:
-        return "Nothing was found that breaks a goal"
+        return "No faults were found that break a goal"
     is_failing = all(each.state is State.FAILS for each in broken)
     verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
     alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]
     if len(alone) == len(broken):
-        by = "under one single fault" if len(broken) == 1 else "each under one single fault"
+        by = "under a single fault" if len(broken) == 1 else "each under a single fault"
     elif alone:
-        by = f"{_number(len(alone))} of them under one single fault"
+        by = f"{_number(len(alone))} of them under a single fault"
     else:
         by = "under several faults together"
     many = f"{_number(len(broken)).capitalize()} of {_number(len(found))}"
@@ -467,13 +506,12 @@ def facts(
     mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict], ways: Sequence[Way]
 ) -> Iterator[str]:
     """Yield what stands out, in sentences: what is not detected, what is worth protecting first."""
-    unseen = [each.name for each in found if each.way is not None and each.way.is_undetected]
+    unseen = [each.label for each in found if each.way is not None and each.way.is_undetected]
     if unseen:
-        number = _number(len(unseen)).capitalize()
-        yield f"{number} undetected in at least one variant: {', '.join(unseen)}"
-    alarms = [each.name for each in found if each.state is State.FALSE_ALARM]
+        yield f"Undetected in at least one variant: {', '.join(unseen)}"
+    alarms = [each.label for each in found if each.state is State.FALSE_ALARM]
     if alarms:
-        yield f"{_number(len(alarms)).capitalize()} held, with false alarms: {', '.join(alarms)}"
+        yield f"False alarms only: {', '.join(alarms)}"
     struck: defaultdict[str, list[Way]] = defaultdict(list)
     for way in ways:
         if len(way.faults) == 1 and way.shown.column.kind != MEASURES[0]:
@@ -489,7 +527,7 @@ def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
     """Return a row for each goal: what becomes of it, by what, and how sure that is."""
     found = verdicts(mission, pool, known)
     rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
-    columns = ("goal", "how sure")
+    columns = ("goal", "evidence")
     return Table(headline(found), columns, rows, texts=columns)
 
 

@@ -19,9 +19,9 @@ from mrsfi_runtime.causes import cause_set
 from mrsfi_runtime.causes.cause_set import Column, Counts, Flights, Places, Question
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
-from mrsfi_runtime.model.fault_types import Field, Mode, Struck, Units
+from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission, Outcome
+from mrsfi_runtime.model.mission import Element, Mission, Outcome, with_id
 from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import following
 
@@ -217,74 +217,88 @@ def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:
     return (math.degrees(math.atan2(y, x)) % 360.0,)
 
 
-def sentence(fault: NamedFault, chain: Chain) -> str:
-    """Say what a fault did, what was believed and sent then, what happened, and what was missed."""
-    told = _differences(chain, fault.units)
-    parts = [*(words for _, words in told), *map(_verdict, chain.verdicts)]
+def sentence(mission: Mission, fault: NamedFault, chain: Chain) -> str:
+    """Describe what a fault did, and the first differences in belief, commands, truth and goals."""
+    parts = [words for _, words in _differences(mission, chain)]
+    parts += [part for verdicts in chain.verdicts for part in _verdict(mission, verdicts)]
     waits = "" if fault.trigger is None else f", {fault.trigger.words}"
     window = f"from tick {fault.timed.start} to {fault.timed.finish}{waits}"
-    done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
-    return f"{done}: {'; '.join(parts) or 'nothing differs at any tick'}."
+    done = f"{fault.name} ({fault.fault.type}) {_deed(mission, fault)} {window}"
+    return ". ".join((done, *(parts or ["Nothing differs at any tick"]))) + "."
 
 
-def _deed(fault: NamedFault) -> str:
+def _deed(mission: Mission, fault: NamedFault) -> str:
     kind = fault.fault.kind
     is_forged = {Field.MOTION, Field.ACTIVATION} & {*kind.properties}
     deed = "forged" if is_forged else "falsified"
     if kind.mode in {Mode.DELAY, Mode.BLOCK}:
         deed = "held back"
     where = f" in message {fault.fault.target}" if kind.struck is Struck.MESSAGE else ""
-    return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
+    what = (_of(mission, *each.split(" ", 1)) for each in fault.touched)
+    return f"{deed} {' and '.join(what) or 'nothing'}{where}"
 
 
-def local_effect(chain: Chain, units: Units) -> str:
+def _of(mission: Mission, owner: str, quantity: str) -> str:
+    """Return a quantity of a robot, sensor, obstacle or goal, with its owner's name and ID."""
+    named: tuple[Element, ...]
+    named = (*mission.robots, *mission.sensors, *mission.obstacles, *mission.goals)
+    return f"the {quantity} of {next(with_id(each) for each in named if each.id == owner)}"
+
+
+def local_effect(mission: Mission, chain: Chain) -> str:
     """Say what a fault changed first of what is believed or sent; empty if it changed neither."""
-    told = [*_differences(replace(chain, truth=None), units)]
+    told = [*_differences(mission, replace(chain, truth=None))]
     return min(told, key=lambda each: each[0])[1] if told else ""
 
 
-def _differences(chain: Chain, units: Units) -> Iterator[tuple[int, str]]:
-    for first, words in (
-        (chain.belief, "the CI believed"),
-        (chain.command, "what was sent was"),
-        (chain.truth, "there truly was"),
+def _differences(mission: Mission, chain: Chain) -> Iterator[tuple[int, str]]:
+    for first, side in (
+        (chain.belief, "believed"),
+        (chain.command, "commanded"),
+        (chain.truth, "true"),
     ):
         if first is not None:
-            yield first.tick, f"at tick {first.tick} {words} {changed(first, units)}"
+            yield first.tick, f"At tick {first.tick}, {changed(mission, first, side)}"
 
 
-def changed(first: First, units: Units) -> str:
-    """Return the first change in words: ``r2 position (3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)``.
+def changed(mission: Mission, first: First, side: str) -> str:
+    """Return the first change: ``the true speed of KAL (r3) was 4 instead of 2``.
 
-    Of several, it is the first in the order of robots, sensors, obstacles and goals. One that is
-    too small to be seen in these figures is told by its size: ``r2 heading 90.0 degrees, 1e-14
-    off``.
+    Of several, it is the first in the order of robots, sensors, obstacles and goals. Values have
+    four significant digits, counts all. If these show no difference, its size follows: ``the true
+    heading of r2 was 90 degrees, which is 1e-14 off``.
     """
-    change = first.changes[0]
-    unit = {POSITION: units.distance, "energy": units.energy}.get(change.quantity, "")
+    change, units = first.changes[0], mission.units
+    unit = {POSITION: units.distance, "energy": units.energy, HEADING: "degrees"}
     found, otherwise = (
-        f"{_value(change, value)} {unit}".rstrip() for value in (change.found, change.otherwise)
+        f"{_value(value)} {unit.get(change.quantity, '')}".rstrip()
+        for value in (change.found, change.otherwise)
     )
-    apart = f"{change.size:.0e} off" if found == otherwise else f"not {otherwise}"
-    return f"{change.owner} {change.quantity} {found}, {apart}"
+    is_small = found == otherwise
+    apart = f", which is {change.size:.2g} off" if is_small else f" instead of {otherwise}"
+    return f"{_of(mission, change.owner, f'{side} {change.quantity}')} was {found}{apart}"
 
 
-def _value(change: Change, value: tuple[float, ...]) -> str:
-    if change.quantity == HEADING:
-        return f"{value[0]:.1f} degrees"
-    if len(value) > 1:
-        return f"({', '.join(f'{each:.2f}' for each in value)})"
-    return f"{value[0]:g}" if value[0] == int(value[0]) else f"{value[0]:.2f}"
+def _value(value: tuple[float, ...]) -> str:
+    if len(value) == 1 and value[0] == int(value[0]):
+        return f"{value[0]:.0f}"
+    words = [f"{float(f'{each:.4g}'):.15g}" for each in value]
+    return f"({', '.join(words)})" if len(words) > 1 else words[0]
 
 
-def _verdict(first: FirstVerdicts) -> str:
-    words = ("believed violated", "truly violated", "certain to be missed")
-    said = [
-        f"{'' if verdict.is_so else 'no longer '}{what} at tick {verdict.tick}"
-        for what, verdict in zip(words, first[1:], strict=True)
-        if verdict is not None
-    ]
-    return f"{first.goal} was {', '.join(said)}"
+def _verdict(mission: Mission, first: FirstVerdicts) -> Iterator[str]:
+    goal = mission.label_of(mission.goals[mission.goal_ids.index(first.goal)])
+    words = (
+        ("was violated in belief", "was not violated in belief"),
+        ("was truly violated", "was not truly violated"),
+        ("failed", "had not failed"),
+    )
+    by_tick: dict[int, list[str]] = {}
+    for (so, not_so), verdict in zip(words, first[1:], strict=True):
+        if verdict is not None:
+            by_tick.setdefault(verdict.tick, []).append(so if verdict.is_so else not_so)
+    for tick in sorted(by_tick):
+        yield f"At tick {tick}, {goal} {' and '.join(by_tick[tick])}"
 
 
 N_SEEDS = 20
@@ -325,10 +339,10 @@ class Cause:
         """The cause set as a specification."""
         return cause_set.chosen(self.specification, self.places)
 
-    def sentences(self, faults: Sequence[NamedFault]) -> tuple[str, ...]:
+    def sentences(self, mission: Mission, faults: Sequence[NamedFault]) -> tuple[str, ...]:
         """Return what each fault of it did, in words; ``faults`` are all of the specification."""
-        told = zip(self.places, self.chains, strict=True)
-        return tuple(sentence(faults[place], chain) for place, chain in told)
+        chains = zip(self.places, self.chains, strict=True)
+        return tuple(sentence(mission, faults[place], chain) for place, chain in chains)
 
 
 def find_cause(

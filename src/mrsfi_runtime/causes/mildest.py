@@ -43,7 +43,11 @@ N_STEPS = 14
 _N_STARTS = 5  # forms that were flown already, of which one is sought that holds in all seeds
 _FINE = 16  # what differs by no more than this part need not be told apart
 _LEAST = 0.001  # share of a value or window below which none is sought
-_BROKEN = {"believed": "is believed broken", "true": "breaks", "missed": "is missed"}
+_BROKEN = {
+    "believed": ("is violated in belief", "violated it in belief", "violate it in belief"),
+    "true": ("is violated", "violated it", "violate it"),
+    "missed": ("fails", "made it fail", "make it fail"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +134,14 @@ class Deviation:
             return kind.in_words(timed.values, units)
         apart = math.dist(timed.values[:2], self.harmless(timed)[:2])
         return f"{units.told(apart, kind.parameters[0].range)} off"
+
+    def error_in_words(self, timed: TimedFault) -> str:
+        """Return the same as a sentence goes on: ``an error of 41 units``, ``DELAY 9 ticks``."""
+        kind, mission = self.space.gate.pool[timed.fault].kind, self.space.gate.mission
+        if kind.mode is not Mode.FIXED:
+            return kind.in_words(timed.values, mission.units, 4)
+        unit = " units" if kind.is_place and not mission.distance_unit else ""
+        return f"an error of {self.in_words(timed).removesuffix(' off')}{unit}"
 
 
 def mildest(
@@ -242,7 +254,7 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     """
     found, (goal, kind) = weakness.witness, weakness.column
     is_off = len(found) == 1 and deviation.share(found[0]) > 0.0
-    told = deviation.space.gate.mission.units.ticks
+    in_total = " in total" if len(found) > 1 else ""
 
     def n_ticks(each: Specification) -> int:
         return fault_ticks(each, deviation.space.duration)
@@ -250,18 +262,24 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     def size(each: Specification) -> float:
         return deviation.share(each[0]) if is_off else n_ticks(each)
 
-    def words(each: Specification) -> str:
-        return deviation.in_words(each[0]) if is_off else told(n_ticks(each))
+    def lasting(each: Specification) -> str:
+        return f"{deviation.space.gate.mission.units.ticks(n_ticks(each))}{in_total}"
 
-    at_work = told(n_ticks(found))
-    how = f"from {words(found)} for {at_work}" if is_off else f"when at work for {at_work}"
+    def words(each: Specification) -> str:
+        return deviation.error_in_words(each[0]) if is_off else lasting(each)
+
+    faults, are = " and ".join(weakness.faults), "is" if len(weakness.faults) == 1 else "are"
+    value = f" with {words(found)}" if is_off else ""
     least = min(size(each) for each, is_broken in tried.items() if is_broken)
     kept = [each for each in tried if size(each) < least]
-    less = "nothing less that was tried kept it"
+    breaks, broke, break_it = _BROKEN[kind]
+    less = "No milder variant was tried"
     if kept:
-        n_tries = "1 try" if len(kept) == 1 else f"{len(kept)} tries"
-        less = f"up to {words(max(kept, key=size))} never, in {n_tries}"
-    return f"{' and '.join(weakness.faults)}: {goal} {_BROKEN[kind]} {how}; {less}"
+        most = f"with up to {words(max(kept, key=size))}"
+        less = f"None of {len(kept)} trials {most} {broke}"
+        if len(kept) == 1:
+            less = f"The only trial {most} did not {break_it}"
+    return f"{goal} {breaks} when {faults} {are} active for {lasting(found)}{value}. {less}"
 
 
 @dataclass(frozen=True, slots=True)

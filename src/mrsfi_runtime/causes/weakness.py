@@ -240,13 +240,14 @@ class Detection:
         return cls(worst, len(late), n_never, len(ticks), max(ticks, default=0)) if late else None
 
     def in_words(self, units: Units) -> str:
-        """Return the worst, and in how many variants it is so."""
+        """Return in a sentence the worst, and in how many variants it is so."""
         of = f"of {counted(self.n_variants, 'variants')}"
         if self.n_never:
-            return f"undetected in {self.n_never} {of}"
+            return f"The CI does not detect it in {self.n_never} {of}"
         if self.n_late:
-            return f"detected late in {self.n_late} {of}, by up to {units.ticks(self.latest)}"
-        return f"detected in time in {self.n_variants} {of}"
+            late = units.ticks(self.latest)
+            return f"The CI detects it late in {self.n_late} {of}, by up to {late}"
+        return f"The CI detects it in time in {self.n_variants} {of}"
 
 
 @dataclass(frozen=True, slots=True)

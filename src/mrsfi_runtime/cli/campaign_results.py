@@ -44,14 +44,14 @@ def print_verdicts(
     held = [each for each in found if each.state is State.HOLDS]
     for each in found[: len(found) - len(held)]:
         state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
-        print_words((each.label, "bold"), " ", state, each.because)
+        print_words((each.label, "bold"), " ", state, f"{each.because}.")
         print_words(" · ".join(each.evidence), indent=4)
     for unknown in dict.fromkeys(each.unknown for each in held):
         some = ", ".join(each.label for each in held if each.unknown == unknown)
-        print_words(("Nothing was found that breaks ", "bold"), f"{some} ({unknown})")
+        print_words(("No known weakness: ", "bold"), f"{some} ({unknown})")
     for each in held:
         if each.nearest:
-            print_words(f"{each.label} {each.nearest}", indent=4)
+            print_words(f"{each.label}: {each.nearest}", indent=4)
     click.echo()
 
 
@@ -63,8 +63,11 @@ def print_all(
     print_verdicts(campaign, known, goals)
     if found:
         print_table(weaknesses.matrix_table(mission, pool, found))
-        print_table(weaknesses.way_table("How, in one of the forms that do", mission, pool, found))
-    click.echo("\n".join(weaknesses.not_found(known.known, each) for each in goals) + "\n")
+        title = "How, in one of the variants of each weakness"
+        print_table(weaknesses.way_table(title, mission, pool, found))
+    for each in goals:
+        print_words(weaknesses.not_found(known.known, each))
+    click.echo()
     n_faults, (*never,) = len(pool), untried(campaign)
     named = ", ".join(" with ".join(each) for each in never[:10]) or "none"
     more = f" and {len(never) - 10} more" if len(never) > 10 else ""
@@ -89,10 +92,10 @@ def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool
         print_json([{"number": way.number, **each.as_json()} for way, each in told])
         return
     shown = [replace(way, by=(each.weakness,)) for way, each in told]
-    title = "The mildest form that was found"
+    title = "The mildest variant that was found of each weakness"
     print_table(weaknesses.way_table(title, campaign.mission, campaign.pool, shown))
     for way, each in told:
-        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')}).")
 
 
 def report(
@@ -189,7 +192,7 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     """Print an explanation for people, or that there is nothing to explain."""
     n = counted(len(shown.faults), "faults")
     if found is None:
-        click.echo(f"{shown.title}: {n}, and no goal is violated; there is nothing to explain")
+        click.echo(f"{shown.title}: {n}. No goal is violated, so there is nothing to explain")
         return
     click.echo(f"{shown.title}: {_answer(shown, found, n)}")
     if shown.measure.n_seeds > 1:
@@ -199,11 +202,11 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
         causes = [shown.faults[place] for place in found.cause.places]
         print_table(tables.fault_table("Cause set", causes, found.cause.outcome))
         simple = shown.simplest(found)
-        print_table(tables.fault_table("Its simplest form", simple, found.simplest_outcome))
+        print_table(tables.fault_table("Its simplest variant", simple, found.simplest_outcome))
     print_table(_counts_table(shown, found))
     _print_faults(shown, found)
     for part, n_flown in found.n_flown.items():
-        click.echo(f"{n_flown:>6} flights  {part}")
+        click.echo(f"{n_flown:>6} flights  {part.replace('form', 'variant')}")
     width = max(map(len, shown.paths), default=0)
     for what, path in shown.paths.items():
         click.echo(f"{what:<{width}}  {path}")
@@ -211,7 +214,7 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
 
 
 def _print_faults(shown: Shown, found: Explanation) -> None:
-    for said in found.cause.sentences(shown.faults):
+    for said in found.cause.sentences(shown.code.mission, shown.faults):
         click.echo(f"{said}\n")
     for table in (_chain_table(shown, found), _fault_table(shown, found)):
         if table.rows:
@@ -219,7 +222,7 @@ def _print_faults(shown: Shown, found: Explanation) -> None:
     labels = zip(*(goal.labels for goal in found.goals), strict=True)
     named = zip(shown.faults, labels, strict=True)
     if rest := [fault.name for fault, of in named if {*of} == {BYSTANDER}]:
-        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
+        click.echo(f"Bystanders to every goal: {' '.join(rest)}\n")
 
 
 def _answer(shown: Shown, found: Explanation, n: str) -> str:
@@ -228,10 +231,10 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
         words = f"{words.removesuffix(' violations')} and true violations"
     kept = f"{100 * shown.keep:g} % of every goal's {words}"
     if not found.cause.places:
-        return f"{n}, and none is the cause: without any, {kept} are there as well"
+        return f"{n}, none of which is the cause: without faults, {kept} remain"
     n_others = len({*found.minima} - {found.cause.places})
-    others = f"; shuffled orders give {counted(n_others, 'other sets')}" if n_others else ""
-    return f"cause set {len(found.cause.places)} of {n}, which keeps {kept}{others}"
+    others = f". Other orders of search give {counted(n_others, 'other sets')}" if n_others else ""
+    return f"the cause set has {len(found.cause.places)} of {n} and keeps {kept}{others}"
 
 
 def _counts_table(shown: Shown, found: Explanation) -> Table:
@@ -245,7 +248,7 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
     counted = ("all faults", "cause set", "simplest", "no fault")
     words = ("goal", "violations")
     columns = (*words, *counted, "median", "least", "most", "seeds violated")
-    title = f"Violations; from median on: under the cause set in {N_SEEDS} mission seeds"
+    title = f"Violations, in ticks; the last four columns: cause set alone, {N_SEEDS} mission seeds"
     return Table(title, columns, rows, words, is_compact=True)
 
 
@@ -259,7 +262,7 @@ def _fault_table(shown: Shown, found: Explanation) -> Table:
             if label != BYSTANDER or (due and float(due.partition(" ")[0])):
                 rows.append((fault.name, *column, label, due, *map(shown.ticks, counts)))
     columns = ("fault", "goal", "violations", "label", "due to it", "alone", "left out")
-    title = "What each fault is to each goal; violations due to it, alone, left out"
+    title = "Role of each fault for each goal; violations due to it, with it alone, without it"
     return Table(title, columns, rows, columns[:4], is_compact=True)
 
 
@@ -272,8 +275,9 @@ def _chain_table(shown: Shown, found: Explanation) -> Table:
         )
         for place, chain in zip(found.cause.places, found.cause.chains, strict=True)
     ]
-    words, texts = ("fault", "belief", "command", "truth"), ("goal:believed/true/missed",)
-    return Table("First differences that each fault makes", (*words, *texts), rows, words, texts)
+    words, texts = ("fault", "belief", "command", "truth"), ("goal: believed/true/failed",)
+    title = "First differences that each fault makes: ticks and sizes"
+    return Table(title, (*words, *texts), rows, words, texts)
 
 
 def _first(first: First | None) -> str:
@@ -343,6 +347,6 @@ def explanation_as_json(shown: Shown, found: Explanation | None) -> dict[str, An
             for place, fault in enumerate(shown.faults)
         ],
         "firmness": [firm._asdict() for firm in cause.robustness],
-        "sentences": list(cause.sentences(shown.faults)),
+        "sentences": list(cause.sentences(shown.code.mission, shown.faults)),
         "n_flown": dict(found.n_flown),
     }

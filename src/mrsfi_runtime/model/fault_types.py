@@ -107,7 +107,8 @@ class Units:
 
     def told(self, value: float, measured: Range, digits: int = 4) -> str:
         """Return a quantity of so many digits with its unit: ``3 energy units``, ``41.2 m``."""
-        return f"{value:.{digits}g} {self.of(measured)}".rstrip()
+        rounded = float(f"{value:.{digits}g}")
+        return f"{rounded:.15g} {self.of(measured)}".rstrip()
 
     def ticks(self, number: int) -> str:
         """Return how long so many ticks last: ``1 tick``, ``2 ticks``, ``2 s``."""
@@ -176,10 +177,10 @@ class FaultType:
         """Return values by the names of the parameters."""
         return dict(zip((each.name for each in self.parameters), values, strict=True))
 
-    def in_words(self, values: Sequence[float], units: Units) -> str:
-        """Return values with names and units, of six digits: ``DELAY 200 ticks``."""
+    def in_words(self, values: Sequence[float], units: Units, digits: int = 6) -> str:
+        """Return values with names and units: ``DELAY 200 ticks``."""
         return ", ".join(
-            f"{each.name} {units.told(value, each.range, 6)}"
+            f"{each.name} {units.told(value, each.range, digits)}"
             for each, value in zip(self.parameters, values, strict=True)
         )
 

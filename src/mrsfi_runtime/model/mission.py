@@ -308,7 +308,7 @@ class Mission:
     def label_of(self, goal: Goal) -> str:
         """Return the name of a goal before its ID, which stands alone if it has no other name."""
         name = self.name_of(goal)
-        return name if name == goal.id else f"{name} {goal.id}"
+        return name if name == goal.id else f"{name} ({goal.id})"
 
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:
@@ -363,6 +363,16 @@ def _is_elsewhere(area: Area, terms: Terms) -> bool:
         hypot(point.x - area.center.x, point.y - area.center.y) > area.radius + reach
         for point, reach in discs
     )
+
+
+Element: TypeAlias = Robot | Sensor | Obstacle | Goal
+"""What has an ID, and may have a name."""
+
+
+def with_id(element: Element) -> str:
+    """Return the name of an element before its ID: ``KAL (r3)``; the ID alone if it has no name."""
+    name = "" if isinstance(element, Obstacle) else element.name
+    return f"{name} ({element.id})" if name not in {"", element.id} else element.id
 
 
 COUNTED = ("believed", "true", "phantom", "masked", "missed")

@@ -37,7 +37,7 @@ def test_the_printed_table_shows_the_measure_before_belief_and_truth():
 
     (row,) = table.rows
     goals = dict(zip(table.columns, row, strict=True))
-    assert goals["violations"] == "mean believed\nbelieved\ntrue\nmissed from"
+    assert goals["violations"] == "mean believed\nbelieved\ntrue\nfailed from"
     assert goals["g1"] == "450.00\n900\n450\n775"
     assert goals["g2"] == "–\n0\n0\n–"
 
@@ -50,7 +50,7 @@ def test_the_printed_table_shows_the_time_missed_and_from_when_on():
 
     (row,) = table.rows
     goals = dict(zip(table.columns, row, strict=True))
-    assert goals["violations"] == "missed\nbelieved\ntrue\nmissed from"
+    assert goals["violations"] == "missed\nbelieved\ntrue\nfailed from"
     assert goals["g1"] == "288\n0\n0\n712"
     assert goals["g2"] == "0\n0\n0\n–"
     assert goals["g3"] == "1000\n0\n0\n0"

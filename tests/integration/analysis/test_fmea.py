@@ -36,9 +36,11 @@ def test_a_row_says_what_the_flight_shows():
     assert mode.faults == STOP
     assert mode.item == f"{robot} motion"
     assert mode.failure_mode == "StopRobot from tick 100 to 150"
-    assert mode.local_effect.startswith(f"at tick 99 what was sent was {robot} speed 0, not ")
+    assert mode.local_effect.startswith("At tick 99, the commanded speed of ")
+    assert f" ({robot}) was 0 instead of " in mode.local_effect
     assert mode.end_effect == f"{goal.name} ({goal.id})"
-    assert (mode.detected, mode.severity) == ("undetected in 2 of 3 variants", "missed")
+    assert mode.detected == "The CI does not detect it in 2 of 3 variants"
+    assert mode.severity == "missed"
     assert (mode.number, mode.occurrence) == (1, None)
     outcome = ReferenceEngine(CODE, 1).evaluate(form.witness)
     counts = outcome.believed[0], outcome.true[0], outcome.missed[0]

@@ -95,7 +95,7 @@ def test_what_the_page_holds_of_a_flight_is_the_flight_to_what_it_says(flown, ke
             n_violated = sum(last - first + 1 for first, last in judged[kind])
             assert n_violated == recording[kind][-1, k]
     for name in ("x", "y"):
-        assert f"positions to {flight['steps'][name] / 2:g}" in content["said"]
+        assert f"positions to within {flight['steps'][name] / 2:g}" in content["said"]
 
 
 def test_events_say_when_faults_and_violations_begin_and_end(flown):

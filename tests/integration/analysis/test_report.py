@@ -191,7 +191,7 @@ def test_the_report_warns_that_popular_is_not_guilty_and_tests_no_trend(focused)
     assert "A frequent fault type need not be harmful" in report
     assert "The specification nearest to g3:g1=2:1: evaluation " in report
     assert "critical/10.xmi" in report
-    assert "missed from" in report
+    assert "failed from" in report
     assert " (least squares). This describes one run and is not a statistical test" in report
     assert not re.search(r"\bp [<=] ", report)
 

@@ -56,15 +56,15 @@ def test_the_timeline_has_the_windows_of_faults_and_verdicts(flown, story):
     ]
     for k, goal in enumerate(code.mission.goal_ids):
         for what, flags in (
-            ("believed violated", recording["is_believed"]),
+            ("violated in belief", recording["is_believed"]),
             ("truly violated", recording["is_true"]),
-            ("certain to be missed", recording["missed"]),
+            ("failed", recording["missed"]),
         ):
             windows = [row[3:] for row in rows if row[1:3] == (goal, what)]
             ticks = [tick for first, last in windows for tick in range(first, last + 1)]
             assert ticks == np.flatnonzero(flags[:, k]).tolist()
-            assert len(windows) < 2 or what != "certain to be missed"
-    assert {row[2] for row in rows} > {"believed violated", "truly violated"}
+            assert len(windows) < 2 or what != "failed"
+    assert {row[2] for row in rows} > {"violated in belief", "truly violated"}
 
 
 def test_places_are_those_of_the_flight(flown, story):

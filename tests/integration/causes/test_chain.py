@@ -68,7 +68,7 @@ def test_a_fault_that_touches_nothing_in_its_window_makes_no_difference(approved
     code, _, timed, chain = alone("StopRobot", 300, 310)
 
     assert (chain.belief, chain.command, chain.truth, chain.verdicts) == (None, None, None, ())
-    approved(sentence(named(code, timed, "x.1"), chain))
+    approved(sentence(code.mission, named(code, timed, "x.1"), chain))
 
 
 def test_a_chain_begins_where_the_rest_of_the_specification_leaves_off():

@@ -28,7 +28,6 @@ from mrsfi_runtime.causes.explanation import (
     simplest,
 )
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault, value_bounds
 from mrsfi_runtime.model.mission import FailedFlight, Outcome
 from mrsfi_runtime.record.store import Measure
@@ -456,16 +455,18 @@ def test_it_is_median_range_and_in_how_many_seeds_a_goal_is_violated():
             "position",
             (3.0, 4.0, 0.0),
             (3.0, 5.0, 0.0),
-            "(3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)",
+            "(3, 4, 0) instead of (3, 5, 0)",
         ),
-        ("position", (3.0, 4.0, 0.0), (3.0, 4.001, 0.0), "(3.00, 4.00, 0.00), 1e-03 off"),
-        (HEADING, (40.0,), (20.0,), "40.0 degrees, not 20.0 degrees"),
-        (HEADING, (0.01,), (360.0,), "0.0 degrees, not 360.0 degrees"),
-        (HEADING, (20.0,), (20.000004,), "20.0 degrees, 4e-06 off"),
-        ("energy", (7.0,), (8.5,), "7, not 8.50"),
+        ("position", (3.0, 4.0, 0.0), (3.0, 4.001, 0.0), "(3, 4, 0) instead of (3, 4.001, 0)"),
+        (HEADING, (40.0,), (20.0,), "40 degrees instead of 20 degrees"),
+        (HEADING, (0.01,), (360.0,), "0.01 degrees instead of 360 degrees"),
+        (HEADING, (20.0,), (20.000004,), "20 degrees, which is 4e-06 off"),
+        ("energy", (7.0,), (8.5,), "7 instead of 8.5"),
     ],
 )
 def test_a_change_is_told_so_that_it_can_be_seen(quantity, found, otherwise, said):
     first = First(3, (Change("r1", quantity, found, otherwise),))
 
-    assert changed(first, Units()) == f"r1 {quantity} {said}"
+    words = changed(paper_mission(), first, "true")
+
+    assert words == f"the true {quantity} of LEN (r1) was {said}"

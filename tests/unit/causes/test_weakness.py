@@ -374,10 +374,9 @@ def test_value_and_window_are_shrunk_to_what_is_needed():
 def test_what_breaks_for_long_enough_is_told_by_its_ticks():
     found = shrunk(alone(lambda each: each.finish - each.start >= 9), (whole(STOP),))
 
-    assert re.fullmatch(
-        r"f26: g1 breaks when at work for 10 ticks; up to 9 ticks never, in \d+ tries",
-        found.sentence,
-    )
+    first, second = found.sentence.split(". ")
+    assert first == "g1 is violated when f26 is active for 10 ticks"
+    assert re.fullmatch(r"None of \d+ trials with up to 9 ticks violated it", second)
 
 
 def test_whole_values_stay_whole_and_within_their_bounds():
@@ -386,7 +385,7 @@ def test_whole_values_stay_whole_and_within_their_bounds():
 
     assert found.weakness.witness[0].values == (3.0,)
     assert least.weakness.witness[0].values == (1.0,)
-    assert least.sentence.endswith("for 1 tick; nothing less that was tried kept it")
+    assert least.sentence.endswith(". No milder variant was tried")
 
 
 def test_a_place_and_a_number_are_measured_by_what_is_true():
@@ -402,7 +401,7 @@ def test_a_place_and_a_number_are_measured_by_what_is_true():
     assert z == 1.0
     (told,) = rate.weakness.witness[0].values
     assert 70.0 <= told <= 72.0
-    assert f"from {told - 40:.4g} samples per tick off for " in rate.sentence
+    assert f" with an error of {told - 40:.4g} samples per tick. " in rate.sentence
 
 
 def test_it_has_to_break_in_all_seeds_or_in_the_first_of_them():
@@ -443,13 +442,13 @@ def test_the_sentence_names_the_strongest_form_that_kept_the_goal():
     )
 
     told = re.fullmatch(
-        r"f4: g1 breaks from PERCENTAGE (\S+) percent for 1 tick; "
-        r"up to PERCENTAGE (\S+) percent never, in (\d+) tries",
+        r"g1 is violated when f4 is active for 1 tick with PERCENTAGE (\S+) percent\. "
+        r"None of (\d+) trials with up to PERCENTAGE (\S+) percent violated it",
         found.sentence,
     )
     assert told
-    assert 36.5 <= float(told[2]) < 37.0 <= float(told[1]) < 40.0
-    assert int(told[3]) >= 4
+    assert 36.5 <= float(told[3]) < 37.0 <= float(told[1]) < 40.0
+    assert int(told[2]) >= 4
 
 
 def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error(refused):

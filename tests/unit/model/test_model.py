@@ -39,7 +39,7 @@ HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 FAR = Area("far", Coordinates(200.0, 0.0), 50.0)
 NEXT = Area("next", Coordinates(100.0, 0.0), 50.0)
 GATHER = GatherSamples(10, "a_depth")
-BY_GATHERING = ("GatherSamples g1", "here", ["a"])
+BY_GATHERING = ("GatherSamples (g1)", "here", ["a"])
 
 
 @pytest.mark.parametrize(
@@ -309,13 +309,13 @@ def said(*holders):
         ((GATHER, at(53.0)), []),
         ((at(54.0), GATHER), []),
         ((at(54.0), at(200.0)), []),
-        ((Patrol(HERE, 9), at(54.0)), [("Patrol g1", "here", ["a", "b"])]),
-        ((Stay(HERE), Patrol(FAR, 9)), [("Stay g1", "here", ["a", "b"])]),
+        ((Patrol(HERE, 9), at(54.0)), [("Patrol (g1)", "here", ["a", "b"])]),
+        ((Stay(HERE), Patrol(FAR, 9)), [("Stay (g1)", "here", ["a", "b"])]),
         ((Stay(HERE), Patrol(NEXT, 9)), []),
-        ((Patrol(FAR, 9), GATHER), [("Patrol g1", "far", ["a"])]),
+        ((Patrol(FAR, 9), GATHER), [("Patrol (g1)", "far", ["a"])]),
         ((GATHER, Track((Coordinates(0.0), Coordinates(54.0)), 3.0)), [BY_GATHERING]),
         ((GATHER, Track((Coordinates(0.0), Coordinates(53.0)), 3.0)), []),
-        ((GATHER, Stay(FAR), at(120.0)), [BY_GATHERING, ("Stay g2", "far", ["a", "b"])]),
+        ((GATHER, Stay(FAR), at(120.0)), [BY_GATHERING, ("Stay (g2)", "far", ["a", "b"])]),
         ((GATHER, AvoidCollision(("a", "b"), ())), []),
     ],
 )  # fmt: skip

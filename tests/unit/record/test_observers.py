@@ -282,7 +282,7 @@ def test_a_goal_is_missed_from_a_tick_on_or_not(missed, told):
 
     table = goal_table("", mission, replace(outcome_of(0, 0), missed=missed))
 
-    place = table.columns.index("missed from")
+    place = table.columns.index("failed from")
     assert tuple(in_words(row[place]) for row in table.rows) == told
 
 
