@@ -252,7 +252,7 @@ def test_a_signature_completes_every_setting_of_a_campaign_file():
 def test_a_notebook_shows_a_mission_and_a_flight_with_their_names(uuv):
     flight = uuv.fly([uuv.timed("f26", 100, 400)])
 
-    assert "r3 KAL" in uuv._repr_html_()
+    assert "KAL (r3)" in uuv._repr_html_()
     assert "under 1 fault" in flight._repr_html_()
     assert all(goal in flight._repr_html_() for goal in flight.goals)
 

@@ -72,9 +72,7 @@ def test_what_is_kept_is_the_witness_with_what_was_recorded_of_its_goal(kept, fo
     assert checked["max"] == checked["now"] == {"g1": flown["goals"][0]["missed"]}
     assert checked["max"]["g1"] > 0
     assert (gravest["measure"], gravest["faults"]) == ("missed", ["stop_a"])
-    assert checked["found"].startswith(
-        "runs/it, weakness 2: g1 is broken by stop_a alone, for good"
-    )
+    assert checked["found"].startswith("runs/it, weakness 2 (stop_a): g1 fails if a is stopped for")
     assert [(f["id"], f["start"], f["finish"]) for f in flown["faults"]] == [
         ("stop_a.1", each["start"], each["finish"]) for each in gravest["witness"]
     ]
@@ -92,7 +90,9 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
     passed = mrsfi(*words, cwd=kept)
 
     assert f"came back: it-weakness-2: missed g1 99, kept {most}" in failed.stderr
-    assert "it-weakness-2 came back. Found in runs/it, weakness 2: g1 is broken" in failed.stdout
+    assert (
+        "it-weakness-2 came back. Found in runs/it, weakness 2 (stop_a): g1 fails" in failed.stdout
+    )
     (suite,) = junit.iter("testsuite")
     assert suite.attrib | {"time": ""} == {
         "name": NAME,
