@@ -226,7 +226,7 @@ def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
     for goal, first in zip(mission.goal_ids, since, strict=True):
         column = header.index(f"{goal}.missed.true")
         flags = [row[column] for row in rows]
-        event = f"  event {goal} missed: no -> yes\n"
+        event = f"  event {goal} failed: no -> yes\n"
         found = [number for number, text in enumerate(ticks) if event in text]
         assert flags == ["0" if first is None or tick < first else "1" for tick in range(150)]
         assert found == ([] if first is None else [first])
@@ -251,7 +251,7 @@ def test_the_log_of_a_flight_under_faults_is_that_of_the_reference(engine):
 
         assert (log, tallies, outcome) == logged(reference, specification)
         assert tuple(tally.changed for tally in tallies) == outcome.changed
-        assert log.count(": first changes something\n") == sum(map(bool, outcome.changed)) > 0
+        assert log.count(": has its first effect\n") == sum(map(bool, outcome.changed)) > 0
         assert log.count(": ends\n") == log.count(": starts (") == sum(map(bool, outcome.applied))
         assert "  believed " in log
 
@@ -306,7 +306,7 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
 
     broken = replace(code, functions=code.functions._replace(react=react))
     with open_engine(ENGINES[name], broken, SEED) as engine:
-        with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
+        with pytest.raises(EvaluationError, match="stopped at tick 20: ArithmeticError: too deep"):
             engine.evaluate(())
         broken_at.clear()
         outcome = engine.evaluate(())

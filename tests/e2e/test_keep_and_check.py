@@ -232,8 +232,8 @@ def test_a_limit_that_nothing_exceeds_is_a_warning_when_it_is_kept_and_when_it_i
     checked = mrsfi("check", *REFERENCE, cwd=place)
 
     warning = (
-        f"models/{NAME}/regressions/idle.toml: max: g1 = {most} can never be exceeded in a mission "
-        "of 120 ticks; expected fewer ticks"
+        f"models/{NAME}/regressions/idle.toml: max: a mission of 120 ticks cannot exceed the limit "
+        f"g1 = {most}; expected fewer ticks"
     )
     assert warning in kept.stderr.splitlines()
     assert warning in checked.stderr.splitlines()

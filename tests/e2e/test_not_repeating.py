@@ -24,10 +24,10 @@ REGIONS = {
     "a clock": ("import time", "return time.time_ns() % 7 == 3"),
     "unseeded random numbers": ("import random", "return random.random() < 0.1"),
 }
-FIRST = r"at tick \d+, is_(true|believed) of goal 'clear' \(region 'clear.check'\) is [01] and then"
+FIRST = r"at tick \d+, is_(true|believed) of goal 'clear' \(region 'clear.check'\) is [01], then"
 WHY = (
-    "expected the same: look for a region that keeps state from flight to flight, reads a clock or "
-    "draws unseeded random numbers"
+    "expected equal flights: look for a region that keeps state from flight to flight, reads a "
+    "clock or draws unseeded random numbers"
 )
 
 

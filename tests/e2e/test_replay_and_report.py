@@ -66,7 +66,7 @@ def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
         assert all(target in section and target in log for target in fault["touched"])
         assert all(parameter in printed for parameter in fault["values"])
     changed = [fault for fault in found["faults"] if fault["changed"]]
-    assert log.count(": first changes something\n") == len(changed) > 0
+    assert log.count(": has its first effect\n") == len(changed) > 0
 
 
 @pytest.mark.parametrize("words", [("report",), ("replay",), ("evolve", "--resume"), ("explain",)])

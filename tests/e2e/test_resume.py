@@ -52,7 +52,7 @@ def test_a_changed_copy_of_models_or_code_ends_with_9_and_is_named(campaign, tmp
 
     error = mrsfi("evolve", "--resume", campaign, cwd=tmp_path, expected=9).stderr
 
-    assert f"copy of {Path(name).name} is another one" in error
+    assert f"copy of {Path(name).name} has changed" in error
     lock = {"campaign.lock": None}
     assert {**contents(campaign), **lock} == {**before, **lock}
 
@@ -66,5 +66,5 @@ def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place):
     error = mrsfi("evolve", "--resume", path, cwd=place, expected=9).stderr
     mrsfi(*EVOLVE, "--engine", "reference", "--no-explain", "--out", path, cwd=place)
 
-    assert "ended before it began" in error
+    assert "interrupted before it began" in error
     assert (path / "report.md").is_file()

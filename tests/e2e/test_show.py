@@ -94,6 +94,6 @@ def test_what_cannot_be_shown_is_refused_with_the_reason(run):
     edited = mrsfi("show", "it", "1", cwd=run.parent, expected=9)
 
     assert "it: found no weakness 99; expected one of 1, 2, 3" in wrong.stderr
-    assert "is another one than it was begun on" in edited.stderr
+    assert "has changed since the campaign began" in edited.stderr
     assert wrong.stdout == edited.stdout == ""
     assert drawn(run) == {}

@@ -115,7 +115,7 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
     file = folder / "collective_intelligence.py"
     line = file.read_text(encoding="utf-8").splitlines().index("from only_here import HIGHEST") + 1
     assert f"{file}:{line}: cannot be imported" in str(refused.value)
-    assert "has to be installed on every worker" in str(refused.value)
+    assert "have to be installed on every worker" in str(refused.value)
 
 
 def test_a_search_that_stops_asking_leaves_the_workers_free(two_workers, specifications, expected):

@@ -78,6 +78,6 @@ def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on
 
     with (
         closing(open_engine(EngineSettings(COMPILED), code, 1)) as engine,
-        pytest.raises(WorkerLost, match=r":\d+: the mission failed at tick 0: TimeLimitReached"),
+        pytest.raises(WorkerLost, match=r":\d+: the mission stopped at tick 0: TimeLimitReached"),
     ):
         engine.evaluate(())

@@ -97,6 +97,6 @@ def test_at_a_rate_the_node_has_its_time():
 
 def test_what_does_not_reach_the_node_is_refused_before_the_flight():
     with pytest.raises(
-        SpecificationError, match="fault 'f9' cannot be injected: it touches o5 obstacle, of which"
+        SpecificationError, match="fault 'f9' cannot be injected: it affects o5 obstacle, and no"
     ):
         flown(EMBEDDED, 1, [(TimedFault("f9", 1, 2, (0.0, 0.0, 0.0)),)], code=CODE)

@@ -111,7 +111,9 @@ def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):
     with (
         Relay(server.url, to_server=deaf) as relay,
         engine(SHORT, url=relay.url, side="ci", is_bundled=True) as opened,
-        pytest.raises(TransportTimeout, match=r"tick 0: .*does it know /mission/go/bundle"),
+        pytest.raises(
+            TransportTimeout, match=r"tick 0: .*--bundle expects it to know /mission/go/bundle"
+        ),
     ):
         opened.evaluate(())
 

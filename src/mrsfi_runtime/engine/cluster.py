@@ -176,7 +176,7 @@ class MissionPlugin(WorkerPlugin):
             self._shipment.unpack(self._folder)
         except OSError as error:
             raise TransportError(
-                f"the worker at {self._address} cannot keep the mission's code: {error}"
+                f"the worker at {self._address} cannot store the mission's code: {error}"
             ) from error
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
@@ -209,7 +209,7 @@ class MissionPlugin(WorkerPlugin):
         if differences:
             raise TransportError(
                 f"the worker at {self._address} would not give the same results: it has "
-                f"{differences}; install the same there, or stop that worker"
+                f"{differences}; install the same versions there, or stop that worker"
             )
 
     def _engine(self, seed: int, settings: EngineSettings) -> Engine:
@@ -219,8 +219,8 @@ class MissionPlugin(WorkerPlugin):
                 self._engines[settings] = open_engine(settings, code, seed, self._n_threads)
             except MrsfiError as error:
                 raise type(error)(
-                    f"on the worker at {self._address}: {error}; what regions import has to be "
-                    "installed on every worker"
+                    f"on the worker at {self._address}: {error}; the packages that regions import "
+                    "have to be installed on every worker"
                 ) from error
         return self._engines[settings]
 
@@ -302,8 +302,7 @@ class Cluster(AbstractContextManager["Cluster"]):
             self._has_workers_until = monotonic()
         elif monotonic() > self._has_workers_until + self._patience:
             raise TransportError(
-                f"no worker has been left on {self.address} for {self._patience:g} s; "
-                f"{self._advice()}"
+                f"{self.address} has had no worker for {self._patience:g} s; {self._advice()}"
             )
 
     def give_up(self, futures: Sequence[Any]) -> None:
@@ -318,8 +317,8 @@ class Cluster(AbstractContextManager["Cluster"]):
             yield
         except KilledWorker as error:
             raise WorkerLost(
-                f"{error.allowed_failures + 1} workers of {self.address} died, one after the "
-                f"other, while they had the same chunk, the last at {error.last_worker.address}; "
+                f"{error.allowed_failures + 1} workers of {self.address} died in turn while they "
+                f"evaluated the same chunk, the last at {error.last_worker.address}; "
                 "resume the campaign without --dask and with --workers 1 to see why"
             ) from error
         except ImportError as error:
@@ -329,7 +328,7 @@ class Cluster(AbstractContextManager["Cluster"]):
         except (OSError, CancelledError) as error:
             raise TransportError(
                 f"{self.address}: the connection to the scheduler is lost "
-                f"({type(error).__name__}); see whether it still runs, and resume"
+                f"({type(error).__name__}); check that it still runs, and resume"
             ) from error
 
     def _connected(self, target: Any) -> Any:
@@ -356,7 +355,7 @@ class Cluster(AbstractContextManager["Cluster"]):
 
     def _advice(self) -> str:
         if self.address == LOCAL:
-            return "expected processes of this machine; use --workers without --dask"
+            return "expected worker processes on this machine; use --workers without --dask"
         return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
 
     def _count_workers(self) -> int:

@@ -159,7 +159,7 @@ class PlainEngine(Engine):
             return flight.world.mission.tick
 
         def told(error: BaseException) -> EvaluationError:
-            return failed(error, code.directory, f"the mission failed at tick {tick()}")
+            return failed(error, code.directory, f"the mission stopped at tick {tick()}")
 
         with fenced(told, tick, self.patience):
             self._fly(flight, seed)
@@ -184,9 +184,9 @@ def require_effects(known: FaultPool, pool: FaultPool) -> None:
     for fault in pool:
         if fault.kind.mode is Mode.OWN and fault.type not in regions:
             raise SpecificationError(
-                f"fault '{fault.id}' is of type {fault.type}, whose effect is a region that "
-                "fault_effects.py has only where the mission's pool has a fault of the type; add "
-                "one to its faults.xmi and run `mrsfi generate`"
+                f"fault '{fault.id}' has type {fault.type}, but fault_effects.py has no region for "
+                "its effect, because the mission's pool has no fault of this type; add one to its "
+                "faults.xmi and run `mrsfi generate`"
             )
 
 

@@ -188,9 +188,9 @@ class NodeProcess:
             while kind == "ended":  # of the one before
                 kind, said = self._connection.recv()
         except (EOFError, OSError) as error:
-            raise TransportClosed("the process that keeps the node has ended") from error
+            raise TransportClosed("the process that supervises the node has ended") from error
         if kind == "failed":
-            raise TransportError(f"the node did not start: {said}; look at --node")
+            raise TransportError(f"the node did not start: {said}; check --node")
         self.pid = int(said or 0)
 
 
@@ -232,8 +232,8 @@ class InjectorEngine(PlainEngine):
             for each in speech.relayed:
                 if settings.url is None:
                     raise UsageError(
-                        f"[node] {each.topic.name}: is passed on to the world, and ours knows no "
-                        f"{each.world.name}; expected --url, or fields"
+                        f"[node] {each.topic.name}: is passed on to the simulation, but the "
+                        f"built-in one has no {each.world.name}; expected --url, or fields"
                     )
             self.node.pass_on(self._lockstep.advertise)
             self._opened = opened.pop_all()
@@ -273,9 +273,9 @@ class InjectorEngine(PlainEngine):
         for timed in request.specification:
             if timed.fault in beyond:
                 raise SpecificationError(
-                    f"fault '{timed.fault}' cannot be injected: it touches {beyond[timed.fault]}, "
-                    "of which no topic tells the node; map one in [node] of mrsfi.toml, or leave "
-                    "the fault out (docs/node.md)",
+                    f"fault '{timed.fault}' cannot be injected: it affects {beyond[timed.fault]}, "
+                    "and no topic carries that to the node; map one in [node] of mrsfi.toml, or "
+                    "leave the fault out (docs/node.md)",
                     (timed.fault,),
                 )
         held = held_commands(self.code.mission, request.pool, request.specification)

@@ -63,7 +63,7 @@ def named(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) 
     try:
         open_engine(compiled, code, seed).close()
     except (UsageError, EvaluationError) as error:
-        tell(f"not compiled: {error}; the reference engine evaluates, about 100 times slower")
+        tell(f"not compiled: {error}; mrsfi uses the reference engine, about 100 times slower")
         return replace(settings, name=REFERENCE)
     return compiled
 

@@ -44,12 +44,12 @@ from mrsfi_runtime.generated_code import COMPILES_ALIKE, RUNS, RegionFinding, un
 _LARGEST = 2**63 - 1
 
 _LAST_BIT = "may differ in the last bit when compiled"
-_SET_ORDER = "takes a set in another order when compiled; write sorted(…)"
-_TEXT = "has another text when compiled if it is a float; compare numbers"
-_TOO_LARGE = "does not fit into 64 bits and wraps; use smaller numbers"
+_SET_ORDER = "reads a set in another order when compiled; write sorted(…)"
+_TEXT = "formats floats differently when compiled; compare numbers"
+_TOO_LARGE = "does not fit into 64 bits and wraps when compiled; use smaller numbers"
 
-_GAMMA = f"{_LAST_BIT}; read the values from a table in the team's own constants"
-_MATH = f"{_LAST_BIT}; write the function of math, or read a table"
+_GAMMA = f"{_LAST_BIT}; read the values from a table of constants"
+_MATH = f"{_LAST_BIT}; use the function of math, or read a table"
 _SUM = "adds in another order when compiled; add in a loop"
 
 _ROUNDED = (
@@ -66,7 +66,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         **{f"numpy.{name}": _MATH for name in _ROUNDED},
         **{f"numpy.{name}": _SUM for name in _SUMS},
         "numpy.argsort": (
-            "may order equals otherwise when compiled; sort tuples of value and index"
+            "may order equal values differently when compiled; sort tuples of value and index"
         ),
     }
 )
@@ -74,7 +74,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
 
 _DRAWS = (
     "draws other numbers when compiled, if it compiles at all; write randomness.uniform or "
-    "randomness.choice, which draw the same everywhere"
+    "randomness.choice, which draw the same numbers on every engine"
 )
 
 
@@ -146,7 +146,7 @@ def _power(node: ast.BinOp | ast.Call, at: _Function) -> str | None:
             "a loop"
         )
     if power is None:
-        return "may differ; multiply"
+        return "may differ when compiled; multiply"
     instead = {2: "write x * x", 0.5: "write math.sqrt(x)"}.get(power, "multiply")
     return f"{_LAST_BIT}; {instead}"
 
@@ -224,23 +224,23 @@ _RULES: Sequence[Rule] = (
     Rule(
         "UnaryOp",
         lambda node, at: isinstance(node.op, ast.Invert) and at.of(node.operand) is bool,
-        "is always true in Python and a `not` when compiled; write not",
+        "is always true in Python, but means `not` when compiled; write not",
     ),
     Rule(
         "Compare",
         _compares_objects,
-        "compares values when compiled, and objects in Python; write == or !=, or compare indices",
+        "compares objects in Python, but values when compiled; write == or !=, or compare indices",
     ),
     Rule(
         "Assign AugAssign",
         _cuts_off,
-        "keeps the float in Python and cuts it off when compiled; write int(…) or round(…)",
+        "keeps the float in Python, but truncates it when compiled; write int(…) or round(…)",
     ),
     Rule(
         "Assign AugAssign",
         _copies,
-        "copies a record when compiled, and makes two names of one in Python; assign field by "
-        "field",
+        "copies a record when compiled, but gives one record two names in Python; assign field "
+        "by field",
     ),
     Rule("For", lambda node, at: at.of(node.iter) is set, _SET_ORDER),
     Rule(
@@ -251,8 +251,8 @@ _RULES: Sequence[Rule] = (
     Rule(
         "sorted .sort",
         lambda node, _: "key" in [keyword.arg for keyword in node.keywords],
-        "may order elements of equal keys otherwise when compiled; sort tuples, or make every "
-        "key another",
+        "may order elements with equal keys differently when compiled; sort tuples, or make all "
+        "keys different",
     ),
     Rule(
         "JoinedStr",
@@ -269,24 +269,24 @@ _RULES: Sequence[Rule] = (
     Rule(
         "round",
         lambda node, at: len(node.args) == 2 and at.of(node.args[0]) is not int,
-        "may round halves otherwise when compiled; compare unrounded numbers, or write round(x * "
-        "100) / 100",
+        "may round halves differently when compiled; compare unrounded numbers, or write "
+        "round(x * 100) / 100",
     ),
     Rule(
         "sum",
         _adds_floats,
-        "may add floats otherwise from Python 3.12 on than when compiled; add in a loop",
+        "may add floats differently when compiled than in Python 3.12 or later; add in a loop",
     ),
     Rule(
         "math.sqrt math.log",
         lambda node, _: [type(getattr(each, "op", None)) for each in node.args[:1]] == [ast.Sub],
-        "is an error in Python and NaN when compiled if the difference is below 0; write max(…, "
-        "0.0) around it",
+        "is an error in Python, but NaN when compiled, if the difference is negative; write "
+        "max(…, 0.0) around it",
     ),
     Rule(
         "math.acos math.asin",
         lambda node, _: not all(map(_is_bounded, node.args[:1])),
-        "is an error in Python and NaN when compiled beyond -1 and 1; write min(max(…, -1.0), "
+        "is an error in Python, but NaN when compiled, outside -1 … 1; write min(max(…, -1.0), "
         "1.0) around it",
     ),
 )
@@ -338,7 +338,7 @@ def _no_python(source: Source) -> Iterator[tuple[int, str]]:
     """Yield why a file is no Python; no other rule finds anything there."""
     if source.error is not None:
         what = source.error.msg if isinstance(source.error, SyntaxError) else str(source.error)
-        yield getattr(source.error, "lineno", None) or 1, f"is no Python: {what}"
+        yield getattr(source.error, "lineno", None) or 1, f"is not valid Python: {what}"
 
 
 def _undefined(source: Source) -> Iterator[tuple[int, str]]:
@@ -349,7 +349,7 @@ def _undefined(source: Source) -> Iterator[tuple[int, str]]:
             found = f"found `{said.message_args[0]}`, which is not defined; import or define it"
             yield said.lineno, found + where
         elif isinstance(said, _CERTAIN):
-            yield said.lineno, f"found a mistake: {said.message % said.message_args}"
+            yield said.lineno, f"found an error: {said.message % said.message_args}"
 
 
 def _missing(source: Source) -> Iterator[tuple[int, str]]:

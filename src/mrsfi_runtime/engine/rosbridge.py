@@ -226,7 +226,7 @@ class RosbridgeEngine(PlainEngine):
     def _watch(self, simulation: SimulationProcess) -> None:
         """Let nobody wait for a simulation that has ended; a server that lives on is silent."""
         simulation.wait()
-        self._transport.tell(TransportClosed("nobody flies the simulation any more"))
+        self._transport.tell(TransportClosed("the simulation no longer runs"))
 
     def _fly(self, flight: Flight, seed: int) -> None:
         _require_seed(seed)
@@ -236,7 +236,7 @@ class RosbridgeEngine(PlainEngine):
             if not self._may_be_deaf or self._lockstep.tick:
                 raise
             raise TransportTimeout(
-                f"{error}; does it know {GO_BUNDLE.name}? Without --bundle it need not"
+                f"{error}; --bundle expects it to know {GO_BUNDLE.name}; if not, omit --bundle"
             ) from error
         except TransportClosed as error:
             last_words = self.simulation.last_words() if self.simulation else ""
@@ -248,7 +248,7 @@ class RosbridgeEngine(PlainEngine):
 def _require_seed(seed: int) -> None:
     if seed >= 2**63:
         raise UsageError(
-            f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
+            f"mission seed {seed}: too large for a ROS message; expected at most 2^63 - 1"
         )
 
 

@@ -102,10 +102,10 @@ class CampaignFolder:
         found = self.hashes()
         for name in {*recorded, *(name for name in found if name.startswith(IMPORTED))}:
             if recorded.get(name) != found.get(name):
-                what = "gone" if name not in found else "another one than it was begun on"
+                what = "is missing" if name not in found else "has changed since the campaign began"
                 raise RecordError(
-                    f"{self.path}: the campaign's own copy of {name} is {what}; expected the "
-                    "folder as `mrsfi evolve` left it; restore the file, or begin a new campaign"
+                    f"{self.path}: the campaign's copy of {name} {what}; expected the folder as "
+                    "`mrsfi evolve` wrote it; restore the file, or begin a new campaign"
                 )
 
     def require_unused(self) -> None:
@@ -117,8 +117,8 @@ class CampaignFolder:
         begun = {self.lock.name, self.model.name, self.generated.name, new, f"{new}-journal"}
         if found and not {self.lock.name} <= found <= begun:
             raise RecordError(
-                f"{self.path}: found something there already; expected a new or empty folder. "
-                "Give the campaign another name, or move the old one away"
+                f"{self.path}: is in use already; expected a new or empty folder. Give the "
+                "campaign another name, or move the old folder away"
             )
 
 
@@ -149,8 +149,8 @@ def _system_words(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise RecordError(
-            f"{path}: cannot make the campaign folder: {error}; expected a place that can be "
-            "written, and readable models and generated code"
+            f"{path}: cannot create the campaign folder: {error}; expected a writable place, and "
+            "readable models and generated code"
         ) from error
 
 
@@ -173,8 +173,8 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
         descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     except OSError as error:
         raise RecordError(
-            f"{folder.path}: cannot be opened or written: {error.strerror}; expected the folder "
-            "of a campaign that can be; change its permissions, or continue a copy of it"
+            f"{folder.path}: cannot be opened or written: {error.strerror}; expected a writable "
+            "campaign folder; change its permissions, or continue a copy of it"
         ) from error
     try:
         _seize(folder, descriptor)
@@ -204,13 +204,13 @@ def _seize(folder: CampaignFolder, descriptor: int, *, is_shared: bool = False) 
     except BlockingIOError as error:
         holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip()
         raise RecordError(
-            f"{folder.path}: found another process{f' ({holder})' if holder else ''} running this "
-            "campaign; expected one at a time; wait until it is done, or end it and resume"
+            f"{folder.path}: another process{f' ({holder})' if holder else ''} is running this "
+            "campaign; expected one at a time; wait until it ends, or end it and resume"
         ) from error
     except OSError as error:
         raise RecordError(
             f"{folder.lock}: cannot be locked: {error.strerror}; expected a file system with "
-            "locks and some room; choose another place"
+            "locks and free space; choose another place"
         ) from error
 
 
@@ -347,8 +347,8 @@ def create(path: Path, meta: Mapping[str, str]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists():
         raise RecordError(
-            f"{path}: found a campaign there already; expected a new folder. "
-            "Give the campaign another name, or move the old one away"
+            f"{path}: a campaign exists there already; expected a new folder. "
+            "Give the campaign another name, or move the old folder away"
         )
     new = path.with_name(new_name(path))
     with translated(path):
@@ -374,9 +374,8 @@ def open_existing(path: Path) -> sqlite3.Connection:
     """Open the file for reading and, where its permissions allow, for appending."""
     if not path.is_file():
         raise RecordError(
-            f"{path.parent}: found no {path.name}; expected the folder of a campaign, "
-            "as 'mrsfi evolve' writes it; one that was ended before it began has none: "
-            "begin it anew"
+            f"{path.parent}: found no {path.name}; expected a campaign folder, as 'mrsfi evolve' "
+            "writes it. A campaign that was interrupted before it began has none: begin it again"
         )
     with translated(path):
         connection = _connect(path, "rw")
@@ -422,22 +421,22 @@ def _sqlite_words(path: Path, error: sqlite3.Error | OSError) -> str:
     if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
         return (
             f"{path}: still locked by another process after {_WAIT:.0f} s; "
-            "expected one writer at a time; wait until it is done"
+            "expected one writer at a time; wait until it ends"
         )
     if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
-        begun = "what was recorded before is whole: free some room, then continue with: mrsfi "
-        advice = f"{begun}evolve --resume {path.parent}" if path.is_file() else "free some room"
+        begun = "earlier records are intact: free some space, then continue with: mrsfi "
+        advice = f"{begun}evolve --resume {path.parent}" if path.is_file() else "free some space"
         return (
-            f"{path}: the disk did not take a write or give a read: {error}; expected room to "
-            f"append and a sound disk; {advice}"
+            f"{path}: cannot be written to or read from the disk: {error}; expected free space and "
+            f"a working disk; {advice}"
         )
     return damaged(path, str(error))
 
 
 def _refused(path: Path, found: str) -> str:
     return (
-        f"{path}: cannot be opened or written: {found}; expected a folder and file that can be; "
-        "choose another place, or change the permissions"
+        f"{path}: cannot be opened or written: {found}; expected a readable and writable folder "
+        "and file; choose another place, or change the permissions"
     )
 
 
@@ -445,7 +444,7 @@ def damaged(path: Path, found: str) -> str:
     """Return the message for a file whose content makes no sense."""
     return (
         f"{path}: the record is damaged: {found}; expected a campaign database of "
-        f"version {SCHEMA}; restore the file from a copy, or run the campaign anew"
+        f"version {SCHEMA}; restore the file from a copy, or run the campaign again"
     )
 
 
@@ -462,19 +461,19 @@ def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
     (application,), (version,) = (connection.execute(f"PRAGMA {each}").fetchone() for each in names)
     if application != _APPLICATION:
         raise RecordError(
-            f"{path}: found a SQLite file that is not a campaign; expected the record of "
-            "'mrsfi evolve'; name the folder of one"
+            f"{path}: found a SQLite file that is not a campaign; expected the record that "
+            "'mrsfi evolve' writes; name a campaign folder"
         )
     if version < _FIRST:
         raise RecordError(
             f"{path}: found a campaign of version {version}, written by {_writer(connection)}; "
-            f"expected version {_FIRST} or later, as mrsfi writes it from 0.3.0 on; open the "
-            "campaign with the mrsfi that wrote it, or fly it anew with `mrsfi evolve`"
+            f"expected version {_FIRST} or later, which mrsfi writes from 0.3.0 on; open the "
+            "campaign with the mrsfi that wrote it, or run it again with `mrsfi evolve`"
         )
     if version > SCHEMA:
         raise RecordError(
-            f"{path}: found a campaign of version {version}; expected at most {SCHEMA}, which "
-            "is what this mrsfi reads; open it with the newer mrsfi that wrote it"
+            f"{path}: found a campaign of version {version}; this mrsfi reads at most version "
+            f"{SCHEMA}; open it with the newer mrsfi that wrote it"
         )
 
 

@@ -177,16 +177,16 @@ class Events:
             what = f"fault {fault.fault.id} {fault.words}"
             if fault.window is None:
                 if tick == fault.timed.start:
-                    yield "fault", f"{what}: is active at no tick"
+                    yield "fault", f"{what}: is never active"
                 continue
             values = f" with {fault.values}" if fault.values else ""
             if fault.trigger is not None and tick == fault.window[0]:
-                yield "fault", f"{what}: may start from now on, {fault.trigger.words}"
+                yield "fault", f"{what}: can start from this tick on, {fault.trigger.words}"
             first, last = fault.active(tally) or (-1, -1)
             if tick == first:
                 yield "fault", f"{what}: starts ({first} … {last}){values}"
             if tick == tally.first_changed:
-                yield "fault", f"{what}: first changes something"
+                yield "fault", f"{what}: has its first effect"
             if tick == last:
                 yield "fault", f"{what}: ends"
 
@@ -210,7 +210,7 @@ class Events:
             for what, flag in (
                 ("violated", verdicts.is_true[index]),
                 ("believed violated", verdicts.is_believed[index]),
-                ("missed", verdicts.missed[index]),
+                ("failed", verdicts.missed[index]),
             ):
                 yield "verdict", f"{goal} {what}", "yes" if flag else "no"
 

@@ -161,7 +161,7 @@ class CampaignSettings:
         elif "until" in values:
             raise UsageError(
                 f"{'option' if 'until' in given else source}: found until with an algorithm that "
-                f"does not bound what it has not found; expected '{COVERING}'"
+                f"gives no bound; expected algorithm '{COVERING}'"
             )
         return cls(**values, source=source, options=frozenset(given))
 
@@ -242,7 +242,7 @@ def _require_no_generations(where: str, table: Mapping[str, object]) -> None:
     for key in ("population", "generations"):
         if key in table:
             raise UsageError(
-                f"{where}: found {key} with algorithm '{COVERING}', which has none; expected "
+                f"{where}: found {key} with algorithm '{COVERING}', which has no {key}; expected "
                 "evaluations"
             )
 
@@ -314,8 +314,8 @@ class Regression:
         for goal, most in self.limits.items():
             if most >= duration:
                 yield (
-                    f"{self.path}: max: {goal} = {most} can never be exceeded in a mission of "
-                    f"{duration} ticks; expected fewer ticks"
+                    f"{self.path}: max: a mission of {duration} ticks cannot exceed the limit "
+                    f"{goal} = {most}; expected fewer ticks"
                 )
 
     def text(self) -> str:
@@ -356,8 +356,8 @@ class Regression:
         seeds, limits = tuple(content["mission_seeds"]), content["max"]
         if content["goals"] != len(limits):
             raise UsageError(
-                f"{path}: max: found {len(limits)} limits; expected {content['goals']}, as many as "
-                "goals says; restore the file, or correct goals if that is wanted"
+                f"{path}: max: found {len(limits)} limits; expected {content['goals']}, the number "
+                "in goals; restore the file, or correct goals if the limits are right"
             )
         rest = content.get("accepted", ""), content.get("side", BOTH)
         return cls(path, content["found"], content["violations"], seeds, limits, None, *rest)
@@ -381,7 +381,7 @@ def _read(path: Path) -> Regression:
     try:
         for file in (specification, path):
             if file.exists() and not file.is_file():  # reading a pipe would wait
-                raise SpecificationError(f"{file}: found no plain file; expected a kept weakness")
+                raise SpecificationError(f"{file}: is no regular file; expected a kept weakness")
         if not path.exists():
             raise UsageError(f"{specification}: found no limits; expected {path.name} beside it")
         return Regression.load(path)
@@ -412,7 +412,7 @@ _KEPT_RULES: Mapping[str, tuple[str, Callable[[Any], object]]] = {
         "a list of whole numbers >= 0, at least one",
         lambda value: isinstance(value, list) and value and all(map(_is_count, value)),
     ),
-    "goals": ("a whole number >= 0, that of the limits, kept from mrsfi 0.3.0 on", _is_count),
+    "goals": ("a whole number >= 0, the number of limits, as from mrsfi 0.3.0 on", _is_count),
     "max": (
         "a table with a whole number >= 0 for at least one goal",
         lambda value: isinstance(value, dict) and value and all(map(_is_count, value.values())),

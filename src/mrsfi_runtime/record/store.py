@@ -236,8 +236,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         rows = self._select(f"{self._from_evaluations()} WHERE idx = ?", (int(index),))
         if not rows:
             n_found = self.n_evaluations
-            expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
-            raise RecordError(f"{self.path}: found no evaluation {index}; expected {expected}")
+            range_ = f"expected 0 to {n_found - 1}" if n_found else "none is recorded yet"
+            raise RecordError(f"{self.path}: found no evaluation {index}; {range_}")
         return self._decoded(_evaluation, rows[0])
 
     def generations(self) -> Iterator[Generation]:
@@ -439,7 +439,8 @@ class Measure:
     @property
     def words(self) -> str:
         """What is counted, for people."""
-        return "time missed" if self.kind == "missed" else f"{self.kind} violations"
+        names = {"missed": "time after failure", "masked": "undetected violations"}
+        return names.get(self.kind, f"{self.kind} violations")
 
     @property
     def means(self) -> str:

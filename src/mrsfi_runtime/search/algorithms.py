@@ -426,8 +426,8 @@ def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algori
     n_offspring = settings.offspring or 2 * settings.population
     if n_offspring < settings.population:
         raise UsageError(
-            f"{settings.where('offspring')}: found {n_offspring}; eaMuCommaLambda needs "
-            f"at least as many as population, {settings.population}"
+            f"{settings.where('offspring')}: found {n_offspring}; eaMuCommaLambda needs at least "
+            f"the size of the population, {settings.population}"
         )
     breeder = Breeder(space, settings)
     return breeder.loop(

@@ -72,7 +72,7 @@ def told_by_line(where: str) -> Iterator[None]:
 
     def told(error: BaseException) -> UsageError:
         said = f"{type(error).__name__}: {words(error)}"
-        return UsageError(f"{where} failed at {_place(error)}: {said}; correct it there")
+        return UsageError(f"{where} raised an error at {_place(error)}: {said}; correct it there")
 
     with fenced(told):
         yield
@@ -221,7 +221,7 @@ class Judge:
         if not abs(value) <= _GREATEST:  # DEAP takes NaN for best
             raise EvaluationError(
                 f"the fitness of {specification} is {value:g} as a float; expected a finite "
-                f"number, {-_GREATEST:g} to {_GREATEST:g}"
+                f"number from {-_GREATEST:g} to {_GREATEST:g}"
             )
         return Score(value, self.goals(outcome))
 

@@ -137,7 +137,7 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:
-        raise EvaluationError(f"roulette selection found fitness {lowest}; it needs fitness >= 0")
+        raise EvaluationError(f"roulette selection needs fitness >= 0; found {lowest}")
     if not any(individual.fitness.values[0] for individual in individuals):
         return uniform(individuals, n_selected, rng)
     ranked = sorted(individuals, key=attrgetter("fitness"), reverse=True)

@@ -76,7 +76,7 @@ def require_settings(
     if settings.minimise and settings.algorithm in algorithms.keys() - MINIMISING:
         raise UsageError(
             f"{settings.where('minimise')}: found '{settings.minimise}' with algorithm "
-            f"'{settings.algorithm}', which knows fitness alone; expected algorithm "
+            f"'{settings.algorithm}', which uses only the fitness; expected algorithm "
             f"{' or '.join(map(repr, MINIMISING))}, or no minimise"
         )
     for goal in settings.goals:
@@ -161,8 +161,8 @@ class _Assessment:
             if self._n_failures > n_failures and self._n_failures >= n_most:
                 reason = self._last_failure.rstrip().rpartition("\n")[2].partition(": ")[2]
                 raise EvaluationError(
-                    f"{self._n_failures} evaluations failed; max_failures is {n_most}. All are "
-                    f"recorded with their tracebacks; the last one: {reason}"
+                    f"{self._n_failures} evaluations ended with an error; max_failures is "
+                    f"{n_most}. All tracebacks are recorded; the last error: {reason}"
                 )
         return scores
 
@@ -282,10 +282,10 @@ class ResumableRecord:
     def astray(self, place: str) -> str:
         """Return the message for a record of which a place is not what the search makes."""
         return (
-            f"{self._source}: the record does not follow from its own settings, models and code: "
-            f"{place} is another one; expected what the same mrsfi, Python and DEAP would search; "
-            "resume with the versions it was begun with (manifest in campaign.sqlite), or begin "
-            "a new campaign"
+            f"{self._source}: the search does not repeat its record: {place} differs; expected the "
+            "same settings, models and code, and the same versions of mrsfi, Python and DEAP; "
+            "resume with the versions in the record (manifest in campaign.sqlite), or begin a new "
+            "campaign"
         )
 
     def keep(self, result: Result | Generation) -> None:

@@ -125,7 +125,7 @@ class SearchSpace:
         """Return the space of a mission and its fault pool, which may not be empty."""
         if not len(pool):
             raise SpecificationError(
-                f"fault pool '{pool.id}' is empty; search needs at least one fault"
+                f"fault pool '{pool.id}' is empty; a search needs at least one fault"
             )
         gate = Gate(mission, pool)
         excluded = gate.conflicts()
@@ -157,14 +157,14 @@ class SearchSpace:
         try:
             found = self.gate.admitted(specification)
         except SpecificationError as error:
-            raise SpecificationError(f"{where} made: {error}", error.faults) from error
+            raise SpecificationError(f"{where} returned: {error}", error.faults) from error
         for timed in found:
             bounds = self.candidates[timed.fault].bounds
             is_within = map(within, timed.values, bounds)
             if timed.finish >= self.duration or not all(is_within):
                 raise SpecificationError(
-                    f"{where} made {timed}; expected its window within 0 … {self.duration - 1}, "
-                    f"and its values within the bounds of the model, {bounds}"
+                    f"{where} returned {timed}; expected its window within ticks 0 … "
+                    f"{self.duration - 1}, and its values within the model's bounds, {bounds}"
                 )
         return self.ordered(found)
 

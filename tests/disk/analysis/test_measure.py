@@ -18,7 +18,8 @@ def test_a_front_is_over_the_counts_that_the_campaign_chose(kind):
 
     front = find_front(measure, columns_of(HIDING, measure, GOALS), GOALS)
 
-    assert front.counts == ("time missed" if kind == "missed" else f"{kind} violations")
+    names = {"missed": "time after failure", "masked": "undetected violations"}
+    assert front.counts == names.get(kind, f"{kind} violations")
     assert {counts[point.violations] for point in front.points} == {
         point.evaluation for point in front.points
     }

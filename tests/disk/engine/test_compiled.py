@@ -51,7 +51,7 @@ def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
     with pytest.raises(EvaluationError) as failed:
         ReferenceEngine(load_code(folder), 1).evaluate(())
 
-    expected = f"{path}:{line}: the mission failed at tick 500: ZeroDivisionError: "
+    expected = f"{path}:{line}: the mission stopped at tick 500: ZeroDivisionError: "
     assert str(failed.value).startswith(expected)
 
 
@@ -201,7 +201,7 @@ def test_a_folder_of_ones_own_is_made_for_nobody_else(tmp_path, monkeypatch):
         ("given", 0o777, 0, "others may write to it (mode 777, expected 700)"),
         ("given", 0o720, 0, "others may write to it (mode 720, expected 700)"),
         ("given", 0o700, 1, "it belongs to user"),
-        ("given/file", 0o700, 0, "given/file: compiled code is not kept there: it is no folder"),
+        ("given/file", 0o700, 0, "given/file: compiled code is not cached there: it is no folder"),
         ("given/file/inner", 0o700, 0, "Not a directory"),
     ],
 )

@@ -348,7 +348,7 @@ def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path):
 
 def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
     folder = CampaignFolder(tmp_path)
-    message = rf"{tmp_path.name}: found another process \({os.getpid()}\) running this campaign"
+    message = rf"{tmp_path.name}: another process \({os.getpid()}\) is running this campaign"
 
     with only_writer(folder), pytest.raises(RecordError, match=message), only_writer(folder):
         pass
@@ -356,7 +356,7 @@ def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
 
 def test_nobody_writes_while_somebody_reads_and_the_other_way_round(tmp_path):
     folder = CampaignFolder(tmp_path)
-    message = "found another process"
+    message = "another process"
     with only_writer(folder), pytest.raises(RecordError, match=message), no_writer(folder):
         pass
 

@@ -16,9 +16,9 @@ def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path):
     )
 
     cannot_begin, cannot_go_on = done.stdout.splitlines()
-    assert "the disk did not take a write" in cannot_begin
+    assert "cannot be written to or read from the disk" in cannot_begin
     assert "--resume" not in cannot_begin
-    assert f"free some room, then continue with: mrsfi evolve --resume {folder}" in cannot_go_on
+    assert f"free some space, then continue with: mrsfi evolve --resume {folder}" in cannot_go_on
     with CampaignStore.open(folder) as store:
         assert tuple(store.evaluations()) == (evaluation(0, (0,)),)
 

@@ -464,7 +464,7 @@ def test_an_error_in_a_region_ends_its_run_only():
 
     broken = replace(CODE, functions=CODE.functions._replace(check=check))
     with sides(CODE) as (simulation, lockstep, _):
-        with pytest.raises(EvaluationError, match="failed at tick 30: ZeroDivisionError"):
+        with pytest.raises(EvaluationError, match="stopped at tick 30: ZeroDivisionError"):
             BusEngine(broken, 1, lockstep).evaluate(())
         outcome = BusEngine(CODE, 1, lockstep).evaluate(())
 

@@ -79,7 +79,7 @@ class _LikePython(AnalysisPass):
                     kinds = [state.typemap[each.name] for each in found.list_vars()]
                     if any(_refused(kind, found.op, name) for kind in kinds):
                         what = f"'{name or found.fn.__name__}'"
-                        raise TypingError(f"{what} is not in Python what it is here", loc=found.loc)
+                        raise TypingError(f"{what} has another meaning in Python", loc=found.loc)
         return False
 
 
@@ -180,7 +180,7 @@ _REASONS = (
     (r"Untyped global name '(\w+)'.*<class 'function'>", "'{0}' is not marked @kernel; mark it"),
     (
         r"Untyped global name '(\w+)'.*<class 'builtin_",
-        "'{0}' of Python is not known to the compiler; write a loop, or leave it out",
+        "the compiler does not support Python's '{0}'; write a loop, or leave it out",
     ),
     (
         r"Untyped global name '(\w+)'.*<class '(\w+)'>",
@@ -196,23 +196,26 @@ _REASONS = (
     (r"\(UNPACK_EX\)", "it unpacks with a star; unpack by index"),
     (
         r"exception_match|Exception object",
-        "it tells exceptions apart; write `except Exception:`, or test before instead",
+        "it distinguishes exceptions; write `except Exception:`, or test beforehand",
     ),
     (
         r"Unknown attribute '(\w+)' of type Module\(<module '(\w+)'",
-        "'{1}.{0}' is not known to the compiler; write the formula, or leave it out",
+        "the compiler does not support '{1}.{0}'; write the formula, or leave it out",
     ),
     (r"Unknown attribute '(\w+)' of type array", "a list has no '{0}' when compiled; write a loop"),
     (
         r"f-strings|'format' of type Literal|in function mod>[\s\S]*Literal\[str\]",
-        "it makes a text; leave texts to the analysis",
+        "it builds a text; leave texts to the analysis",
     ),
-    (r"<built-in function (min|max)>", "'{0}' takes numbers alone; write a loop"),
-    (r"load_from_data_pointer", "it lists records; list their indices"),
-    (r"Cannot type empty list", "of an empty list no type is known; keep what lasts in `ci`"),
+    (r"<built-in function (min|max)>", "'{0}' takes only numbers; write a loop"),
+    (r"load_from_data_pointer", "it makes a list of records; make one of their indices"),
+    (
+        r"Cannot type empty list",
+        "the type of an empty list is unknown; keep lasting values in `ci`",
+    ),
     (
         r"of function Function\(<function (\w+) ",
-        "'{0}' does not compile with what it is called with; a function cannot call itself",
+        "'{0}' does not compile for these arguments; a function cannot call itself",
     ),
 )
 """What numba says, and what that is in plain words."""
@@ -221,10 +224,10 @@ _UNKNOWN: Mapping[type[ast.AST], str] = {
     ast.GeneratorExp: "a generator expression; write a loop",
     ast.SetComp: "a set comprehension; write a loop",
     ast.NamedExpr: "`:=`; assign on a line of its own",
-    ast.With: "a `with`; leave it out: a region reads and commands `ci` alone",
+    ast.With: "a `with`; leave it out: a region only reads and commands `ci`",
     ast.Import: "an import; import in the region 'imports'",
     ast.ImportFrom: "an import; import in the region 'imports'",
-    ast.Global: "a `global`; keep what lasts in the fields of `ci`",
+    ast.Global: "a `global`; keep lasting values in the fields of `ci`",
     ast.ClassDef: "a class; write functions, or constants in the region 'helpers'",
     ast.Delete: "a `del`; leave the name alone",
 }
@@ -330,8 +333,8 @@ def register(functions: Iterable[FunctionType]) -> None:
         if _REGISTERED[function] != text:
             code = function.__code__
             raise CompilationError(
-                f"{code.co_filename}:{code.co_firstlineno}: what '{function.__name__}' reads has "
-                "changed since this process compiled it; begin another process"
+                f"{code.co_filename}:{code.co_firstlineno}: '{function.__name__}' reads a value "
+                "that has changed since this process compiled it; start another process"
             )
 
 

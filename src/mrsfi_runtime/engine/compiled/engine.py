@@ -93,8 +93,8 @@ class CompiledFlight:
             if not isinstance(error, TimeLimitReached):
                 return EvaluationError(words(error))
             return WorkerLost(
-                f"{self._directory}: compiled, the mission stays at "
-                f"tick {frame.tick}: {error}; --engine reference tells the line"
+                f"{self._directory}: the compiled mission does not get beyond "
+                f"tick {frame.tick}: {error}; --engine reference names the line"
             )
 
         with fenced(told, lambda: (frame.at, frame.tick)):
@@ -104,7 +104,7 @@ class CompiledFlight:
         result, error = ctypes.c_int64(), ctypes.c_void_p()
         status = self._fly(result, error, frame.directory.ctypes.data, first, last)
         if status:
-            raise EvaluationError(f"{self._directory}: a compiled flight failed")
+            raise EvaluationError(f"{self._directory}: a compiled flight ended with an error")
 
 
 def kernel() -> tuple[MachineCode | Library, bool]:
@@ -117,7 +117,7 @@ def _compiled_kernel() -> MachineCode:
     from mrsfi_runtime.engine.compiled.compiler import compiled_kernel  # noqa: PLC0415 - slow
 
     log = logging.getLogger(__name__)
-    log.warning("compiling the kernel, once for this installation; it takes some ten seconds")
+    log.warning("compiling the kernel, once for this installation; it takes about ten seconds")
     began = perf_counter()
     found = compiled_kernel()
     log.warning("compiled the kernel in %.1f s", perf_counter() - began)
@@ -128,11 +128,12 @@ SECONDS = 0.05
 """How long the reference engine flies for it."""
 
 _HINT = (
-    "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
+    "look for code that differs when compiled (`mrsfi validate` warns of it), or use "
+    "--engine reference"
 )
 _UNREPEATED = (
-    "expected the same: look for a region that keeps state from flight to flight, reads a clock or "
-    "draws unseeded random numbers"
+    "expected equal flights: look for a region that keeps state from flight to flight, reads a "
+    "clock or draws unseeded random numbers"
 )
 
 Record = Callable[[Specification, int], Recording | None]
@@ -175,11 +176,11 @@ def require_same(
             acting = [one.fault for one in specification if one.start <= tick <= one.finish]
             where, under = reference.code.directory, ", ".join(acting) or "no fault"
             raise EvaluationError(
-                f"{where}: compiled, {what} is {b}; the reference engine has {a} at tick {tick} "
-                f"under {under}; {_HINT}"
+                f"{where}: {what} is {a} on the reference engine, but {b} when compiled, at tick "
+                f"{tick} under {under}; {_HINT}"
             )
         if failure is not None:
-            raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
+            raise EvaluationError(f"{failure}; compiled, it raises no error: {_HINT}") from failure
 
 
 def unrepeated(engine: Engine, specification: Specification) -> ReplayMismatch:
@@ -199,7 +200,7 @@ def differing(code: MissionCode, specification: Specification, seed: int) -> str
         found = _difference(code.mission, second, _moments(first))
     except EvaluationError as error:
         return f"{error}; {_UNREPEATED}"
-    place = "at tick {}, {} is {} and then {}".format(*found) if found else "two more flights agree"
+    place = "at tick {}, {} is {}, then {}".format(*found) if found else "two more flights agree"
     return f"{place}; {_UNREPEATED}"
 
 
@@ -256,9 +257,9 @@ def _difference(
             for listed, columns in COLUMNS.items()
             for index in range(len(moment[name][listed]))
             for column in columns
-        ] + ["what goals remember"] * len(left)
+        ] + ["the memory of goals"] * len(left)
     differing = (each for each in zip(places, left, right, strict=False) if each[1] != each[2])
-    return (tick, *next(differing, ("what goals remember", "something", "nothing")))
+    return (tick, *next(differing, ("the memory of goals", "something", "nothing")))
 
 
 _TRUSTED: set[tuple[str, str]] = set()

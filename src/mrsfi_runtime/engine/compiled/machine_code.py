@@ -63,12 +63,12 @@ def temporary(folder: Path, why: str) -> Path:
     try:
         own = mkdtemp(prefix="mrsfi_")
     except OSError as error:
-        raise CompilationError(f"{folder}: cannot keep compiled code: {why}; {error}") from error
+        raise CompilationError(f"{folder}: cannot store compiled code: {why}; {error}") from error
     atexit.register(shutil.rmtree, own, ignore_errors=True)
     os.environ["MRSFI_CACHE"] = own
     logging.getLogger(__name__).warning(
-        "warning: %s: compiled code is not kept there: %s; it is lost when this command ends; make "
-        "it yours (chmod 700) or set MRSFI_CACHE",
+        "warning: %s: compiled code is not cached there: %s; it is lost when this command ends; "
+        "make the folder yours (chmod 700) or set MRSFI_CACHE",
         *(folder, why),
     )
     return Path(own)
@@ -218,7 +218,7 @@ def sources_key() -> str:
 def kernel_key() -> str:
     """Return a key of all that decides how the kernel compiles: its text, compiler, machine."""
     if find_spec("numba") is None:
-        raise UsageError("to compile takes numba; install it with: pip install 'mrsfi[fast]'")
+        raise UsageError("compilation needs numba; install it with: pip install 'mrsfi[fast]'")
     parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
     return key_of(sources_key(), *parts, *_processor())
 

@@ -309,8 +309,8 @@ def _named(value: Any) -> str:
 def _refusal(function: FunctionType, why: str) -> CompilationError:
     place = function.__code__.co_filename, function.__code__.co_firstlineno
     found = CompilationError(
-        f"{place[0]}:{place[1]}: {function.__name__} cannot be compiled: {why}, whose change would "
-        "not be seen; expected numbers, texts, tuples, arrays, enums, or functions marked @kernel"
+        f"{place[0]}:{place[1]}: {function.__name__} cannot be compiled: {why}, and changes of it "
+        "go undetected; expected numbers, texts, tuples, arrays, enums, or functions marked @kernel"
     )
     found.line = Path(place[0]), place[1]
     return found
