@@ -114,10 +114,10 @@ def keep(
     stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
-    found = f"{' and '.join(way.faults)}): {sentence(campaign.mission, campaign.pool, way)}"
+    faults, found = " and ".join(way.faults), sentence(campaign.mission, campaign.pool, way)
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, weakness {number} ({found}. {evidence(way)}",
+        f"{path}, weakness {number} ({faults}): {found}. {evidence(way)}",
         way.shown.column.kind,
         following(settings.mission_seed, n_seeds),
         {way.goal: 0} if limits is None else limits,
