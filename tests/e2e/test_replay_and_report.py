@@ -3,7 +3,7 @@ import re
 import pytest
 from PIL import Image
 
-from mrsfi_runtime.model.mission import TOLD
+from mrsfi_runtime.model.mission import RESULTS
 from tests.support.cli import execute, mrsfi, mrsfi_json
 
 
@@ -52,7 +52,7 @@ def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
     printed = mrsfi("replay", campaign, "--best", cwd=tmp_path).stdout
     best = mrsfi_json("report", campaign, cwd=tmp_path)["best"]
 
-    for count in TOLD:
+    for count in RESULTS:
         assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
     log = (tmp_path / "best.log").read_text(encoding="utf-8")
     report = (campaign / "report.md").read_text(encoding="utf-8")

@@ -1,7 +1,7 @@
 import pytest
 
 from mrsfi_runtime.engine import rosbridge
-from mrsfi_runtime.model.mission import TOLD
+from mrsfi_runtime.model.mission import RESULTS
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json, stop_specification
 from tests.tiers import slow
 
@@ -26,7 +26,7 @@ def test_a_hand_written_specification_is_flown(place):
         "applied": 801,
     }
     assert any(goal["believed"] for goal in flight["goals"])
-    assert all({*TOLD} <= {*goal} for goal in flight["goals"])
+    assert all({*RESULTS} <= {*goal} for goal in flight["goals"])
     told = [(goal["missed"], goal["missed_since"]) for goal in flight["goals"]]
     assert any(missed for missed, _ in told)
     assert all(since == (1000 - missed if missed else None) for missed, since in told)

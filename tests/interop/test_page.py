@@ -20,7 +20,7 @@ from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.mission import TOLD
+from mrsfi_runtime.model.mission import RESULTS
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
 from tests.support.missing import skip
 from tests.support.rendezvous import NAME as RENDEZVOUS
@@ -154,7 +154,7 @@ def test_counts_are_those_of_the_flight(chromium, campaign, first):
         cells = [row.locator("td").all_inner_texts() for row in rows]
 
     for goal, row in enumerate(cells):
-        counts = dict(zip(TOLD[:4], row[2:6], strict=True))
+        counts = dict(zip(RESULTS[:4], row[2:6], strict=True))
         assert counts["believed"] == str(int((recording["is_believed"][:, goal] > 0).sum()))
         assert counts["true"] == str(int((recording["is_true"][:, goal] > 0).sum()))
 

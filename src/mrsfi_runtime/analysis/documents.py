@@ -144,7 +144,7 @@ def _top(summary: Summary) -> Iterator[str]:
 def _weaknesses(summary: Summary) -> Iterator[str]:
     if summary.harvest is None:
         return
-    mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.said
+    mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.highlights
     yield f"## {plain(headline)}"
     facts += [f"{each.sentence} ({', '.join(each.evidence)})" for each in summary.verdicts]
     yield "\n".join(f"- {plain(each)}." for each in facts)
@@ -244,7 +244,7 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
     if summary.unrepeated:
         yield f"Caution: {in_latex(summary.unrepeated)}."
     if summary.harvest is not None:
-        yield "\n".join(f"{in_latex(each)}." for each in summary.said)
+        yield "\n".join(f"{in_latex(each)}." for each in summary.highlights)
         items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
     if summary.ways:

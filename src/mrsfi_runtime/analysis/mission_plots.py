@@ -23,7 +23,7 @@ from matplotlib.text import Annotation
 
 from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.plots import BELIEVED, BLUE, GRID, INK, PAPER, ROCK, SERIES, SOFT, TRUE
-from mrsfi_runtime.analysis.story import Story, seen, windows, working_window
+from mrsfi_runtime.analysis.story import Story, window_around, windows, working_window
 from mrsfi_runtime.files import telling_of_temporary_files
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
@@ -77,7 +77,7 @@ def flight_map(story: Story) -> Figure:
         axes = figure.add_subplot()
         _draw_mission(axes, mission, colours)
         labels = _foremost(_labelled(axes, mission, colours), story)
-        *centre, half = window = seen(mission, story.true)
+        *centre, half = window = window_around(mission, story.true)
         _look_at(axes, window, story.title, mission.distance_unit)
         is_outside = (abs(story.believed - centre) > half).any(axis=-1)
         for k, robot in enumerate(mission.robots):
@@ -115,7 +115,7 @@ def flight_gif(story: Story) -> bytes:
     with plots.drawing((8.2, 8.2)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
-        window, unit = seen(story.mission, story.true), story.mission.distance_unit
+        window, unit = window_around(story.mission, story.true), story.mission.distance_unit
         _look_at(axes, window, fill(story.title, 70), unit)
     n_ticks, n_robots, _ = story.true.shape
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
@@ -291,7 +291,7 @@ def _key(marker: str, words: str, **style: Any) -> Line2D:
 
 
 def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
-    radius = mission.units.told(mission.area.radius, Range.X, 6)
+    radius = mission.units.quantity(mission.area.radius, Range.X, 6)
     return [
         *(
             _key("^", f"start of {each.name or each.id} ({each.id})", ms=9, color=colours[each.id])

@@ -111,7 +111,7 @@ def _first_screen(
     known, mission, pool = summary.harvest, summary.mission, summary.pool
     if known is None:
         return None
-    headline, *facts = summary.said
+    headline, *facts = summary.highlights
     told = least(summary.ways)
     places = {way.number: place for place, way in enumerate(told)}
     names = {each.goal: each.name for each in summary.verdicts}
@@ -159,9 +159,9 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "cause": each.cause,
         "by": "" if way is None else " and ".join(way.faults),
         "detection": each.detection,
-        "sure": each.sure,
+        "sure": each.strength,
         "others": each.others,
-        "unknown": each.unknown,
+        "unknown": each.bound,
         "number": None if way is None else way.number,
     }
 

@@ -147,7 +147,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
     return (left + right) / 2, (low + high) / 2, max(half * 1.12, mission.area.radius * 0.01)
 
 
-def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
+def window_around(mission: Mission, places: Places) -> tuple[float, float, float]:
     """Return the same of the square around these and around places, shape ``(…, 2)``."""
     x, y, half = working_window(mission)
     reach = float(np.abs(places - (x, y)).max())
@@ -249,13 +249,13 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "goal": flown.goal,
         "first": flown.first,
         "robots": sorted(story.struck),
-        "window": seen(mission, story.true),
+        "window": window_around(mission, story.true),
         "faults": [
             {
                 "name": fault.name,
                 "type": fault.fault.type,
                 "target": fault.target,
-                "values": fault.told,
+                "values": fault.values_in_words,
                 "window": fault.window,
                 **({"waits": fault.timed[1:3]} if fault.trigger else {}),
             }

@@ -76,7 +76,7 @@ class Summary:
     harvest: Harvest | None
     ways: tuple[Way, ...]
     verdicts: tuple[GoalVerdict, ...]
-    said: tuple[str, ...]
+    highlights: tuple[str, ...]
     contained: tuple[tuple[Way, ...], ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
@@ -149,7 +149,9 @@ def summarise(
         harvest=known,
         ways=found,
         verdicts=judged,
-        said=() if known is None else (headline(judged), *facts(mission, pool, judged, found)),
+        highlights=()
+        if known is None
+        else (headline(judged), *facts(mission, pool, judged, found)),
         contained=tuple(_contained(known, found, each) for each in best),
         front=front,
         harm=fronts.find_harm(measure, columns) if measure.minimised else None,
@@ -221,7 +223,7 @@ def _ranked(
     summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault], found: Iterable[Way]
 ) -> dict[str, Any]:
     outcome, goals = evaluation.outcome, summary.measure.goals
-    told = outcome.told(summary.measure.duration)
+    told = outcome.results(summary.measure.duration)
     return {
         "evaluation": evaluation.index,
         "generation": evaluation.generation,

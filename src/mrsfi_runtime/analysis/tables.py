@@ -27,8 +27,8 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     COUNTED,
+    RESULTS,
     ROBOT_RADIUS,
-    TOLD,
     Coordinates,
     Goal,
     GoalDisc,
@@ -275,7 +275,7 @@ def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
 
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
     """Return what ``goal_table`` shows, for scripts."""
-    told = outcome.told(mission.duration) | {"samples": outcome.samples}
+    told = outcome.results(mission.duration) | {"samples": outcome.samples}
     margins = outcome.margins or [None] * len(mission.goals)
     least, ticks = zip(*(each or (None, None) for each in margins), strict=True)
     told |= {"margin": least, "nearest": ticks}
@@ -300,7 +300,7 @@ def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
 
 def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
     """Return a goal's margin with its unit."""
-    return mission.units.told(margin[0], goal.task.spares)
+    return mission.units.quantity(margin[0], goal.task.spares)
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
@@ -314,7 +314,7 @@ def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> T
     rows: list[tuple[Cell, ...]] = []
     for each, *counts in zip(faults, outcome.applied, outcome.changed, strict=True):
         head = (each.name, each.fault.type, each.timed.start, each.timed.finish)
-        rows.append((*head, *counts, each.target, each.told or NONE))
+        rows.append((*head, *counts, each.target, each.values_in_words or NONE))
     columns = (*words, "start", "finish", "applied", "changed", *texts)
     folded = ("\n".join(texts), texts)
     return Table(title, columns, rows, words, texts, is_compact=True, folded=folded)
@@ -428,7 +428,7 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
     The counts are those of the first mission seed. A cell is empty where a goal was not missed
     since any tick.
     """
-    counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
+    counted = (f"{name}_{goal}" for name in RESULTS for goal in measure.goals)
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
     rows = (
         (
@@ -437,7 +437,7 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
             " ".join(map(repr, each.fitness)),
             len(each.outcome.applied),
             each.fault_ticks,
-            *chain.from_iterable(each.outcome.told(measure.duration).values()),
+            *chain.from_iterable(each.outcome.results(measure.duration).values()),
             each.outcome.digest,
         )
         for each in flown

@@ -39,7 +39,7 @@ _DOES = {
 """What one fault, and what several specifications do to a goal, by measure."""
 
 
-def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Table:
+def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> Table:
     """Return a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
 
     A cell has the share of forms that break the goal alone, by the gravest measure; or says that
@@ -47,7 +47,7 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
     """
     cells: dict[str, dict[str, str]] = {}
     targets: dict[str, str] = {}
-    for way in found:
+    for way in weaknesses:
         for named in named_faults(mission, pool, way.shown.witness):
             targets[named.name] = named.target
             row = cells.setdefault(named.name, {})
@@ -57,7 +57,7 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
                 row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_undetected
             else:
                 row.setdefault(way.goal, "joint")
-    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
+    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in weaknesses)]
     rows = [
         (fault.id, fault.type, *map(cells[fault.id].get, goals), targets[fault.id])
         for fault in pool
@@ -72,9 +72,9 @@ def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Tab
     return Table(title, columns, rows, words, is_compact=True, spare=words[-1:], folded=folded)
 
 
-def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
+def harmless(pool: FaultPool, weaknesses: Iterable[Way]) -> str:
     """Return in a sentence which faults of a pool are in none of all ways to break a goal."""
-    guilty = {fault for way in found for fault in way.faults}
+    guilty = {fault for way in weaknesses for fault in way.faults}
     rest = [fault.id for fault in pool if fault.id not in guilty]
     faults = counted(len(pool), "faults")
     if not rest:
@@ -83,10 +83,10 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
     return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(rest)}"
 
 
-def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
+def way_table(title: str, mission: Mission, pool: FaultPool, weaknesses: Iterable[Way]) -> Table:
     """Return a row for each fault of each way, in the form that breaks the goal."""
     rows = []
-    for way in found:
+    for way in weaknesses:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
         shares[way.shown.column.kind] += "*" * way.is_undetected
         seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
@@ -94,7 +94,7 @@ def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way
         head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
-            how = named.fault.type, window, named.target, named.told
+            how = named.fault.type, window, named.target, named.values_in_words
             rows.append((*head, named.name, *how))
             head = ("", "and", *[""] * (len(head) - 2))
     folded = ("type", "window", "target", "values")
@@ -179,7 +179,7 @@ class FailureMode(NamedTuple):
 
 
 def failure_modes(
-    mission: Mission, pool: FaultPool, found: Sequence[Way], record: Record
+    mission: Mission, pool: FaultPool, weaknesses: Sequence[Way], record: Record
 ) -> list[FailureMode]:
     """Return what weaknesses come to, by occurrence where it is known, then by severity.
 
@@ -195,7 +195,7 @@ def failure_modes(
 
     def happens(named: NamedFault) -> str:
         window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
-        return ", ".join(filter(None, (window, named.told)))
+        return ", ".join(filter(None, (window, named.values_in_words)))
 
     def mode(way: Way) -> FailureMode:
         shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
@@ -222,7 +222,7 @@ def failure_modes(
         chance = 1.0 if mode.occurrence is None else -mode.occurrence
         return chance, mode.severity != "missed", -mode.ticks
 
-    return sorted(map(mode, found), key=rank)
+    return sorted(map(mode, weaknesses), key=rank)
 
 
 def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
@@ -281,7 +281,7 @@ class GoalVerdict:
     """What is known of a goal: its state, the way that is told of, and how many others there are.
 
     ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
-    ``detection`` whether the CI detects it; ``sure`` in how many mission seeds and forms,
+    ``detection`` whether the CI detects it; ``strength`` in how many mission seeds and forms,
     ``unknown`` how seldom it may break otherwise, ``nearest`` how near a goal ever came to it that
     never truly breaks; each is empty where there is nothing to say.
     """
@@ -294,8 +294,8 @@ class GoalVerdict:
     n_others: int
     cause: str
     detection: str
-    sure: tuple[str, ...]
-    unknown: str
+    strength: tuple[str, ...]
+    bound: str
     nearest: str = ""
 
     @property
@@ -319,9 +319,9 @@ class GoalVerdict:
         """The faults, how sure it is, what else breaks the goal, and what is unknown."""
         near = (self.nearest,) if self.nearest else ()
         if self.way is None:
-            return (self.unknown, *near)
+            return (self.bound, *near)
         number = f"weakness {self.way.number}", " and ".join(self.way.faults)
-        return (*number, *self.sure, *filter(None, (self.others,)), self.unknown, *near)
+        return (*number, *self.strength, *filter(None, (self.others,)), self.bound, *near)
 
     @property
     def others(self) -> str:
@@ -331,8 +331,8 @@ class GoalVerdict:
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
     """Return what is known of each goal of a mission, the gravest first."""
-    told = {way.goal: way for way in least(known.ways)}
-    found = (_verdict(mission, pool, known, goal, told.get(goal.id)) for goal in mission.goals)
+    least_of = {way.goal: way for way in least(known.ways)}
+    found = (_verdict(mission, pool, known, goal, least_of.get(goal.id)) for goal in mission.goals)
     return tuple(
         sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_undetected)))
     )
@@ -348,16 +348,16 @@ def _verdict(
     is_broken = any(fault_free.get(Column(goal.id, kind), 0) > 0 for kind in MEASURES[1:])
     if state in {State.FALSE_ALARM, State.HOLDS} and is_broken:
         state = State.BROKEN_ANYWAY
-    cause = seen = ""
-    sure: tuple[str, ...] = ()
+    cause = detected = ""
+    strength: tuple[str, ...] = ()
     if state is State.BROKEN_ANYWAY:  # not by what it would break
         cause = starvation(mission, goal)
     elif way is not None:
         cause = f"if {cause_in_words(mission, pool, way)}"
-        seen = "" if state is State.FALSE_ALARM else detection(way, mission.units)
+        detected = "" if state is State.FALSE_ALARM else detection(way, mission.units)
     if way is not None:
         seeds = f"in {way.shown.n_held} of {counted(way.shown.n_seeds, 'mission seeds')}"
-        sure = seeds, f"{100 * way.shown.share:.0f} % of tried variants"
+        strength = seeds, f"{100 * way.shown.share:.0f} % of tried variants"
     others = "other random specifications"
     limit = f"{others} that break it: at most {100 * unknown:.0f} % (95 % confidence)"
     return GoalVerdict(
@@ -368,10 +368,10 @@ def _verdict(
         way=way,
         n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
         cause=cause,
-        detection=seen,
-        sure=sure,
+        detection=detected,
+        strength=strength,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
-        unknown=limit if unknown < 1.0 else f"no bound yet on {others}",
+        bound=limit if unknown < 1.0 else f"no bound yet on {others}",
     )
 
 
@@ -392,8 +392,8 @@ def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
     """Say what has to happen for a way to break its goal."""
     faults = named_faults(mission, pool, way.shown.witness)
     off = way.mildest.off if way.is_mildest and way.mildest else ()
-    told = zip(faults, off or [None] * len(faults), strict=True)
-    return " and ".join(deed(mission, fault, apart) for fault, apart in told)
+    pairs = zip(faults, off or [None] * len(faults), strict=True)
+    return " and ".join(deed(mission, fault, apart) for fault, apart in pairs)
 
 
 def sentence(mission: Mission, pool: FaultPool, way: Way) -> str:
@@ -411,7 +411,7 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     subject, are = _subject(mission, fault.fault, "reported " * is_frozen)
     parameters = zip(values, kind.parameters, strict=True)
     one = re.compile(r"^(1 (?:energy unit|unit|tick|sample))s\b")
-    words = [one.sub(r"\1", units.told(value, each.range)) for value, each in parameters]
+    words = [one.sub(r"\1", units.quantity(value, each.range)) for value, each in parameters]
     first = words[0].replace(" percent", " %") if words else ""
     fixed = apart = ""
     if off is None:
@@ -483,9 +483,9 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
     return (robots[0], with_id(robot)), f"{what} {does}".strip()
 
 
-def headline(found: Sequence[GoalVerdict]) -> str:
+def headline(goals: Sequence[GoalVerdict]) -> str:
     """Say in a sentence how many goals break, and under how many faults."""
-    broken = [each for each in found if each.state <= State.VIOLATED]
+    broken = [each for each in goals if each.state <= State.VIOLATED]
     if not broken:
         return "No faults were found that break a goal"
     is_failing = all(each.state is State.FAILS for each in broken)
@@ -497,19 +497,19 @@ def headline(found: Sequence[GoalVerdict]) -> str:
         by = f"{_number(len(alone))} of them under a single fault"
     else:
         by = "under several faults together"
-    many = f"{_number(len(broken)).capitalize()} of {_number(len(found))}"
-    told = f"All {_number(len(found))}" if len(broken) == len(found) > 2 else many
-    return f"{told} goals {verb}, {by}"
+    many = f"{_number(len(broken)).capitalize()} of {_number(len(goals))}"
+    which = f"All {_number(len(goals))}" if len(broken) == len(goals) > 2 else many
+    return f"{which} goals {verb}, {by}"
 
 
 def facts(
-    mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict], ways: Sequence[Way]
+    mission: Mission, pool: FaultPool, goals: Sequence[GoalVerdict], ways: Sequence[Way]
 ) -> Iterator[str]:
     """Yield what stands out, in sentences: what is not detected, what is worth protecting first."""
-    unseen = [each.label for each in found if each.way is not None and each.way.is_undetected]
+    unseen = [each.label for each in goals if each.way is not None and each.way.is_undetected]
     if unseen:
         yield f"Undetected in at least one variant: {', '.join(unseen)}"
-    alarms = [each.label for each in found if each.state is State.FALSE_ALARM]
+    alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"False alarms only: {', '.join(alarms)}"
     struck: defaultdict[str, list[Way]] = defaultdict(list)
@@ -524,7 +524,7 @@ def facts(
 
 
 def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
-    """Return a row for each goal: what becomes of it, by what, and how sure that is."""
+    """Return a row for each goal: what becomes of it, by what, with the evidence."""
     found = verdicts(mission, pool, known)
     rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
     columns = ("goal", "evidence")

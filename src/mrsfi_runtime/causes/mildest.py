@@ -133,7 +133,7 @@ class Deviation:
         if kind.mode is not Mode.FIXED:
             return kind.in_words(timed.values, units)
         apart = math.dist(timed.values[:2], self.harmless(timed)[:2])
-        return f"{units.told(apart, kind.parameters[0].range)} off"
+        return f"{units.quantity(apart, kind.parameters[0].range)} off"
 
     def error_in_words(self, timed: TimedFault) -> str:
         """Return the same as a sentence goes on: ``an error of 41 units``, ``DELAY 9 ticks``."""
@@ -323,7 +323,7 @@ class Way:
         return [{"number": self.number, **each.as_json()} for each in self.by]
 
 
-def ways(found: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
+def ways(weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
     """Return weaknesses, in the order in which they are known, as ways to break goals."""
 
     def broken(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
@@ -332,11 +332,11 @@ def ways(found: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Wa
     least_of = {broken(each.weakness): each for each in mildest}
     return tuple(
         Way(number, *way, tuple(each), least_of.get(way))
-        for number, (way, each) in enumerate(groupby(found, key=broken), 1)
+        for number, (way, each) in enumerate(groupby(weaknesses, key=broken), 1)
     )
 
 
-def least(found: Iterable[Way]) -> tuple[Way, ...]:
+def least(weaknesses: Iterable[Way]) -> tuple[Way, ...]:
     """Return a way for each goal: of fewest faults, in truth, in most mission seeds and forms."""
 
     def size(each: Way) -> tuple[int, bool, int, float]:
@@ -344,5 +344,5 @@ def least(found: Iterable[Way]) -> tuple[Way, ...]:
         n_lost = shown.n_seeds - shown.n_held
         return len(each.faults), shown.column.kind == MEASURES[0], n_lost, -shown.share
 
-    by_goal = groupby(found, key=lambda each: each.goal)
+    by_goal = groupby(weaknesses, key=lambda each: each.goal)
     return tuple(min(some, key=size).at_least for _, some in by_goal)

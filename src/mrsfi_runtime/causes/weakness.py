@@ -320,45 +320,47 @@ def _as_json(timed: TimedFault) -> dict[str, Any]:
     return row if timed.trigger else {name: row[name] for name in row if name != "trigger"}
 
 
-def flown_with(found: Iterable[Weakness]) -> tuple[Specification, ...]:
+def flown_with(weaknesses: Iterable[Weakness]) -> tuple[Specification, ...]:
     """Return what tells in a mission seed whether weaknesses hold: no fault, witnesses, parts."""
-    witnesses = dict.fromkeys(each.witness for each in found)
+    witnesses = dict.fromkeys(each.witness for each in weaknesses)
     return tuple(dict.fromkeys([(), *witnesses, *chain.from_iterable(map(parts, witnesses))]))
 
 
 def in_seeds(
-    mission: Mission, found: Sequence[Weakness], evaluate: EvaluateIn, seeds: Sequence[int]
+    mission: Mission, weaknesses: Sequence[Weakness], evaluate: EvaluateIn, seeds: Sequence[int]
 ) -> tuple[Weakness, ...]:
     """Return weaknesses with the number of mission seeds in which they hold.
 
-    They were found in the first one, which is not flown again. What fails breaks nothing; without
-    faults it may not fail.
+    The first seed, in which they were found, is not flown again. A flight that fails breaks
+    nothing; the flight without faults may not fail.
     """
-    flown, n_held = flown_with(found), Counter(found)
+    flown, n_held = flown_with(weaknesses), Counter(weaknesses)
     for seed in seeds[1:]:
         breaking = Breaking(mission, evaluate, [seed])
         breaking(flown, seed)
-        for each in found:
+        for each in weaknesses:
             whole = (each.witness, *parts(each.witness))
             n_held[each] += breaking.isolates(each.column, whole, seed)
-    return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in found)
+    return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in weaknesses)
 
 
-def dated(yardstick: Yardstick, found: Sequence[Weakness], record: Record) -> tuple[Weakness, ...]:
+def dated(
+    yardstick: Yardstick, weaknesses: Sequence[Weakness], record: Record
+) -> tuple[Weakness, ...]:
     """Return weaknesses with the ticks since which goals break; all are flown."""
-    witnesses = dict.fromkeys(each.witness for each in found)
+    witnesses = dict.fromkeys(each.witness for each in weaknesses)
     since = {each: yardstick.since(record(each)) for each in witnesses}
-    return tuple(replace(each, since=since[each.witness].get(each.column)) for each in found)
+    return tuple(replace(each, since=since[each.witness].get(each.column)) for each in weaknesses)
 
 
 def detected(
     mission: Mission,
     store: CampaignStore,
-    found: Sequence[Weakness],
+    weaknesses: Sequence[Weakness],
     more: Iterable[RecordedFlight] = (),
 ) -> tuple[Weakness, ...]:
     """Return weaknesses with their detection in all that a campaign flew, and in more flights."""
-    flights = [*store.flown_with({frozenset(each.faults) for each in found}), *more]
+    flights = [*store.flown_with({frozenset(each.faults) for each in weaknesses}), *more]
     yardsticks: dict[int, Yardstick] = {}
     late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
     for each in sorted(flights, key=lambda each: len(each.specification)):  # first without faults
@@ -368,9 +370,13 @@ def detected(
             for goal, ticks in yardstick.late(each.found):
                 variants = late[goal, faults_of(variant)]
                 variants[variant] = max(ticks, variants.get(variant, 0))
-    truly = {(each.column.goal, each.faults) for each in found if each.column.kind != MEASURES[0]}
+    truly = {
+        (each.column.goal, each.faults) for each in weaknesses if each.column.kind != MEASURES[0]
+    }
     of = {(goal, faults): Detection.of(late[goal, frozenset(faults)]) for goal, faults in truly}
-    return tuple(replace(each, detection=of.get((each.column.goal, each.faults))) for each in found)
+    return tuple(
+        replace(each, detection=of.get((each.column.goal, each.faults))) for each in weaknesses
+    )
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

@@ -46,9 +46,9 @@ def print_verdicts(
         state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
         print_words((each.label, "bold"), " ", state, f"{each.because}.")
         print_words(" · ".join(each.evidence), indent=4)
-    for unknown in dict.fromkeys(each.unknown for each in held):
-        some = ", ".join(each.label for each in held if each.unknown == unknown)
-        print_words(("No known weakness: ", "bold"), f"{some} ({unknown})")
+    for bound in dict.fromkeys(each.bound for each in held):
+        some = ", ".join(each.label for each in held if each.bound == bound)
+        print_words(("No known weakness: ", "bold"), f"{some} ({bound})")
     for each in held:
         if each.nearest:
             print_words(f"{each.label}: {each.nearest}", indent=4)

@@ -105,7 +105,7 @@ class Units:
             return self.distance
         return "" if measured is Range.SHARE else named.get(measured, "") or measured.value
 
-    def told(self, value: float, measured: Range, digits: int = 4) -> str:
+    def quantity(self, value: float, measured: Range, digits: int = 4) -> str:
         """Return a quantity of so many digits with its unit: ``3 energy units``, ``41.2 m``."""
         rounded = float(f"{value:.{digits}g}")
         return f"{rounded:.15g} {self.of(measured)}".rstrip()
@@ -180,7 +180,7 @@ class FaultType:
     def in_words(self, values: Sequence[float], units: Units, digits: int = 6) -> str:
         """Return values with names and units: ``DELAY 200 ticks``."""
         return ", ".join(
-            f"{each.name} {units.told(value, each.range, digits)}"
+            f"{each.name} {units.quantity(value, each.range, digits)}"
             for each, value in zip(self.parameters, values, strict=True)
         )
 

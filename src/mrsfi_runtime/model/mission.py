@@ -378,8 +378,8 @@ def with_id(element: Element) -> str:
 COUNTED = ("believed", "true", "phantom", "masked", "missed")
 """What is counted in ticks for each goal, in the order of an outcome's attributes."""
 
-TOLD = (*COUNTED, "missed_since")
-"""What is told of each goal: what is counted, and since when it was certain to be missed."""
+RESULTS = (*COUNTED, "missed_since")
+"""What is listed of each goal: its counts, and the tick from which on it was missed."""
 
 Margin: TypeAlias = tuple[float, int]
 """By how much a goal was not violated when it was nearest to it, and the tick of that."""
@@ -436,10 +436,10 @@ class Outcome:
         """Return from which tick on each goal was certain to be missed, ``None`` if it was met."""
         return tuple(duration - ticks if ticks else None for ticks in self.missed)
 
-    def told(self, duration: int) -> dict[str, tuple[int | None, ...]]:
-        """Return what came of each goal by the names in ``TOLD``; None where there is nothing."""
+    def results(self, duration: int) -> dict[str, tuple[int | None, ...]]:
+        """Return the results of each goal by the names in ``RESULTS``; None for "not missed"."""
         counts = [getattr(self, name) for name in COUNTED]
-        return dict(zip(TOLD, (*counts, self.missed_since(duration)), strict=True))
+        return dict(zip(RESULTS, (*counts, self.missed_since(duration)), strict=True))
 
 
 @dataclass(frozen=True, slots=True)

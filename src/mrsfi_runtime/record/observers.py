@@ -90,7 +90,7 @@ class NamedFault:
         return self.fault.kind.in_words(self.timed.values, self.units)
 
     @property
-    def told(self) -> str:
+    def values_in_words(self) -> str:
         """Its values, and what it waits for; empty if it has neither."""
         return "; ".join(filter(None, (self.values, self.trigger.words if self.trigger else "")))
 

@@ -428,7 +428,7 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
 
     (said,) = (each.sentence for each in told if each.goal == "g3")
     approved(said)
-    bounds = {each.unknown for each in told}
+    bounds = {each.bound for each in told}
     assert bounds == {"no bound yet on other random specifications"}  # nothing was drawn
 
 

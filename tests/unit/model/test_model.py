@@ -80,8 +80,8 @@ def test_what_batteries_and_drives_add_up_to_is_the_same_on_every_python():
     ],
 )
 def test_a_quantity_is_told_with_its_unit(measured, unnamed, named):
-    assert Units().told(12.0, measured) == unnamed
-    assert NAMED.told(12.0, measured) == named
+    assert Units().quantity(12.0, measured) == unnamed
+    assert NAMED.quantity(12.0, measured) == named
 
 
 def test_how_long_ticks_last_is_told_in_the_unit_of_time():

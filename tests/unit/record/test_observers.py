@@ -233,7 +233,10 @@ def test_what_a_fault_waits_for_is_told_after_its_values(trigger, told):
         TimedFault("f21", 0, 475, (), trigger), TimedFault("f2", 0, 475, (50.0,), trigger)
     )
 
-    assert (silent.told, block.told) == (told, f"BLOCK_DURATION 50 ticks; {told}")
+    assert (silent.values_in_words, block.values_in_words) == (
+        told,
+        f"BLOCK_DURATION 50 ticks; {told}",
+    )
     assert (silent.as_json()["trigger"], silent.as_json()["window"]) == (trigger, [1, 475])
 
 
