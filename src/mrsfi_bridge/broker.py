@@ -477,9 +477,9 @@ class Actions(Services):
         ``answer`` takes what comes back of it: the fields of an operation, its result last.
         """
 
-        def reply(is_ok: bool, told: Any) -> None:
-            failed = {"values": told, "status": ABORTED, "result": False}
-            answer({"op": "action_result", **(told if is_ok else failed)})
+        def reply(is_ok: bool, values: Any) -> None:
+            failed = {"values": values, "status": ABORTED, "result": False}
+            answer({"op": "action_result", **(values if is_ok else failed)})
 
         known = self.services.get(name)
         if known is not None and type_name.replace("/action/", "/") != known.type.name:
@@ -498,8 +498,8 @@ class Actions(Services):
         """Tell a caller how far a goal is."""
         call = self._asked(owner, goal_id)
         if call.type.feedback is not None:
-            told = call.type.feedback.convert(values)
-            call.reply(True, {"op": "action_feedback", "values": told})
+            feedback = call.type.feedback.convert(values)
+            call.reply(True, {"op": "action_feedback", "values": feedback})
 
     def finish(
         self, owner: Hashable, goal_id: Any, values: Any, status: int, *, is_ok: bool

@@ -370,7 +370,7 @@ class Stream:
         self._tail = b""
         self._waiting = bytearray()
         self._parts = bytearray()
-        self._said: list[bytes] = []
+        self._unsent: list[bytes] = []
         self._masks: Iterator[bytes] = iter(())
         self._is_text = True
         self._is_whole = True
@@ -397,12 +397,12 @@ class Stream:
         if mask is None:  # a call of the system for each takes longer than all the rest
             self._masks = _masks()
             mask = next(self._masks)
-        self._said += _frame_head(OP_TEXT, len(content), _MASKED), mask, apply_mask(content, mask)
+        self._unsent += _frame_head(OP_TEXT, len(content), _MASKED), mask, apply_mask(content, mask)
 
     def data_to_send(self) -> list[bytes]:
         """Return what is to be written, in parts; an empty one last ends the connection."""
-        said, self._said = self._said, []
-        return [*said, *self.protocol.data_to_send()]
+        frames, self._unsent = self._unsent, []
+        return [*frames, *self.protocol.data_to_send()]
 
     def receive(self, data: bytes | memoryview) -> Iterator[Event]:
         """Take bytes; yield what they complete, one after the other."""

@@ -150,7 +150,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport = cast("asyncio.Transport", transport)
         peer = transport.get_extra_info("peername") or ("?", 0)
         self.name = f"{peer[0]}:{peer[1]}"
-        self.seen = {"ip_address": str(peer[0]), "connection_time": now()}
+        self.details = {"ip_address": str(peer[0]), "connection_time": now()}
         self._socket: socket.socket = transport.get_extra_info("socket")
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if not self._server.enter(self):
@@ -173,7 +173,7 @@ class Connection(asyncio.BufferedProtocol):
             elif isinstance(event, Request):
                 self._shake_hands(event)
         if self._ending is None and isinstance(self._protocol.parser_exc, PayloadTooBig):
-            self._tell(f"your message exceeds {self._limits.frame_bytes} bytes, the limit")
+            self._report(f"your message exceeds {self._limits.frame_bytes} bytes, the limit")
         self._flush()
         if _QUICKACK is not None and not self._is_answered:  # no client waits for it to send more
             with suppress(OSError):
@@ -250,10 +250,10 @@ class Connection(asyncio.BufferedProtocol):
         if self._ending is not None:
             return
         if self._protocol.state is State.OPEN:
-            self._tell(reason)
+            self._report(reason)
         self.close(CloseCode.TRY_AGAIN_LATER, reason[:120])
 
-    def _tell(self, reason: str) -> None:
+    def _report(self, reason: str) -> None:
         """Tell the client why it is disconnected, before it is."""
         LOGGER.warning("%s: disconnected: %s", self.name, reason)
         self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
@@ -433,7 +433,7 @@ class BridgeServer:
 
     def tell_clients(self) -> None:
         """Publish who is connected."""
-        tell_clients(self.hub, [each.seen for each in self._connections if each.is_client])
+        tell_clients(self.hub, [each.details for each in self._connections if each.is_client])
 
     def _check(self) -> None:
         now = self._loop.time()

@@ -194,8 +194,8 @@ class Session:
             answer["id"] = call_id
 
         def reply(is_ok: bool, values: Any) -> None:
-            told = {**answer, "values": values, "result": is_ok}
-            self._send(text_frames(told, encoding))
+            answered = {**answer, "values": values, "result": is_ok}
+            self._send(text_frames(answered, encoding))
 
         given, timeout = operation.get("args"), operation.get("timeout") or 0
         arguments = {} if given is None else given
@@ -227,11 +227,11 @@ class Session:
         name, type_name = operation["action"], operation["type"]
 
         def ask(goal_id: str, goal: dict[str, Any] | None) -> None:
-            told = {"op": "cancel_action_goal", "id": goal_id, "action": name}
+            request = {"op": "cancel_action_goal", "id": goal_id, "action": name}
             if goal is not None:
-                told |= {"op": "send_action_goal", "action_type": type_name, "feedback": True}
-                told["args"] = goal
-            self._send(text_frames(told))
+                request |= {"op": "send_action_goal", "action_type": type_name, "feedback": True}
+                request["args"] = goal
+            self._send(text_frames(request))
 
         if self._hub.actions.advertise(self, absolute(name), type_name, ask):
             self.status("warning", f"you replace another provider of action '{name}'")
@@ -244,13 +244,13 @@ class Session:
         name, own_id = operation["action"], operation.get("id")
         named = {"action": name} if own_id is None else {"id": own_id, "action": name}
 
-        def answer(told: Operation) -> None:
-            if told["op"] == "action_result":
+        def answer(result: Operation) -> None:
+            if result["op"] == "action_result":
                 self._goals.pop(own_id or "", None)
             elif not operation.get("feedback", False):
                 return
-            said = {"op": told["op"], **named, **told}
-            self._send(text_frames(said, encoding))
+            reported = {"op": result["op"], **named, **result}
+            self._send(text_frames(reported, encoding))
 
         goal, type_name = operation.get("args") or {}, operation["action_type"]
         goal_id = self._hub.actions.send_goal(self, absolute(name), type_name, goal, answer)

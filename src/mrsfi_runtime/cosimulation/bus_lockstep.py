@@ -120,7 +120,7 @@ class BusLockstep:
             self._flight = flight
             self._topics.open()
             world = initial_state(self._mission, seed)
-            flight.begin(world, tells_all=True)  # the simulation may be somebody else's
+            flight.begin(world, sends_all=True)  # the simulation may be somebody else's
             world.commands, world.switches = flight.sent.commands, flight.sent.switches
             self._mind.soon(partial(self._send_go, 0))
             self._completion.wait(self._overdue)
@@ -159,18 +159,18 @@ class BusLockstep:
         while True:
             self._setup({"data": [*Setup(self._run, seed, SEMANTICS)]})
             reply = self._call(RESET)
-            said = reply.problem or str(reply.values.get("message"))
-            if said == f"run {self._run}":
+            answer = reply.problem or str(reply.values.get("message"))
+            if answer == f"run {self._run}":
                 return
-            refusal = _refused(said) if said.startswith(REFUSAL) else self._refusal
+            refusal = _refused(answer) if answer.startswith(REFUSAL) else self._refusal
             if refusal is not None:
                 raise refusal
-            if said.startswith("run ") and not is_overtaken:
+            if answer.startswith("run ") and not is_overtaken:
                 is_overtaken = True  # reset came before setup, as on a server of ROS 2
                 continue
             if monotonic() > deadline:
                 raise TransportTimeout(
-                    f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
+                    f"no simulation was ready within {self._patience.handshake:g} s: {answer}; "
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
                     "--url URL), or increase --timeout"
                 )
@@ -196,23 +196,23 @@ class BusLockstep:
         return self._topics.overdue(silence, self._patience.tick)
 
     def _on_failure(self, payload: Payload) -> None:
-        told = str(payload.get("data"))
+        reason = str(payload.get("data"))
         if self._topics.is_open:
-            raise TransportError(f"the simulation failed: {told}")
-        if self._flight is None and str(self._run) in told:  # it does not understand our setup
-            self._refusal = _refused(told)
+            raise TransportError(f"the simulation failed: {reason}")
+        if self._flight is None and str(self._run) in reason:  # it does not understand our setup
+            self._refusal = _refused(reason)
 
     def _on_tick(self, payload: Payload) -> None:
-        told = numbers(TICK, payload, Tick)
-        if not self._topics.is_open or told.run != self._run:
+        reported = numbers(TICK, payload, Tick)
+        if not self._topics.is_open or reported.run != self._run:
             return
         self._completion.advance()
-        is_complete = self._topics.announced(told.tick, told.n_messages)
-        if told.n_commands != self._topics.n_sent:
+        is_complete = self._topics.announced(reported.tick, reported.n_messages)
+        if reported.n_commands != self._topics.n_sent:
             raise ProtocolError(
-                f"the simulation flew after {told.n_commands} commands; {self._topics.n_sent} were "
-                "sent since the reset: it must count commands, and wait for the number that "
-                "/mission/go announces (docs/bus.md)"
+                f"the simulation flew after {reported.n_commands} commands; "
+                f"{self._topics.n_sent} were sent since the reset: it must count commands, and "
+                "wait for the number that /mission/go announces (docs/bus.md)"
             )
         if is_complete:
             self._proceed()
@@ -247,8 +247,8 @@ class BusLockstep:
     def _take_truth(self, flight: Flight) -> None:
         """Take what is true in this tick, and see that it brought all that is due by that."""
         world, tick = flight.world, self._topics.tick
-        for index, told in enumerate(self._truth):
-            take_true_values(world, index, told)
+        for index, topic in enumerate(self._truth):
+            take_true_values(world, index, topic)
         world.mission.tick = tick
         secs = seconds_of(self._clock.take()["clock"])
         if secs != tick:
@@ -262,8 +262,8 @@ class BusLockstep:
         self._go({"data": [self._run, tick, self._topics.announce()]})
 
 
-def _refused(said: str) -> ProtocolError:
-    return ProtocolError(f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {said}")
+def _refused(reason: str) -> ProtocolError:
+    return ProtocolError(f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {reason}")
 
 
 class SimulationHost:
@@ -317,7 +317,7 @@ class SimulationHost:
             return "no run"
         return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._topics.tick}"
 
-    def tell_failure(self, error: Exception) -> None:
+    def report_failure(self, error: Exception) -> None:
         """Tell the CI why the simulation cannot go on."""
         self._failure({"data": f"{self.where()}: {error}"})
 

@@ -102,17 +102,17 @@ def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
 
     It is a ``ProtocolError`` if they are not as many integers as they should be.
     """
-    found = payload.get("data")
+    values = payload.get("data")
     if (
-        not isinstance(found, list)
-        or len(found) != len(kind._fields)
-        or not all(type(value) is int for value in found)
+        not isinstance(values, list)
+        or len(values) != len(kind._fields)
+        or not all(type(value) is int for value in values)
     ):
         raise ProtocolError(
-            f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
+            f"{topic.name} carried {values!r}; expected {len(kind._fields)} integers: "
             f"{', '.join(kind._fields)} (docs/bus.md)"
         )
-    return kind(*found)
+    return kind(*values)
 
 
 GRACE = 1.0
@@ -161,7 +161,7 @@ class CountedTopics:
 
     def open(self) -> None:
         """Begin a run: expect tick 0."""
-        self.tick = self.n_before = self.n_sent = self._n_told = 0
+        self.tick = self.n_before = self.n_sent = self._n_announced = 0
         self.is_open, self.is_muted = True, False
         self._forget()
 
@@ -230,7 +230,7 @@ class CountedTopics:
 
     def announce(self) -> int:
         """Return how many messages were published since this was asked last."""
-        n_before, self._n_told = self._n_told, self.n_sent
+        n_before, self._n_announced = self._n_announced, self.n_sent
         return self.n_sent - n_before
 
     def overdue(self, silence: float, timeout: float) -> MrsfiError | None:

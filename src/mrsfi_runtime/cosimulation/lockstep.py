@@ -152,14 +152,14 @@ class SensorInterface:
     def __init__(self, transport: PubSub, topics: SensorTopics) -> None:
         self._samples = Heard(transport, topics.samples)
         self._active = Heard(transport, topics.active)
-        self._told: bool | None = None
+        self._was_active: bool | None = None
         self._switch = transport.advertise(topics.active_command)
 
     def reset(self) -> None:
         """Forget what was received."""
         self._samples.forget()
         self._active.forget()
-        self._told = None
+        self._was_active = None
 
     def read(self, sensor: SensorState) -> None:
         """Copy what came in this tick; whether it is active stays as it was told."""
@@ -175,8 +175,9 @@ class SensorInterface:
         """Raise ``ProtocolError`` unless it told last whether it is active now."""
         if self._last_active() != is_active:
             raise ProtocolError(
-                f"the last message on {self._active.name} was {self._told}, but the true state is "
-                f"{bool(is_active)}; the simulation must publish every change (docs/bus.md)"
+                f"the last message on {self._active.name} was {self._was_active}, but the true "
+                f"state is {bool(is_active)}; the simulation must publish every change "
+                "(docs/bus.md)"
             )
 
     def set_active(self, active: bool) -> None:
@@ -184,9 +185,9 @@ class SensorInterface:
         self._switch({"data": active})
 
     def _last_active(self) -> bool:
-        if self._active.is_new or self._told is None:
-            self._told = bool(self._active.take()["data"])
-        return self._told
+        if self._active.is_new or self._was_active is None:
+            self._was_active = bool(self._active.take()["data"])
+        return self._was_active
 
 
 class Simulation(Protocol):
@@ -258,7 +259,7 @@ class Flight:
         self._orders = _orders(self.belief)
         self._observer = observer
 
-    def begin(self, world: State, *, tells_all: bool = False) -> None:
+    def begin(self, world: State, *, sends_all: bool = False) -> None:
         """Send the commands that act from the very first motion on.
 
         The forged ones alone; all, to a simulation that may not know the first headings.
@@ -266,7 +267,7 @@ class Flight:
         self.world = world
         self._interface.reset()
         issue(self.belief, self._orders, self.plan, 0)
-        self._send(tells_all=tells_all)
+        self._send(sends_all=sends_all)
 
     def step(self, tick: int) -> None:
         """Judge a tick that the simulation has flown, and let the CI answer it."""
@@ -290,20 +291,20 @@ class Flight:
         if self._observer is not None:
             self._observer(self.world, self.belief, self.verdicts)
 
-    def _send(self, *, tells_all: bool = False) -> None:
+    def _send(self, *, sends_all: bool = False) -> None:
         """Send what differs from what was sent before, or all."""
         orders, sent, interface = self._orders, self.sent, self._interface
         for index, order in enumerate(orders.commands):
             last = sent.commands[index]
             is_turned = order.heading_x != last.heading_x or order.heading_y != last.heading_y
-            if tells_all or is_turned:
+            if sends_all or is_turned:
                 last.heading_x, last.heading_y = order.heading_x, order.heading_y
                 interface.robots[index].set_heading(order.heading_x, order.heading_y)
-            if tells_all or order.speed != last.speed:
+            if sends_all or order.speed != last.speed:
                 last.speed = order.speed
                 interface.robots[index].set_speed(order.speed)
         for index, switch in enumerate(orders.switches):
-            if tells_all or switch.active != sent.switches[index].active:
+            if sends_all or switch.active != sent.switches[index].active:
                 sent.switches[index].active = switch.active
                 interface.sensors[index].set_active(switch.active == 1)
 
@@ -353,14 +354,14 @@ def true_values(world: State, index: int) -> list[float]:
     return values
 
 
-def take_true_values(world: State, index: int, told: Heard) -> None:
+def take_true_values(world: State, index: int, topic: Heard) -> None:
     """Make a state agree with what ``true_values`` said of a robot in this tick."""
     robot = world.robots[index]
-    values = told.take()["data"]
+    values = topic.take()["data"]
     expected = 5 + 2 * robot.n_sensors
     if len(values) != expected:
         raise ProtocolError(
-            f"{told.name} carried {values!r}; expected {expected} numbers: "
+            f"{topic.name} carried {values!r}; expected {expected} numbers: "
             "x, y, z, speed, energy, then count and active of each of its sensors"
         )
     robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
@@ -369,8 +370,9 @@ def take_true_values(world: State, index: int, told: Heard) -> None:
         count, active = values[5 + 2 * offset : 7 + 2 * offset]
         if active not in {0, 1} or not sensor.count <= count < 2**63 or count % 1:
             raise ProtocolError(
-                f"{told.name} carried count {count} and active {active} of its sensor {offset + 1} "
-                f"after count {sensor.count}; expected a whole number, no decrease, and 0 or 1"
+                f"{topic.name} carried count {count} and active {active} of its sensor "
+                f"{offset + 1} after count {sensor.count}; expected a whole number, no decrease, "
+                "and 0 or 1"
             )
         sensor.count, sensor.active = int(count), int(active)
 
@@ -381,10 +383,10 @@ class SimulatedRobot:
     def __init__(self, transport: PubSub, topics: RobotTopics, world: State, index: int) -> None:
         self._index = index
         self.reset(world)
-        self._tell_position = transport.advertise(topics.position)
-        self._tell_speed = transport.advertise(topics.speed)
-        self._tell_energy = transport.advertise(topics.energy)
-        self._tell_truth = transport.advertise(topics.truth)
+        self._publish_position = transport.advertise(topics.position)
+        self._publish_speed = transport.advertise(topics.speed)
+        self._publish_energy = transport.advertise(topics.energy)
+        self._publish_truth = transport.advertise(topics.truth)
         transport.subscribe(topics.heading_command, self._on_heading)
         transport.subscribe(topics.speed_command, self._on_speed)
 
@@ -399,13 +401,13 @@ class SimulatedRobot:
         robot = self._robot
         if reports_position(self._world, self._index):
             x, y = reported_place(self._world, self._index)
-            self._tell_position({"x": x, "y": y, "z": robot.z})
-        self._tell_speed({"data": robot.speed})
-        self._tell_energy({"data": robot.energy})
+            self._publish_position({"x": x, "y": y, "z": robot.z})
+        self._publish_speed({"data": robot.speed})
+        self._publish_energy({"data": robot.energy})
 
     def publish_truth(self) -> None:
         """Publish what is true of the robot and its sensors, for the judge alone."""
-        self._tell_truth({"data": true_values(self._world, self._index)})
+        self._publish_truth({"data": true_values(self._world, self._index)})
 
     def _on_heading(self, payload: Payload) -> None:
         self._command.heading_x = float(payload["x"])
@@ -421,23 +423,23 @@ class SimulatedSensor:
     def __init__(self, transport: PubSub, topics: SensorTopics, world: State, index: int) -> None:
         self._index = index
         self.reset(world)
-        self._tell_samples = transport.advertise(topics.samples)
-        self._tell_active = transport.advertise(topics.active)
+        self._publish_samples = transport.advertise(topics.samples)
+        self._publish_active = transport.advertise(topics.active)
         transport.subscribe(topics.active_command, self._on_active)
 
     def reset(self, world: State) -> None:
         """Begin a run with another true state."""
         self._sensor = world.sensors[self._index]
         self._switch = world.switches[self._index]
-        self._told_active = -1
+        self._published_active = -1
 
     def publish(self) -> None:
         """Publish the sensor; whether it is active only when that changed."""
         sensor = self._sensor
-        self._tell_samples({"data": sensor.count})
-        if sensor.active != self._told_active:
-            self._told_active = sensor.active
-            self._tell_active({"data": sensor.active == 1})
+        self._publish_samples({"data": sensor.count})
+        if sensor.active != self._published_active:
+            self._published_active = sensor.active
+            self._publish_active({"data": sensor.active == 1})
 
     def _on_active(self, payload: Payload) -> None:
         self._switch.active = int(payload["data"])

@@ -99,7 +99,7 @@ class Node(Mind):
         self.is_to_blame = False
         self.held: Sequence[Held] = ()
         self._sayings = [(each, transport.advertise(each.topic)) for each in speech.sayings]
-        self._said: list[tuple[Any, ...] | None] = []
+        self._sent: list[tuple[Any, ...] | None] = []
         self._ready: frozenset[str] | None = None
         self._has_flown = False
         self._flight: Flight | None = None
@@ -109,7 +109,7 @@ class Node(Mind):
         self._n_answered: int | None = None
         self._n_obeyed = 0
         self._setup = transport.advertise(SETUP)
-        self._told = transport.advertise(TICK)
+        self._publish_tick = transport.advertise(TICK)
         self._clock = transport.advertise(CLOCK)
         for each in speech.hearings:
             transport.subscribe(each.topic, partial(self._hear, each))
@@ -133,7 +133,7 @@ class Node(Mind):
         self._flight, self._run, self._then = flight, run, None
         self.is_to_blame = False
         self._relay.begin(self.held)
-        self._said = [None] * len(self._sayings)
+        self._sent = [None] * len(self._sayings)
         self._n_obeyed = 0
         deadline = monotonic() + self._patience.handshake
         is_new = self._ready is None
@@ -142,7 +142,7 @@ class Node(Mind):
         ):
             self._process.stop()
             gone = monotonic() + 2.0  # or somebody else hears too
-            while self._heard() and monotonic() < gone:
+            while self._subscribed() and monotonic() < gone:
                 sleep(_LOOK / 2)
             self._process.start(seed)
             is_new, self._has_flown = True, False
@@ -160,9 +160,9 @@ class Node(Mind):
         self._tick, self._then = tick, then
         self._n_heard = dict.fromkeys(self._n_heard, 0)
         self._n_answered = None
-        n_told = self._tell(flight, tick)
+        n_sent = self._publish(flight, tick)
         self._clock({"clock": time_of(tick, self._transport.ros)})
-        self._told({"data": [self._run, tick, n_told, self._n_obeyed]})
+        self._publish_tick({"data": [self._run, tick, n_sent, self._n_obeyed]})
         self._pace.wait(self._transport, tick, self._answered)
         return False
 
@@ -194,7 +194,7 @@ class Node(Mind):
     def end(self) -> None:
         """Leave a flight; commands of robots that the mission does not have are an error."""
         self._flight = self._then = None
-        lost = (self._ready or frozenset()) - self._heard() if self._pace.is_free else None
+        lost = (self._ready or frozenset()) - self._subscribed() if self._pace.is_free else None
         if lost:  # where nobody waits for an answer
             raise self._wrong(
                 f"the node no longer subscribes to {', '.join(sorted(lost))}; expected it to stay "
@@ -223,18 +223,18 @@ class Node(Mind):
         self.is_to_blame = True
         return ProtocolError(text)
 
-    def _tell(self, flight: Flight, tick: int) -> int:
+    def _publish(self, flight: Flight, tick: int) -> int:
         """Publish what the world spoke of and nothing withholds, and what is believed otherwise."""
-        ci, said = flight.belief, self._said
+        ci, sent = flight.belief, self._sent
         silent = self._silent(flight, tick)
-        n_told = 0
+        n_sent = 0
         for number, (saying, publish) in enumerate(self._sayings):
             values = saying.values(ci)
-            if values != said[number] or not saying.spoken <= silent:  # or the world spoke of it
-                said[number] = values
+            if values != sent[number] or not saying.spoken <= silent:  # or the world spoke of it
+                sent[number] = values
                 publish(saying.payload(values))
-                n_told += 1
-        return n_told
+                n_sent += 1
+        return n_sent
 
     def _silent(self, flight: Flight, tick: int) -> set[Target]:
         """Return of what no message of this tick speaks."""
@@ -318,9 +318,9 @@ class Node(Mind):
         while True:
             self._set_up(run, seed)
             reply = self._ask(self._mapping.reset, {})
-            said = reply.problem or str(reply.values.get("message", ""))
+            answer = reply.problem or str(reply.values.get("message", ""))
             if reply.values.get("success"):
-                if not said.startswith("run ") or said == f"run {run}":
+                if not answer.startswith("run ") or answer == f"run {run}":
                     return
                 if is_overtaken:
                     sleep(_LOOK)
@@ -329,7 +329,7 @@ class Node(Mind):
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"the node did not reset within {self._patience.handshake:g} s: "
-                    f"{self._mapping.reset.name}: {said or 'no success'}; check that it runs, "
+                    f"{self._mapping.reset.name}: {answer or 'no success'}; check that it runs, "
                     "or increase --timeout"
                 )
             if not reply.values.get("success"):
@@ -337,23 +337,23 @@ class Node(Mind):
 
     def _await_subscriptions(self, deadline: float) -> None:
         """Wait until the node hears what it heard in the flight before, or no more is added."""
-        heard: frozenset[str] = frozenset()
+        before: frozenset[str] = frozenset()
         steady = monotonic()
         while True:
-            found = self._heard()
-            if found != heard:
-                heard, steady = found, monotonic()
-            if self._ready is not None and found >= self._ready:
+            subscribed = self._subscribed()
+            if subscribed != before:
+                before, steady = subscribed, monotonic()
+            if self._ready is not None and subscribed >= self._ready:
                 return
-            if self._ready is None and found and monotonic() - steady > _STEADY:
-                self._ready = found
+            if self._ready is None and subscribed and monotonic() - steady > _STEADY:
+                self._ready = subscribed
                 return
             self._require_alive()
             if monotonic() > deadline:
                 names = (each.topic.name for each, _ in self._sayings)
-                missing = ", ".join(sorted((self._ready or {*names}) - found))
+                missing = ", ".join(sorted((self._ready or {*names}) - subscribed))
                 raise TransportTimeout(
-                    f"the node subscribed to {'no' if not found else 'not every'} topic within "
+                    f"the node subscribed to {'not every' if subscribed else 'no'} topic within "
                     f"{self._patience.handshake:g} s; no subscriber to {missing}; check [node] in "
                     "mrsfi.toml, or increase --timeout"
                 )
@@ -366,7 +366,7 @@ class Node(Mind):
             self.is_to_blame = self._has_flown
             raise ended
 
-    def _heard(self) -> frozenset[str]:
+    def _subscribed(self) -> frozenset[str]:
         """Return the topics of the node to which anybody subscribed."""
         names = (each.topic.name for each, _ in self._sayings)
         return frozenset(

@@ -121,7 +121,7 @@ class Speech:
         return cls(table, mission, types)
 
     @property
-    def told(self) -> frozenset[Target]:
+    def received(self) -> frozenset[Target]:
         """Properties of which the node is told."""
         return frozenset(target for each in self.sayings for target in each.targets)
 
@@ -134,7 +134,7 @@ class Speech:
             if entry.value is not None:
                 places.append((path, None, entry.value))
                 continue
-            of, quantity = self._found(rule, entry, element, QUANTITIES)
+            of, quantity = self._resolved(rule, entry, element, QUANTITIES)
             read, affected = QUANTITIES[of.kind][quantity]
             if affected is not None:
                 targets.append((affected, of.place))
@@ -142,10 +142,10 @@ class Speech:
             reads.append(_scaled(read, of.place, entry, kind))
         if [*rule.fields] == [("data",)] and len(reads) == 1:
             (only,) = reads
-            values, payload = lambda ci: (only(ci),), lambda said: {"data": said[0]}
+            values, payload = lambda ci: (only(ci),), lambda values: {"data": values[0]}
         else:
             values = lambda ci: tuple([read(ci) for read in reads])  # noqa: E731
-            payload = lambda said: _message(places, said)  # noqa: E731
+            payload = lambda values: _message(places, values)  # noqa: E731
         carried = frozenset(targets)
         spoken = frozenset(target for target in carried if target[0] in SPOKEN)
         return Saying(Topic(name, rule.topic.type), carried, spoken, values, payload)
@@ -154,7 +154,7 @@ class Speech:
         kinds = {path: self._kind(rule, path) for path in rule.fields}
         by_element: dict[Element, list[tuple[str, Path, Entry]]] = {}
         for path, entry in rule.fields.items():
-            of, command = self._found(rule, entry, element, COMMANDS)
+            of, command = self._resolved(rule, entry, element, COMMANDS)
             by_element.setdefault(of, []).append((command, path, entry))
 
         def obey(ci: State, message: Payload) -> None:
@@ -171,7 +171,7 @@ class Speech:
 
         return Hearing(Topic(name, rule.topic.type), obey)
 
-    def _found(
+    def _resolved(
         self,
         rule: Rule,
         entry: Entry,
@@ -244,14 +244,14 @@ def _scaled(
     return lambda ci: str(read(ci, index)) if kind in TEXTS else read(ci, index)
 
 
-def _message(places: list[tuple[Path, int | None, Any]], said: tuple[Any, ...]) -> Payload:
+def _message(places: list[tuple[Path, int | None, Any]], values: tuple[Any, ...]) -> Payload:
     message: dict[str, Any] = {}
     for path, number, value in places:
         at: Any = message
         for step, after in zip(path, (*path[1:], None), strict=True):
             inner: Any = [] if isinstance(after, int) else {}
             if after is None:
-                inner = value if number is None else said[number]
+                inner = value if number is None else values[number]
             if isinstance(step, int):
                 at.extend(type(inner)() for _ in range(step + 1 - len(at)))
                 if after is None or not at[step]:
@@ -357,36 +357,36 @@ class Relay:
     def begin(self, held: Sequence[Held]) -> None:
         """Begin a flight."""
         self._held = held
-        self._said: dict[str, Payload] = {}
+        self._commands: dict[str, Payload] = {}
         self._under_way: list[tuple[int, str, Payload]] = []
 
     def take(self, topic: str, message: Payload) -> None:
         """Take a command."""
-        self._said[topic] = message
+        self._commands[topic] = message
 
     def pass_on(self, plan: Plan, tick: int) -> None:
         """Publish what is due in a tick, and hold back what faults do."""
         due = {name: message for when, name, message in self._under_way if when == tick}
         self._under_way = [each for each in self._under_way if each[0] > tick]
-        said, self._said = self._said, {}
+        commands, self._commands = self._commands, {}
         for held in self._held:
             first, last = held.window(plan)
             if not first <= tick <= last:
                 continue
-            names = [name for name in said if self._publishers[name][0] == held.robot]
+            names = [name for name in commands if self._publishers[name][0] == held.robot]
             note(plan, cast("InjectionState", held), tick, bool(names))
             for name in names:
-                message = said.pop(name)
+                message = commands.pop(name)
                 if held.delay and tick + held.delay <= last:
                     self._under_way.append((tick + held.delay, name, message))
-        for name, message in {**due, **said}.items():
+        for name, message in {**due, **commands}.items():
             self._publishers[name][1](message)
 
 
 def out_of_reach(mission: Mission, pool: FaultPool, speech: Speech) -> dict[str, str]:
     """Return the faults of a pool that cannot be injected, by ID, and what each touches."""
-    told, passed_on = speech.told, {each.robot for each in speech.relayed}
-    found = {}
+    received, passed_on = speech.received, {each.robot for each in speech.relayed}
+    unreachable = {}
     for fault in pool:
         targets = touched(mission, fault)
         is_forged = any(
@@ -395,6 +395,6 @@ def out_of_reach(mission: Mission, pool: FaultPool, speech: Speech) -> dict[str,
             for target in targets
         )
         is_held = robot_held(mission, pool, fault.id) in passed_on
-        if not (is_forged or is_held or told.intersection(targets)):
-            found[fault.id] = ", ".join(describe(mission, target) for target in targets)
-    return found
+        if not (is_forged or is_held or received.intersection(targets)):
+            unreachable[fault.id] = ", ".join(describe(mission, target) for target in targets)
+    return unreachable

@@ -63,7 +63,7 @@ def serve_simulation(
         except Exception as error:
             where = host.where()
             with suppress(TransportError):
-                host.tell_failure(error)
+                host.report_failure(error)
             if isinstance(error, TransportError):
                 raise type(error)(f"{where}: {error}") from error
             raise
@@ -226,7 +226,7 @@ class RosbridgeEngine(PlainEngine):
     def _watch(self, simulation: SimulationProcess) -> None:
         """Let nobody wait for a simulation that has ended; a server that lives on is silent."""
         simulation.wait()
-        self._transport.tell(TransportClosed("the simulation no longer runs"))
+        self._transport.report(TransportClosed("the simulation no longer runs"))
 
     def _fly(self, flight: Flight, seed: int) -> None:
         _require_seed(seed)

@@ -79,19 +79,19 @@ class ListenedTransport:
         if self.lost is not None:
             raise self.lost
 
-    def tell(self, error: Exception) -> None:
+    def report(self, error: Exception) -> None:
         """Tell the listener, if there is one."""
         if self._listener is not None:
             self._listener(error)
 
-    def told(self, callback: Callable[P, R]) -> Callable[P, R]:
+    def reporting(self, callback: Callable[P, R]) -> Callable[P, R]:
         """Return a callback whose errors reach the listener before they reach the caller."""
 
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
             try:
                 return callback(*args, **kwargs)
             except Exception as error:
-                self.tell(error)
+                self.report(error)
                 raise
 
         return call
@@ -138,12 +138,12 @@ class EmbeddedTransport(ListenedTransport):
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-        receive = self.told(callback)
+        receive = self.reporting(callback)
         self._run(lambda: self._client.subscribe(topic.name, topic.type, receive))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""
-        answer = self.told(provider)
+        answer = self.reporting(provider)
         self._run(lambda: self._client.advertise_service(service.name, service.type, answer))
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
@@ -152,19 +152,19 @@ class EmbeddedTransport(ListenedTransport):
         def reply(is_answer: bool, values: Any) -> None:
             on_reply(Reply(values) if is_answer else Reply({}, str(values)))
 
-        self._run(lambda: self._client.call(service.name, request, self.told(reply)))
+        self._run(lambda: self._client.call(service.name, request, self.reporting(reply)))
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, as callbacks are."""
-        self._run(lambda: self._bridge.call_later(seconds, self.told(function)))
+        self._run(lambda: self._bridge.call_later(seconds, self.reporting(function)))
 
     def barrier(self, then: Callable[[], None]) -> None:
         """Call a function when all clients of the server have answered what they were told."""
-        self._run(lambda: self._bridge.barrier(self.told(then)))
+        self._run(lambda: self._bridge.barrier(self.reporting(then)))
 
     def on_refusal(self, listener: Callable[[str, str], None]) -> None:
         """Have a function told the topic and the reason of what clients say and nobody hears."""
-        self._run(lambda: self._bridge.on_refusal(self.told(listener)))
+        self._run(lambda: self._bridge.on_refusal(self.reporting(listener)))
 
     def close(self) -> None:
         """Give up all topics and services."""
@@ -246,11 +246,11 @@ class RosbridgeTransport(ListenedTransport):
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-        self._topic(topic).subscribe(self.told(callback))
+        self._topic(topic).subscribe(self.reporting(callback))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service; a provider that raises answers with a failure."""
-        provide = self.told(provider)
+        provide = self.reporting(provider)
 
         def answer(request: Any, response: Any) -> bool:
             with suppress(Exception):  # the listener decides
@@ -266,17 +266,19 @@ class RosbridgeTransport(ListenedTransport):
         """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
         # the timeout is the server's for the provider; who waits for the answer gives less
-        asked = {"service": service.name, "args": dict(request), "timeout": 3600.0}
+        fields = {"service": service.name, "args": dict(request), "timeout": 3600.0}
         identifier = f"call_service:{service.name}:{self._ros.id_counter}"
         self._ros.call_async_service(
-            roslibpy.Message({"op": "call_service", "id": identifier, **asked}),
-            self.told(lambda values: on_reply(Reply(dict(values)))),
-            self.told(lambda problem: on_reply(Reply({}, str(problem) or "the service failed"))),
+            roslibpy.Message({"op": "call_service", "id": identifier, **fields}),
+            self.reporting(lambda values: on_reply(Reply(dict(values)))),
+            self.reporting(
+                lambda problem: on_reply(Reply({}, str(problem) or "the service failed"))
+            ),
         )
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, in the thread of the callbacks."""
-        self._ros.call_later(seconds, self.told(function))
+        self._ros.call_later(seconds, self.reporting(function))
 
     def close(self) -> None:
         """Close the connection; roslibpy's thread stays for the next one."""
@@ -315,7 +317,7 @@ class RosbridgeTransport(ListenedTransport):
         self._stop_reconnecting()
         if not self._is_closing:
             self.lost = TransportClosed(f"the connection to {self.url} was lost")
-            self.tell(self.lost)
+            self.report(self.lost)
         self._opened.set()
         self._closed.set()
 

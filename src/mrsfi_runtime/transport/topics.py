@@ -214,12 +214,12 @@ class PrefixedTransport:
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service; what the server says of topics is told without the prefix."""
 
-        def reply(told: Reply) -> None:
-            if "topics" in told.values:
-                topics = told.values["topics"]
+        def reply(answer: Reply) -> None:
+            if "topics" in answer.values:
+                topics = answer.values["topics"]
                 names = [self.unnamed(name) for name in topics if name.startswith(self._prefix)]
-                told = told._replace(values={**told.values, "topics": names})
-            on_reply(told)
+                answer = answer._replace(values={**answer.values, "topics": names})
+            on_reply(answer)
 
         if service.name.startswith(_OF_SERVER) and "topic" in request:
             request = {**request, "topic": self._named(request["topic"])}

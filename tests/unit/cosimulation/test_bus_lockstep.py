@@ -210,7 +210,7 @@ def served(simulation):
         try:
             simulation.serve()
         except TransportError as error:
-            simulation.tell_failure(error)
+            simulation.report_failure(error)
             ended.append(str(error))
 
     thread = Thread(target=serve)

@@ -267,7 +267,7 @@ def test_its_own_simulation_knows_how_a_mission_begins(flight, heard):
 def test_a_simulation_of_others_is_told_every_command(flight, heard):
     start = initial_state(CODE.mission, SEED)
 
-    flight.begin(start, tells_all=True)
+    flight.begin(start, sends_all=True)
 
     expected = {}
     for robot, command in zip(CODE.mission.robots, start.commands, strict=True):

@@ -74,7 +74,7 @@ class NodeBus(ListenedTransport):
 
     def subscribe(self, topic, callback):
         self.heard.add(topic.name)
-        self.bus.subscribe(topic, self.told(callback))
+        self.bus.subscribe(topic, self.reporting(callback))
 
     def provide(self, service, provider):
         self.bus.provide(service, provider)
@@ -88,7 +88,7 @@ class NodeBus(ListenedTransport):
             self.bus.call(service, request, on_reply)
 
     def call_later(self, _seconds, function):
-        self._queue.put(self.told(function))
+        self._queue.put(self.reporting(function))
 
     def close(self):
         self._queue.put(None)
