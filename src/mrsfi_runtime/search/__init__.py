@@ -1,1 +1,1 @@
-"""Evolves fault specifications; the only room that knows DEAP."""
+"""Evolves fault specifications; the only package that uses DEAP."""

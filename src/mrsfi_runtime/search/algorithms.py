@@ -1,12 +1,12 @@
-"""The search algorithms: the paper's, DEAP's, one of our own, and two controls.
+"""The search algorithms: the paper's, DEAP's, ``guided``, and two controls.
 
 Each factory in ``ALGORITHMS`` returns an ``Algorithm`` of ``search.loop``; read that table first.
-DEAP's own loops evaluate and record by themselves, so here ``Breeder`` and ``GenerationalLoop``
-take one turn of them at a time, with the operators that the campaign file names.
+DEAP's loops evaluate and record by themselves. Here, ``Breeder`` and ``GenerationalLoop`` run one
+generation at a time, with the operators that the campaign file names.
 
-``guided`` is our own search. The paper's loop forgets its best, keeps the faults that it began
-with, and draws every value anew. ``guided`` begins with faults that are active as long as they may
-be, at landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
+The paper's loop loses its best individuals, keeps the faults that it began with, and redraws every
+value. ``guided``, mrsfi's own search, begins with faults in their longest windows, at landmarks. It
+keeps the best individuals and takes small steps from them. For few goals it keeps a Pareto front.
 ``FaultModel`` is the distribution that ``eaGenerateUpdate`` learns: which faults, and when.
 
 References
@@ -62,14 +62,14 @@ from mrsfi_runtime.search.space import (
     widest,
 )
 
-_MEMORY = 0.95  # of a step's credit, at each use
+_MEMORY = 0.95  # share of a step's credit that each use keeps
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return the search that docs/find-weaknesses.md describes under "Guided".
 
-    If the campaign minimises, NSGA-II selects survivors, all of them are equally good parents, and
-    a step onto the front succeeds.
+    If the campaign minimises, NSGA-II selects survivors, all are equally likely parents, and a step
+    succeeds if it leads onto the front.
     """
     rng = Random(settings.seed)
     guide = _Guide(space, settings, rng)
@@ -87,7 +87,7 @@ class _Guide:
         self._rng = rng
         self._asked: set[bytes] = set()
         self._niches: dict[tuple[object, ...], tuple[tuple[float, ...], Individual]] = {}
-        # Of more, hardly anything dominates anything
+        # With more goals, individuals hardly ever dominate each other
         self._has_few_goals = 0 < len(settings.goals) <= 3
         self._front: dict[Criticality, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
@@ -131,7 +131,7 @@ class _Guide:
     def _twins_apart(
         self, individuals: Sequence[Individual]
     ) -> tuple[list[Individual], list[Individual]]:
-        """Return the fittest, of equals the first, two of each goal vector; and the others."""
+        """Return the fittest two of each goal vector, of equals the first; and the others."""
         n_known: Counter[tuple[float, ...]] = Counter()
         first, rest = list[Individual](), list[Individual]()
         for individual in sorted(individuals, key=_fitness, reverse=True):
@@ -157,7 +157,7 @@ class _Guide:
                 self._niches[niche] = rank, individual
 
     def _enter_front(self, individual: Individual) -> None:
-        """Enter an individual, unless another dominates it; of equal ones the newest."""
+        """Enter an individual, unless another dominates it; it replaces an equal one."""
         aims = self._aims(individual)
         if any(known.dominates(aims) for known in self._front):
             return
@@ -166,7 +166,7 @@ class _Guide:
         self._front[aims] = individual
 
     def _child(self, population: Sequence[Individual]) -> Individual:
-        """Return a child that was not asked for yet, if that is not hard to find."""
+        """Return a child that was not asked for yet; after ten tries, a random individual."""
         for _ in range(10):
             parent = self._parent(population)
             specification, steps = self._varied(parent)
@@ -177,7 +177,7 @@ class _Guide:
         return self._new()
 
     def _key(self, specification: Specification) -> bytes:
-        """Return 16 bytes that tell a specification: it would take thousands to keep."""
+        """Return a hash of a specification, 16 bytes in place of thousands."""
         numbers = array("d")
         for fault, start, finish, values, trigger in specification:
             candidate = self._space.candidates[fault]
@@ -195,7 +195,7 @@ class _Guide:
         return max((self._rng.choice(population) for _ in range(3)), key=_fitness)  # a tournament
 
     def _donor(self, parent: Individual) -> Individual:
-        """Draw from the front; without one, the best of a goal that the parent violates less."""
+        """Draw from the front; without one, the best of a goal, more likely if it gains much."""
         if self._front:
             return self._rng.choice(tuple(self._front.values()))
         goals = parent.score.goals
@@ -216,7 +216,7 @@ class _Guide:
             specification = filled(space, specification, len(specification) + 1, rng)
         steps: list[Step] = []
         while not steps or rng.random() < 0.5:
-            weights = [max(0.05, credit) for credit in self._credit.values()]  # none dies out
+            weights = [max(0.05, credit) for credit in self._credit.values()]  # no step dies out
             (step,) = rng.choices(STEPS, weights)
             steps.append(step)
             specification = step(space, specification, rng)
@@ -227,13 +227,13 @@ def _fitness(individual: Individual) -> float:
     return individual.score.fitness
 
 
-_RATE = 0.3  # of learning: the share of what is new
+_RATE = 0.3  # the learning rate
 
 _Gauss = tuple[float, float]
 
 
 class FaultModel:
-    """For every pool fault how often it occurs, and Gaussians of start, finish and values."""
+    """The frequency of every pool fault, and Gaussians of its start, finish and values."""
 
     def __init__(self, space: SearchSpace, n_faults: int, rng: Random) -> None:
         self._space = space
@@ -251,7 +251,7 @@ class FaultModel:
         }
 
     def generate(self) -> Specification:
-        """Draw a specification: faults by their chance, as long as one is free."""
+        """Draw a specification: faults by their frequency, as long as there is room."""
         placed: list[TimedFault] = []
         candidates = dict(self._chances)
         while candidates and len(placed) < self._n_faults:
@@ -281,7 +281,7 @@ class FaultModel:
         return self._space.timed(fault, widest(overlaps), values, self._rng)
 
     def update(self, population: Sequence[Individual]) -> None:
-        """Learn from how the best of a generation differ from all.
+        """Learn from the difference between the best of a generation and all of it.
 
         The best alone would mislead: faults that are placed early cut the windows of later ones.
         """
@@ -292,7 +292,7 @@ class FaultModel:
             among_all, among_best = _rows(fault, ranked), _rows(fault, elite)
             share = len(among_best) * len(self._chances) / n_elite
             chance = (1.0 - _RATE) * self._chances[fault] + _RATE * share
-            self._chances[fault] = max(0.1, chance)  # 1 is that of faults that are all alike
+            self._chances[fault] = max(0.1, chance)  # 1 if all faults are equally frequent
             if among_best:
                 best, every = zip(*among_best, strict=True), zip(*among_all, strict=True)
                 moved = map(_moved, gaussians, best, every, self._ranges[fault])
@@ -315,11 +315,11 @@ def _moved(
     middle += _RATE * (fmean(best) - fmean(every))
     ratio = pstdev(best) / pstdev(every) if pstdev(every) > 0.0 else 1.0
     spread *= 1.0 + _RATE * (min(1.0, ratio) - 1.0)
-    return min(high, max(low, middle)), max(0.02 * (high - low), spread)  # it never freezes
+    return min(high, max(low, middle)), max(0.02 * (high - low), spread)  # it stays above 0
 
 
 class Breeder:
-    """Draws, varies and selects individuals as the settings of a campaign say, all by ``rng``."""
+    """Draws, varies and selects individuals by a campaign's settings, with one generator."""
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
         self.rng = Random(settings.seed)
@@ -338,11 +338,11 @@ class Breeder:
         return [Individual(random_specification(self._space, n, self.rng)) for n in sizes]
 
     def select(self, individuals: Sequence[Individual]) -> list[Individual]:
-        """Select as many as a population has; themselves, not copies."""
+        """Select as many individuals as a population has; they are not copied."""
         return self._select(individuals, self.size, self.rng)
 
     def toolbox(self, rng: Random) -> Any:
-        """Return the operators as DEAP's algorithms take them, drawing from a generator."""
+        """Return the operators for DEAP's algorithms; they draw from ``rng``."""
         space, share = self._space, self._settings.mutation_share
 
         def mate(first: Individual, second: Individual) -> tuple[Individual, Individual]:
@@ -379,7 +379,7 @@ class Breeder:
         return self._by_deap(algorithms.varAnd, selected, *chances)
 
     def vary_or(self, parents: Sequence[Individual], n_offspring: int) -> list[Individual]:
-        """Vary by crossover or mutation; their chances share what is above 1 in proportion."""
+        """Vary by crossover or mutation; chances with a sum above 1 are scaled down to it."""
         crossover = self._settings.crossover if len(parents) > 1 else 0.0
         total = max(1.0, crossover + self._settings.mutation)
         share = crossover / total
@@ -389,7 +389,7 @@ class Breeder:
     def _by_deap(
         self, vary: Any, individuals: Sequence[Individual], *numbers: float
     ) -> list[Individual]:
-        """Let DEAP draw from the search's generator; the operators need another then."""
+        """Let DEAP draw from the search's generator; the operators draw from another one."""
         toolbox = self.toolbox(Random(self.rng.getrandbits(64)))
         with lent_to_deap(self.rng):
             return list(vary(individuals, toolbox, *numbers))
@@ -397,7 +397,7 @@ class Breeder:
     def loop(
         self, breed: Breeding, survive: Survival = lambda _, offspring: offspring
     ) -> Algorithm:
-        """Return the algorithm that breeds from every population but the first."""
+        """Return the algorithm that draws its first population, and breeds all later ones."""
 
         def breed_any(parents: Sequence[Individual]) -> list[Individual]:
             return breed(parents) if parents else self.first()
@@ -406,7 +406,7 @@ class Breeder:
 
 
 def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return DEAP's ``eaSimple``: as ``paper``, but all that variation touched is evaluated."""
+    """Return DEAP's ``eaSimple``: as ``paper``, but all varied individuals are evaluated."""
     breeder = Breeder(space, settings)
     return breeder.loop(lambda parents: breeder.vary_and(breeder.select(parents)))
 
@@ -452,9 +452,9 @@ def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algori
 
 
 def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return NSGA-II on the goal vector, and on what the settings want to be minimised.
+    """Return NSGA-II on the goal vector, and on the cost that the settings minimise.
 
-    The fitness function plays no part in it.
+    It does not use the fitness function.
 
     References
     ----------
@@ -484,8 +484,8 @@ def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
 
     References
     ----------
-    Source paper, section III-E. An offspring that variation left as its parent was keeps
-    the parent's fitness and is not evaluated again.
+    Source paper, section III-E. An offspring that equals its parent keeps the parent's fitness
+    and is not evaluated again.
     """
     breeder = Breeder(space, settings)
     return breeder.loop(lambda parents: breeder.varied(breeder.select(parents)))
@@ -498,7 +498,7 @@ def drift(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
 
 
 def random_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return a control that draws every generation afresh."""
+    """Return a control that draws every generation at random."""
     breeder = Breeder(space, settings)
     return breeder.loop(lambda _: breeder.first())
 
@@ -524,7 +524,7 @@ def begin_search(
     settings: CampaignSettings,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
 ) -> Algorithm:
-    """Begin the search that settings name; check what it makes if a team wrote a part of it."""
+    """Begin the search that settings name; check its specifications if a part is user-defined."""
     algorithm = chosen(settings, "algorithm", algorithms)(space, settings)
     keys = ("algorithm", "selection", "crossover_operator", "mutation_operator")
     named = ((key, getattr(settings, key)) for key in keys)

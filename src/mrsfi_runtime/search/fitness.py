@@ -1,9 +1,9 @@
-"""How critical an outcome is: fitness functions, and how a campaign file names its functions.
+"""Fitness functions, and the functions that a campaign file names.
 
-``chosen`` returns the function that a setting names: one of a table of mrsfi's own, or the user's
-``module:function``. Python searches the current folder for user modules, too. An error in such a
+``chosen`` returns the function that a setting names: a built-in one, or a user-defined
+``module:function``. Python also searches the current folder for user modules. An error in such a
 function becomes a ``UsageError`` with file and line. ``Judge`` scores outcomes with the campaign's
-fitness function, on the violations that the campaign chose. More is always more critical.
+fitness function, on the violations that the campaign chose. A higher fitness is more critical.
 
 References
 ----------
@@ -45,7 +45,7 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
 
 
 def user_function(name: str, where: str) -> Callable[..., Any]:
-    """Return the function that ``module:function`` names; ``where`` is the file and key that do."""
+    """Return the function that ``module:function`` names; ``where`` is the file and key."""
     module_name, _, attribute = name.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
         raise UsageError(
@@ -68,7 +68,7 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
 
 @contextmanager
 def told_by_line(where: str) -> Iterator[None]:
-    """Turn whatever a body or function raises into a ``UsageError`` with file and line."""
+    """Turn each error of a body or function into a ``UsageError`` with file and line."""
 
     def told(error: BaseException) -> UsageError:
         said = f"{type(error).__name__}: {words(error)}"
@@ -101,17 +101,17 @@ def _place(error: BaseException) -> str:
         return f"{error.filename}:{error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)
     ours, pythons = (str(Path(str(file)).parents[1]) for file in (__file__, importlib.__file__))
-    others = (ours, pythons, sys.prefix, "<")  # the code that no user wrote
+    others = (ours, pythons, sys.prefix, "<")  # not the user's code
     frame = ([each for each in frames if not each.filename.startswith(others)] or frames)[-1]
     return f"{frame.filename}:{frame.lineno}"
 
 
 @dataclass(frozen=True, slots=True)
 class FitnessInput:
-    """What a fitness function judges: all that one evaluation found.
+    """The input of a fitness function: the result of one evaluation.
 
     ``violations`` is the count that the campaign chose, of every goal in model order; ``goals`` are
-    the indexes of the chosen goals, all by default. ``duration`` is in ticks.
+    the indexes of the chosen goals, by default of all. ``duration`` is in ticks.
     """
 
     outcome: Outcome
@@ -121,10 +121,10 @@ class FitnessInput:
 
 
 class Score(NamedTuple):
-    """What an algorithm is told of a specification; more is more critical.
+    """The score of a specification, which an algorithm receives; higher is more critical.
 
     ``fitness`` is finite, ``goals`` the violations of each chosen goal, shape ``(n_chosen,)``.
-    ``outcome`` is that of the first mission seed; ``None`` if the flight failed.
+    ``outcome`` is that of the first mission seed; ``None`` if the flight ended with an error.
     """
 
     fitness: float
@@ -140,7 +140,7 @@ _DISTINCT = 0.7
 
 
 def weighted(findings: FitnessInput) -> float:
-    """Return violations of all goals, and the number of goals violated, weighted.
+    """Return the weighted sum of all violations and of the number of violated goals.
 
     References
     ----------
@@ -173,10 +173,10 @@ def focused(findings: FitnessInput) -> float:
 
 
 def nearest(findings: FitnessInput) -> float:
-    """Return the violations of the chosen goals; of one without any, how near it came to one.
+    """Return the violations of the chosen goals, plus how close the others came to a violation.
 
-    That is 1 / (1 + true margin), 0 without a margin: less than any violation, and so a direction
-    for a search where all would be 0.
+    A goal without violations contributes 1 / (1 + true margin), or 0 without a margin; the mean
+    over the goals is added. It is less than one violation, and guides a search where all are 0.
 
     Notes
     -----
@@ -197,7 +197,7 @@ FITNESS_FUNCTIONS: Mapping[str, Callable[[FitnessInput], float]] = MappingProxyT
 
 
 class Judge:
-    """Scores outcomes as a campaign's settings say."""
+    """Scores outcomes by the settings of a campaign."""
 
     def __init__(self, settings: CampaignSettings, mission: Mission) -> None:
         goals = settings.goals or mission.goal_ids

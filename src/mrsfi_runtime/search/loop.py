@@ -1,14 +1,14 @@
-"""The loop of generations that most searches are, its individuals, and steps that vary them.
+"""The generational loop of most search algorithms, its individuals, and steps that vary them.
 
 An ``Algorithm`` asks for the scores of fault specifications and receives them; it neither
-evaluates nor records. With the same seed and scores it asks the same, so a run is repeated or
-resumed by giving it the recorded scores. ``GenerationalLoop`` is the usual algorithm.
+evaluates nor records. The same seed and scores lead to the same specifications. So the recorded
+scores suffice to repeat or resume a run. ``GenerationalLoop`` is the usual algorithm.
 
-An individual is a list of immutable timed faults with a fitness. Its classes are plain ones,
+An individual is a list of immutable timed faults with a fitness. Its classes are plain Python,
 because ``deap.creator`` keeps classes in a global registry. DEAP draws from Python's global
-random generator, so ``lent_to_deap`` lends that the search's own state for a selection.
+random generator; ``lent_to_deap`` lends it the state of the search's generator.
 
-A step takes a specification and returns another one that keeps the restriction.
+A step changes a specification; conflicting faults still never overlap in the result.
 
 References
 ----------
@@ -49,7 +49,7 @@ from mrsfi_runtime.search.space import (
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """How critical a fault specification is: numbers of which more is, then ``costs``, less."""
+    """How critical a fault specification is: ``values`` to maximise, ``costs`` to minimise."""
 
     def __init__(self, values: Sequence[float] = (), costs: Sequence[int] = ()) -> None:
         self.weights = (1.0,) * len(values) + (-1.0,) * len(costs)
@@ -57,10 +57,10 @@ class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
 
 
 class Individual(list[TimedFault]):
-    """A fault specification in evolution, in the order of ``SearchSpace.ordered``.
+    """A fault specification under evolution, in the order of ``SearchSpace.ordered``.
 
     DEAP compares ``fitness``, which has no value until the individual is evaluated; ``score`` is
-    the last one. ``number`` counts from 0 the specifications that the algorithm asked for.
+    the latest score. ``number`` counts, from 0, the specifications that the algorithm asked for.
     """
 
     def __init__(self, specification: Specification) -> None:
@@ -80,12 +80,12 @@ class Individual(list[TimedFault]):
         return bool(self.fitness.valid)
 
     def assess(self, score: Score) -> None:
-        """Take the score."""
+        """Set the score, and the fitness with it."""
         self.score = score
         self.fitness = Criticality((score.fitness,))
 
     def become(self, specification: Specification) -> None:
-        """Take the timed faults of another; the fitness is lost if they differ."""
+        """Replace the timed faults; if they differ, the individual has no fitness any more."""
         if specification != self.specification:
             self[:] = specification
             del self.fitness.values
@@ -105,21 +105,21 @@ def foremost(
     n_selected: int,
     objectives: Callable[[Individual], Criticality],
 ) -> list[Individual]:
-    """Return the first by rank and crowding distance, both entered in their fitness."""
+    """Return the best by Pareto rank and crowding distance; sets the fitness of all."""
     for individual in individuals:
-        individual.fitness = objectives(individual)  # what DEAP compares them by
+        individual.fitness = objectives(individual)  # which DEAP compares
     n_objectives = len(individuals[0].fitness.weights)
     sorting = "log" if n_objectives > 1 else "standard"  # DEAP's log sort needs two objectives
     return list(tools.selNSGA2(individuals, n_selected, nd=sorting))
 
 
 Selection: TypeAlias = Callable[[Sequence[Individual], int, Random], list[Individual]]
-"""Selects individuals, themselves and not copies: clone before varying."""
+"""Selects individuals; it returns no copies, so clone them before varying."""
 
 
 @contextmanager
 def lent_to_deap(rng: Random) -> Iterator[None]:
-    """Let Python's global generator continue another one, then give both their own back."""
+    """Lend the state of ``rng`` to Python's global generator, then move ``rng`` on to its end."""
     kept = random.getstate()
     random.setstate(rng.getstate())
     try:
@@ -130,10 +130,10 @@ def lent_to_deap(rng: Random) -> Iterator[None]:
 
 
 def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
-    """Select by spins of a roulette whose slots are as wide as the fitness.
+    """Select individuals with probabilities proportional to their fitness.
 
-    It selects as DEAP's does, but adds up one after the other: ``sum`` rounds floats otherwise
-    since Python 3.12. If all fitness is 0, selection is uniform, where DEAP's would return nobody.
+    It selects as DEAP's roulette, but adds floats one by one, because ``sum`` rounds differently
+    since Python 3.12. If every fitness is 0, it selects uniformly; DEAP's would select none.
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:
@@ -146,7 +146,7 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
     selected: list[Individual] = []
     while len(selected) < n_selected:
         slot = bisect_right(ends, rng.random() * total)
-        if slot < len(ranked):  # by rounding, a spin can end behind the last slot
+        if slot < len(ranked):  # rounding can place a spin beyond the last slot
             selected.append(ranked[slot])
     return selected
 
@@ -158,13 +158,13 @@ def uniform(individuals: Sequence[Individual], n_selected: int, rng: Random) -> 
 
 
 def tournament(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
-    """Select the best of three drawn at random, again and again."""
+    """Select, each time, the best of three individuals drawn at random."""
     with lent_to_deap(rng):
         return list(tools.selTournament(individuals, n_selected, tournsize=3))
 
 
 def best(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:  # noqa: ARG001 - Selection
-    """Select the best, each once."""
+    """Select the best individuals, each once."""
     return list(tools.selBest(individuals, n_selected))
 
 
@@ -180,11 +180,11 @@ MOST_IDLE = 1000
 
 @dataclass(frozen=True, slots=True)
 class GenerationSummary:
-    """A generation whose fitness is known.
+    """An evaluated generation.
 
-    ``statistics`` has ``n_evaluations``, how many specifications were asked for, and ``mean``,
-    ``std``, ``min`` and ``max`` of the population's fitness. ``population`` says for each
-    individual which of the specifications ever asked for it is, from 0.
+    ``statistics`` has ``n_evaluations``, the number of specifications asked for, and ``mean``,
+    ``std``, ``min`` and ``max`` of the population's fitness. ``population`` has the number of each
+    individual's specification, counted from 0 over the whole search.
     """
 
     index: int
@@ -195,42 +195,42 @@ class GenerationSummary:
     def of(
         cls, index: int, n_evaluations: int, fitness: Sequence[float], population: Iterable[int]
     ) -> Self:
-        """Return that of a population with such fitness, of which so many were asked for."""
+        """Return the summary of a population by its fitness and the numbers of its individuals."""
         mean, std = statistics.fmean(fitness), statistics.pstdev(fitness)
-        found = {"mean": mean, "std": std, "min": min(fitness), "max": max(fitness)}
-        return cls(index, {"n_evaluations": n_evaluations, **found}, tuple(population))
+        values = {"mean": mean, "std": std, "min": min(fitness), "max": max(fitness)}
+        return cls(index, {"n_evaluations": n_evaluations, **values}, tuple(population))
 
 
 class Algorithm(Protocol):
-    """A search, turn by turn: ``ask``, evaluate, ``tell``, until it is finished."""
+    """A search, in turns of ``ask``, evaluate and ``tell``, until it is finished."""
 
     @property
     def is_finished(self) -> bool:
-        """Whether there is nothing left to ask."""
+        """Whether the search has ended."""
 
     def ask(self) -> list[Specification]:
         """Return the specifications of the next generation that need evaluation."""
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
-        """Take their scores, in the same order, and end the generation."""
+        """Receive their scores, in the same order, and end the generation."""
 
     def random_state(self) -> str:
         """Return the state of the random generator as JSON text."""
 
 
 Breeding: TypeAlias = Callable[[Sequence[Individual]], list[Individual]]
-"""From a population, empty at first, its offspring; who is not evaluated yet will be."""
+"""Returns the offspring of a population, which is empty at first; new individuals are evaluated."""
 
 Survival: TypeAlias = Callable[[Sequence[Individual], list[Individual]], list[Individual]]
-"""From a population and its evaluated offspring the next population, not empty."""
+"""Returns the next population, not empty, from a population and its evaluated offspring."""
 
 
 class GenerationalLoop:
-    """An algorithm that breeds offspring, and lets some of them and of the population survive.
+    """An algorithm that breeds offspring, and selects survivors from offspring and population.
 
-    The run ends ``settings.generations`` after the first population, generation 0. If
-    ``settings.evaluations`` is set, it ends after exactly that many, leaving out individuals of the
-    last generation, or after ``MOST_IDLE`` generations in a row that ask for nothing.
+    It ends ``settings.generations`` generations after the first one, generation 0. If
+    ``settings.evaluations`` is set, it ends after exactly that many, where it may cut the last
+    generation short, or after ``MOST_IDLE`` generations in a row without a new specification.
     """
 
     def __init__(
@@ -249,7 +249,7 @@ class GenerationalLoop:
 
     @property
     def is_finished(self) -> bool:
-        """Whether the generations or evaluations are used up, or nothing new is bred any more."""
+        """Whether generations or evaluations are used up, or no new specifications are bred."""
         limit = self._settings.evaluations
         if limit is None:
             return self._n_closed > self._settings.generations
@@ -269,7 +269,7 @@ class GenerationalLoop:
         return [individual.specification for individual in self._pending]
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
-        """Take the scores of the specifications asked for, in the same order."""
+        """Receive the scores of the specifications asked for, in the same order."""
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
         self._population = self._survive(self._population, self._offspring)
@@ -289,13 +289,13 @@ AlgorithmFactory: TypeAlias = Callable[[SearchSpace, CampaignSettings], Algorith
 
 
 Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
-"""From a specification another one of at most the same size."""
+"""Returns a changed specification of at most the same size."""
 
 _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
 
 
 def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Put a fault of the pool in the place of one, wherever it fits longest."""
+    """Replace one fault by a fault of the pool, in the longest window that is free."""
     kept = list(specification)
     if kept:
         kept.pop(rng.randrange(len(kept)))
@@ -303,7 +303,7 @@ def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Sp
 
 
 def forced(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Have a fault of the pool active all the time; what conflicts with it leaves."""
+    """Make a fault of the pool active for the whole mission; remove faults that conflict."""
     fault = rng.choice(tuple(space.candidates))
     values = _landmark(space, fault, specification, rng)
     timed = space.timed(fault, (0, space.duration - 1), values, rng)
@@ -314,17 +314,17 @@ def forced(space: SearchSpace, specification: Specification, rng: Random) -> Spe
 
 
 def dropped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Leave one fault out, unless it is the only one; others stretch into its place."""
+    """Remove one fault, unless it is the only one, and widen the faults that conflicted with it."""
     if len(specification) < 2:
         return specification
     place = rng.randrange(len(specification))
-    left = specification[:place] + specification[place + 1 :]
+    rest = specification[:place] + specification[place + 1 :]
     conflicts = space.candidates[specification[place].fault].conflicts
-    for timed in left:
+    for timed in rest:
         if timed.fault in conflicts:
-            others = [other for other in left if other != timed]
-            left = space.ordered([*others, _wide(space, timed, tuple(others), rng)])
-    return left
+            others = [other for other in rest if other != timed]
+            rest = space.ordered([*others, _wide(space, timed, tuple(others), rng)])
+    return rest
 
 
 def resized(
@@ -336,7 +336,7 @@ def resized(
     mutation: Mutation,
     n_most: int,
 ) -> Specification:
-    """Mutate, and leave a fault out, add one up to a most, or do neither, equally often."""
+    """Mutate; then, equally often, remove a fault, add one up to ``n_most``, or do neither."""
     changed = mutation(space, specification, rng, share)
     difference = rng.choice((-1, 0, 1))
     if difference < 0:
@@ -347,9 +347,9 @@ def resized(
 def grafted(
     space: SearchSpace, specification: Specification, donor: Specification, rng: Random
 ) -> Specification:
-    """Take over a few faults of a donor; what conflicts with them leaves, then others at random.
+    """Add one to three faults of a donor; remove faults that conflict with them.
 
-    What comes out is at most of the size of the larger one.
+    Further faults leave at random until the result is no larger than the larger of the two.
     """
     taken = rng.sample(donor, min(len(donor), rng.randint(1, 3)))
     kept = [each for each in specification if not any(space.clash(each, one) for one in taken)]
@@ -361,7 +361,7 @@ def grafted(
 def filled(
     space: SearchSpace, specification: Specification, n_faults: int, rng: Random
 ) -> Specification:
-    """Add faults of the pool up to a number, as long as there is room, in longest free windows."""
+    """Add faults of the pool in their longest free windows, up to ``n_faults`` if there is room."""
     placed = list(specification)
     candidates = list(space.candidates)
     while candidates and len(placed) < n_faults:
@@ -376,7 +376,7 @@ def filled(
 def crept(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Mutate by Gaussian steps, jumps and wider windows in place of values drawn anew."""
+    """Mutate by wider windows, Gaussian steps and jumps, in place of redrawn values."""
     faults = list(specification)
     for place, timed in enumerate(faults):
         if rng.random() < share:
@@ -400,7 +400,7 @@ def _changed(
 
 
 def _room(space: SearchSpace, timed: TimedFault, others: Specification) -> Window:
-    """Return the free window that a placed fault lies in."""
+    """Return the free window around a placed fault."""
     free = space.free_windows(timed.fault, others)
     return next(window for window in free if window[0] <= timed.start <= window[1])
 
@@ -445,7 +445,7 @@ def _jumped(
 def _landmark(
     space: SearchSpace, fault: str, others: Specification, rng: Random
 ) -> tuple[float, ...]:
-    """Draw values that mean something in the mission, or in the specification."""
+    """Draw a landmark of a fault, or the place of another fault in the specification."""
     candidate = space.candidates[fault]
     if candidate.is_place and rng.random() < 0.5:
         places = [
@@ -460,17 +460,16 @@ def _landmark(
 
 
 widened: Step = partial(_changed, _wide)
-"""Stretch the window of one fault as far as the others let it."""
+"""Widen the window of one fault as far as the others allow."""
 
 shifted: Step = partial(_changed, _shifted)
 """Move the window and values of one fault by a Gaussian step."""
 
 redrawn: Step = partial(_changed, _redrawn)
-"""Draw the window of one fault anew, and its trigger."""
+"""Redraw the window of one fault, and its trigger."""
 
 jumped: Step = partial(_changed, _jumped)
-"""Let the values of one fault jump to a landmark, or to the place of another fault, and its trigger
-to any."""
+"""Set the values of one fault to a landmark or another fault's place, and redraw its trigger."""
 
 STEPS: tuple[Step, ...] = (widened, shifted, redrawn, jumped, swapped, forced, dropped)
 """All steps."""

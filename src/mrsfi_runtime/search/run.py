@@ -1,9 +1,9 @@
 """Runs a campaign: an algorithm asks, engines evaluate, and the algorithm receives the fitness.
 
-Throughout, the record leads: a result that it holds already is not flown again but read, and has
-to be the one that the same search asks for. So an interrupted campaign goes on as if nothing had
-happened. ``run_campaign`` is the loop; ``_Assessment`` scores one generation; ``ResumableRecord``
-reads and writes in the order in which the search asks.
+A recorded result is read, not flown again. It has to match the specification that the search asks
+for at that point, so an interrupted campaign resumes exactly where it stopped. ``run_campaign`` is
+the loop; ``_Assessment`` scores one generation; ``ResumableRecord`` reads and writes results in the
+order in which the search asks.
 
 References
 ----------
@@ -32,23 +32,23 @@ from mrsfi_runtime.search.loop import MUTATIONS, SELECTIONS, AlgorithmFactory, G
 from mrsfi_runtime.search.space import CROSSOVERS, SearchSpace
 
 WORST_FITNESS = 0.0
-"""Fitness of a specification whose evaluation failed; that of one without a violation."""
+"""Fitness of a specification whose evaluation ended with an error, as of one without violations."""
 
 Result: TypeAlias = Evaluation | FailedEvaluation
-"""What became of one specification that the search asked for."""
+"""The result of one specification that the search asked for."""
 
 EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated]]
-"""Evaluates fault specifications; one result each, in the same order, best as soon as known."""
+"""Evaluates fault specifications: one result each, in the same order, if possible at once."""
 
-_FAILED = -1  # in the place of an index
+_FAILED = -1  # in place of an index, if the evaluation ended with an error
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignProgress:
-    """How far a campaign is, after a generation, whose index counts from 0.
+    """Progress of a campaign after a generation, whose index counts from 0.
 
-    ``best`` is the highest fitness so far, ``mean`` that of the generation. Failures are no
-    evaluations.
+    ``best`` is the highest fitness so far, ``mean`` the mean of this generation. Evaluations that
+    end with an error are failures, and not counted in ``n_evaluations``.
     """
 
     generation: int
@@ -63,7 +63,7 @@ def require_settings(
     mission: Mission,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
 ) -> None:
-    """Refuse settings that name what does not exist."""
+    """Refuse settings that name an unknown function or goal."""
     tables: dict[str, Mapping[str, object]] = {
         "algorithm": algorithms,
         "selection": SELECTIONS,
@@ -97,10 +97,10 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     clock: Callable[[], float] = monotonic,
 ) -> None:
-    """Run a search to its end and record every evaluation, but for those recorded already.
+    """Run a search to its end, and record each evaluation that is not recorded yet.
 
-    Only the death of the process loses evaluations: those that ``ResumableRecord.keep`` had not
-    written yet. Each replica evaluates on a mission seed of its own, at most 100 at once.
+    Only a killed process loses evaluations: those that ``ResumableRecord.keep`` had not written
+    yet. Each replica evaluates with another mission seed, at most 100 specifications at once.
     """
     with importing(CampaignFolder(store.path.parent).generated):
         require_settings(settings, mission, algorithms)
@@ -127,16 +127,16 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     finally:
         try:
             record.write()
-        except KeyboardInterrupt:  # who cannot wait any more loses nothing either
+        except KeyboardInterrupt:  # a second Ctrl-C loses nothing either
             record.write()
             raise
 
 
 @dataclass
 class _Assessment:
-    """Finds the fitness of specifications, in the record or by evaluation, and counts.
+    """Scores specifications, from the record or by evaluation, and counts evaluations.
 
-    ``_indexes`` has the evaluation of each specification asked for, or ``_FAILED``.
+    ``_indexes`` has the index of the evaluation of each specification asked for, or ``_FAILED``.
     """
 
     _settings: CampaignSettings
@@ -151,7 +151,7 @@ class _Assessment:
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
         scores: list[Score] = []
-        n = 100  # are handed out together; after them failures are counted
+        n = 100  # specifications per call; failures are counted after each
         for first in range(0, len(specifications), n):
             chunk = specifications[first : first + n]
             n_failures = self._n_failures
@@ -169,7 +169,7 @@ class _Assessment:
     def _results(
         self, specifications: Sequence[Specification], generation: int
     ) -> Generator[Result, None, None]:
-        """Yield what is recorded of a chunk, then evaluate and record the rest."""
+        """Yield the recorded results of a chunk, then evaluate and record the rest."""
         number = len(self._indexes)
         recorded = self._record.recorded(number, self._n_evaluations, specifications, generation)
         for place, result in enumerate(recorded, number):
@@ -179,21 +179,21 @@ class _Assessment:
         if not rest:
             return
         flown = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
-        for specification, found in zip(rest, flown, strict=True):
-            result = self._result(specification, found, generation)
+        for specification, evaluated in zip(rest, flown, strict=True):
+            result = self._result(specification, evaluated, generation)
             yield result
             self._record.keep(result)
 
     def _result(
-        self, specification: Specification, found: Sequence[Evaluated], generation: int
+        self, specification: Specification, evaluated: Sequence[Evaluated], generation: int
     ) -> Result:
-        outcomes = [each for each in found if isinstance(each, Outcome)]
-        for each in found:
+        outcomes = [each for each in evaluated if isinstance(each, Outcome)]
+        for each in evaluated:
             if not isinstance(each, Outcome):
                 number = len(self._indexes)
                 return FailedEvaluation(number, generation, specification, each.traceback)
         score = averaged([self._judge.score(each, specification) for each in outcomes])
-        means = () if len(outcomes) == 1 else score.goals  # one outcome has them itself
+        means = () if len(outcomes) == 1 else score.goals  # a single outcome has them already
         return Evaluation(
             index=self._n_evaluations,
             generation=generation,
@@ -204,9 +204,9 @@ class _Assessment:
         )
 
     def _require_same_score(self, result: Result, place: int) -> None:
-        """Refuse a record whose fitness function was another one."""
+        """Refuse a record that another fitness function wrote."""
         if isinstance(result, FailedEvaluation) or len(self._evaluators) > 1:
-            return  # the record lacks the outcomes of a mean
+            return  # of a mean, the record has only the first outcome
         score = self._judge.score(result.outcome, result.specification)
         if (score.fitness,) != result.fitness:
             raise RecordError(self._record.astray(f"the fitness of specification {place}"))
@@ -229,7 +229,7 @@ class _Assessment:
         return len(self._indexes) - self._n_evaluations
 
     def evaluation_indexes(self, summary: GenerationSummary) -> tuple[int, ...]:
-        """Return the evaluation of each individual; who failed has none and is left out."""
+        """Return the index of each individual's evaluation, without those that failed."""
         indexes = (self._indexes[number] for number in summary.population)
         return tuple(index for index in indexes if index != _FAILED)
 
@@ -244,7 +244,7 @@ class _Assessment:
 
 
 class ResumableRecord:
-    """The record of a campaign in the order in which its search asked."""
+    """The record of a campaign, in the order in which its search asks."""
 
     def __init__(self, store: CampaignStore, source: str, clock: Callable[[], float]) -> None:
         self._store = store
@@ -258,9 +258,9 @@ class ResumableRecord:
     def recorded(
         self, number: int, index: int, specifications: Sequence[Specification], generation: int
     ) -> list[Result]:
-        """Return what a record from before has of specifications: all, the first ones or none.
+        """Return the results of specifications that are already recorded, the first ones or none.
 
-        ``number`` were asked for before these, ``index`` of those evaluated without failure.
+        ``number`` were asked for before these; ``index`` of those were evaluated without error.
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
         evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
@@ -280,7 +280,7 @@ class ResumableRecord:
         return recorded is not None
 
     def astray(self, place: str) -> str:
-        """Return the message for a record of which a place is not what the search makes."""
+        """Return the message for a record that differs from the search at a place."""
         return (
             f"{self._source}: the search does not repeat its record: {place} differs; expected the "
             "same settings, models and code, and the same versions of mrsfi, Python and DEAP; "
@@ -291,8 +291,8 @@ class ResumableRecord:
     def keep(self, result: Result | Generation) -> None:
         """Write a new result or a finished generation, at once or with later ones.
 
-        At once, unless writing would then take more than a 20th of the time; those that
-        wait, a thousand at most, are lost if the process is killed.
+        It waits only if writing would take more than a 20th of the time. At most a thousand wait;
+        a killed process loses them.
         """
         self._pending.append(result)
         begin = self._clock()
@@ -302,7 +302,7 @@ class ResumableRecord:
             self._due = end + 20 * (end - begin)
 
     def write(self) -> None:
-        """Write what waits, but for what was written when an interrupt kept it waiting."""
+        """Write all that wait, except those that an interrupted write has already stored."""
         if self._pending:
             kept = self._pending
             evaluation, failure, generation = self._store.next_indexes()

@@ -1,9 +1,9 @@
-"""All that a search may choose from, and the operators that draw and vary fault specifications.
+"""The search space, and the operators that draw and vary fault specifications.
 
-``SearchSpace`` knows the faults of a pool, their bounds and landmarks, and which of them exclude
-each other. Operators are functions of their arguments and the random generator: they return other
-specifications and change none. Each keeps the restriction that conflicting faults never overlap.
-The paper's operators keep it at every step; the free ones draw anything and repair the result.
+``SearchSpace`` holds the faults of a pool, their bounds and landmarks, and their conflicts.
+Operators are functions of their arguments and the random generator; they return new
+specifications. In each of these, conflicting faults never overlap. The paper's operators ensure
+that at every step; the free ones draw without regard to conflicts, and repair the result.
 
 Read ``SearchSpace`` first, then mutation, crossover, repair, and the random specifications.
 
@@ -40,8 +40,8 @@ Window: TypeAlias = tuple[int, int]
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     """Return the landmarks of a pool fault within its bounds, each once, its own values first.
 
-    These are the ends of bounds, and, among places, where robots begin, goals are pursued and
-    obstacles stand: chance hardly ever hits a believed position inside an obstacle.
+    Landmarks are the ends of bounds. For coordinates, they are the places of robots, goals and
+    obstacles: random coordinates are hardly ever inside an obstacle.
     """
     bounds = value_bounds(mission, fault)
     if fault.kind.is_place:
@@ -63,7 +63,7 @@ def within(value: float, bounds: tuple[float, float]) -> bool:
 
 def _points(mission: Mission) -> Iterator[Coordinates]:
     center = mission.area.center
-    far = 1.2 * mission.area.radius  # surely outside, within the default bounds
+    far = 1.2 * mission.area.radius  # outside the area, within the default bounds
     yield from (robot.position for robot in mission.robots)
     yield from (obstacle.area.center for obstacle in mission.obstacles)
     for goal in mission.goals:
@@ -78,13 +78,13 @@ def _points(mission: Mission) -> Iterator[Coordinates]:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """What search may do with one fault of the pool; ``index`` is its place there.
+    """A fault of the pool, and how a search may vary it; ``index`` is its place in the pool.
 
-    ``values`` are the pool's own, shape ``(n_parameters,)``, ``bounds`` the lowest and highest of
-    each, ``(n_parameters, 2)``, equal if it is fixed. ``conflicts`` are IDs of the faults that it
-    may not overlap, its own included. See ``landmarks`` for these, ``(n_landmarks, n_parameters)``.
-    ``is_place`` says whether the values are coordinates. ``triggers`` are what it may wait for:
-    nothing first, then the pool's triggers but for those of its own effect.
+    ``values`` are those of the pool, shape ``(n_parameters,)``, ``bounds`` the lowest and highest
+    of each, ``(n_parameters, 2)``, equal if it is fixed. ``conflicts`` are IDs of the faults that
+    it may not overlap, itself included. ``landmarks`` has shape ``(n_landmarks, n_parameters)``.
+    ``is_place`` is whether the values are coordinates. ``triggers`` are the IDs of triggers that it
+    may have: none first, as ``""``, then the pool's triggers, except those of its own effect.
     """
 
     index: int
@@ -97,13 +97,13 @@ class Candidate:
     triggers: tuple[str, ...] = ("",)
 
     def drawn_trigger(self, rng: Random) -> str:
-        """Draw what it waits for, each as often; where no trigger is declared, nothing is drawn."""
+        """Draw a trigger or none, all equally likely; a pool without triggers draws no number."""
         return rng.choice(self.triggers) if len(self.triggers) > 1 else ""
 
     def changed(
         self, values: Sequence[float], change: Callable[[float, float, float, bool], float]
     ) -> tuple[float, ...]:
-        """Change the values that evolve; each is given with its bounds and ``is_integer``."""
+        """Change the values that are not fixed; each comes with its bounds and ``is_integer``."""
         return tuple(
             change(value, low, high, is_integer) if low < high else value
             for value, (low, high), is_integer in zip(
@@ -145,7 +145,7 @@ class SearchSpace:
         return cls(mission.duration, MappingProxyType(candidates), gate)
 
     def clash(self, first: TimedFault, second: TimedFault) -> bool:
-        """Return whether two timed faults may not stand in one specification."""
+        """Return whether two timed faults may not be in one specification."""
         return (
             first.start <= second.finish
             and second.start <= first.finish
@@ -153,7 +153,7 @@ class SearchSpace:
         )
 
     def require(self, specification: Specification, where: str) -> Specification:
-        """Return a specification that ``where`` has made as the record has it, or refuse it."""
+        """Return a user-defined operator's specification in recorded order, or refuse it."""
         try:
             found = self.gate.admitted(specification)
         except SpecificationError as error:
@@ -171,7 +171,7 @@ class SearchSpace:
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:
         """Return timed faults by start, finish and place in the pool.
 
-        So a set of timed faults has one order, one record and one outcome.
+        So each set of timed faults has one order, one record and one outcome.
         """
         ordered = sorted(faults, key=lambda f: (f.start, f.finish, self.candidates[f.fault].index))
         return tuple(ordered)
@@ -198,7 +198,7 @@ class SearchSpace:
 
 
 def widest(free: Sequence[Window]) -> Window:
-    """Return the longest of some windows, of equal ones the first."""
+    """Return the longest window, of equal ones the first."""
     return max(free, key=lambda window: window[1] - window[0])
 
 
@@ -211,23 +211,23 @@ def random_window(free: Sequence[Window], rng: Random) -> Window:
 
 
 Mutation: TypeAlias = Callable[[SearchSpace, Specification, Random, float], Specification]
-"""From a specification, with the chance of each of its faults to change, another one."""
+"""Returns a mutated specification; the number is the chance of each fault to change."""
 
 Crossover: TypeAlias = Callable[
     [SearchSpace, Specification, Specification, Random], tuple[Specification, Specification]
 ]
-"""From two specifications two others."""
+"""Returns two offspring of two specifications."""
 
 Block: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
-"""Places in two specifications of faults that can only change sides together."""
+"""Places, in two specifications, of faults that can only be exchanged together."""
 
 
 def mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw window, values and trigger of timed faults anew, each with a chance of ``share``.
+    """Redraw window, values and trigger of each timed fault with probability ``share``.
 
-    The paper names no chance. The window lies where other faults leave room, values within bounds.
+    The paper states no probability. Windows lie where no other fault conflicts, values in bounds.
     """
     faults = list(specification)
     for place, timed in enumerate(faults):
@@ -242,7 +242,7 @@ def mutated(
 def random_values(
     candidate: Candidate, values: tuple[float, ...], rng: Random
 ) -> tuple[float, ...]:
-    """Draw the values that evolve anew within their bounds; keep the others."""
+    """Draw new values within their bounds; keep those that are fixed."""
 
     def drawn(_: float, low: float, high: float, is_integer: bool) -> float:
         if is_integer:
@@ -257,11 +257,11 @@ def crossed(
 ) -> tuple[Specification, Specification]:
     """Exchange faults between two specifications.
 
-    The number to exchange is drawn from 1 to half the size of the smaller one; the exchange that
-    comes nearest to it is made, if any is allowed. Faults that clash across the two form blocks,
-    which change sides as a whole: so every allowed exchange is a set of blocks.
+    The number to exchange is drawn from 1 to half the size of the smaller one. Of the allowed
+    exchanges, the one nearest to this number is made. Faults of the two specifications that clash
+    form blocks, which are exchanged as a whole, so an allowed exchange is a set of blocks.
 
-    The paper lets individuals grow unequal. Here neither grows beyond the larger of the two: more
+    In the paper, individuals can grow. Here neither grows beyond the larger of the two: more
     faults mean more violations, so the search would evolve sizes in place of faults.
     """
     half = min(len(first), len(second)) // 2
@@ -290,9 +290,9 @@ def crossed(
 def exchangeable_blocks(
     space: SearchSpace, first: Specification, second: Specification
 ) -> list[Block]:
-    """Return the smallest groups of faults of two specifications that can change sides.
+    """Return the smallest groups of faults of two specifications that can be exchanged.
 
-    A fault that both have is left out: to exchange it would change nothing.
+    A fault that both have is left out, because exchanging it changes nothing.
     """
     n_first = len(first)
     neighbours: list[list[int]] = [[] for _ in range(n_first + len(second))]
@@ -316,17 +316,17 @@ def exchangeable_blocks(
 
 
 def _connected(neighbours: Sequence[Sequence[int]]) -> Iterable[list[int]]:
-    """Yield the connected groups of a graph, members and groups in ascending order."""
-    seen: set[int] = set()
+    """Yield the connected components of a graph, all in ascending order."""
+    visited: set[int] = set()
     for root in range(len(neighbours)):
-        if root in seen:
+        if root in visited:
             continue
-        seen.add(root)
+        visited.add(root)
         group = [root]
         for member in group:
             for other in neighbours[member]:
-                if other not in seen:
-                    seen.add(other)
+                if other not in visited:
+                    visited.add(other)
                     group.append(other)
         yield sorted(group)
 
@@ -334,10 +334,10 @@ def _connected(neighbours: Sequence[Sequence[int]]) -> Iterable[list[int]]:
 def _combined(
     blocks: Sequence[Block], limit: int, wanted: int
 ) -> dict[tuple[int, int], tuple[int, ...]]:
-    """Return, for the numbers of faults that blocks add up to, one choice of blocks each.
+    """Return one choice of blocks for each pair of sizes that blocks can add up to.
 
-    Keys count the faults that leave each specification, at most ``limit`` and not both 0. All that
-    are possible are there, unless the search ended early at ``wanted`` of both.
+    A pair counts the faults that leave each specification, at most ``limit`` and not both 0. All
+    possible pairs are included, unless the search ended early at ``wanted`` of both.
     """
     found: dict[tuple[int, int], tuple[int, ...]] = {(0, 0): ()}
     for number, (leave, arrive) in enumerate(blocks):
@@ -352,12 +352,12 @@ def _combined(
 
 
 def repaired(space: SearchSpace, faults: Iterable[TimedFault], rng: Random) -> Specification:
-    """Cut the windows of conflicting faults until none overlap; move what would vanish.
+    """Cut the windows of conflicting faults until none overlap.
 
-    Each fault keeps one tick of its window, drawn for the shortest windows first. Two that conflict
-    are cut between their ticks, where they overlap. A fault whose ticks others keep moves to the
-    nearest free one, and vanishes only if there is none. Faults that clash with none stay as they
-    are, unless the others need their room.
+    Each fault keeps one tick of its window, drawn for the shortest windows first. Two overlapping
+    windows that conflict are cut between their ticks. A fault whose ticks are all taken moves to
+    the nearest free tick, and is removed only if there is none. Faults without a clash stay as
+    they are, unless others need their room.
     """
     ordered = space.ordered(faults)
     if not any(space.clash(one, other) for one, other in combinations(ordered, 2)):
@@ -404,9 +404,9 @@ def _tick_to_keep(
 def freely_crossed(
     space: SearchSpace, first: Specification, second: Specification, rng: Random
 ) -> tuple[Specification, Specification]:
-    """Exchange any faults, 1 to half the size of the smaller, and repair what overlaps.
+    """Exchange any faults, 1 to half the size of the smaller, and repair overlaps.
 
-    Both stay as they are where the mission has no room for the faults that arrive.
+    Both stay as they are if the mission has no room for the new faults.
     """
     half = min(len(first), len(second)) // 2
     if not half:
@@ -422,14 +422,14 @@ def freely_crossed(
 def freely_mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw any window, values and trigger of timed faults anew, and repair what overlaps."""
+    """Redraw window, values and trigger of timed faults at random, and repair overlaps."""
     return _freely(space, specification, rng, share, None)
 
 
 def transformed(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Put any fault of the pool, at any time, in the place of timed faults, and repair."""
+    """Replace timed faults by random faults of the pool, at random times, and repair overlaps."""
     return _freely(space, specification, rng, share, tuple(space.candidates))
 
 
@@ -440,7 +440,7 @@ def _freely(
     share: float,
     pool: Sequence[str] | None,
 ) -> Specification:
-    """Draw timed faults anew, of a pool if there is one."""
+    """Redraw timed faults, as faults of ``pool`` if one is given."""
 
     def anew(timed: TimedFault) -> TimedFault:
         fault = rng.choice(pool) if pool else timed.fault
@@ -460,7 +460,7 @@ CROSSOVERS: Mapping[str, Crossover] = MappingProxyType(
 
 
 def first_size(settings: CampaignSettings, rng: Random) -> int:
-    """Return how many faults one of the first population has: drawn if few are sought, else all."""
+    """Return the size of an individual of the first population, drawn if the campaign minimises."""
     return rng.randint(1, settings.faults) if settings.minimise else settings.faults
 
 
@@ -468,8 +468,8 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
     """Draw timed faults from the pool, no two conflicting ones overlapping.
 
     Each fault is drawn with replacement, its window among those that earlier ones leave free, and
-    its trigger; it keeps the pool's values. When no fault has a free tick left, an earlier window
-    is cut short, as the paper's lists always hold 20. Only a mission that is too short gets fewer.
+    its trigger; its values are the pool's. When no fault has a free tick left, an earlier window is
+    cut short, as the paper's lists always hold 20 faults. Only too short a mission gets fewer.
     """
     placed: list[TimedFault] = []
     candidates = list(space.candidates)
@@ -491,7 +491,7 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
 def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Random) -> TimedFault:
     """Draw a variant of a fault: values of one of three kinds, in the widest or a random window.
 
-    What it waits for is drawn last, if the pool has triggers.
+    Its trigger is drawn last, if the pool has triggers.
     """
     candidate = space.candidates[fault]
     values, kind = candidate.values, rng.choice(("own", "landmark", "random"))
@@ -506,7 +506,7 @@ def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Ra
 def varied_specification(
     space: SearchSpace, n_faults: int, rng: Random, is_allowed: Callable[[frozenset[str]], bool]
 ) -> Specification:
-    """Draw different faults of the pool, a variant of each, as long as others may join."""
+    """Draw variants of up to ``n_faults`` different faults, as far as sets of them are allowed."""
     placed: list[TimedFault] = []
     for fault in rng.sample([*space.candidates], len(space.candidates)):
         if len(placed) == n_faults:
