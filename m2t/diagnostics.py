@@ -52,10 +52,10 @@ class Constraint:
 
 
 _REASONS: Mapping[str, str] = {
-    "file": "says something about the file, of which nothing is left once Eclipse has loaded it",
-    "metamodel": "says something about a metamodel, which is read before any model",
+    "file": "concerns the file itself, which Eclipse no longer shows once the model is loaded",
+    "metamodel": "concerns a metamodel, which is read before any model",
     "refused": "Eclipse refuses to load such a file",
-    "dropped": "Eclipse drops what is wrong while it loads the file, without a word",
+    "dropped": "Eclipse drops the error silently while it loads the file",
 }
 """Why a constraint is not stated in EVL. In brackets stands the key of the reason below, or the
 file that states the constraint."""
@@ -68,36 +68,36 @@ NoDocumentType (file): the file declares no document type and no entities
 RootElement (file): the root is the class that the file is for, in its namespace
 KnownFeature (refused): every attribute and element is a feature of its class
 NoText (dropped): text stands in attributes only
-RequiredFeature (mission): what the metamodel requires is there
+RequiredFeature (mission): every attribute and element that the metamodel requires is given
 SingleValue (dropped): a single-valued feature is given once
 ConcreteType (refused): xsi:type names a concrete class that fits the feature
-ContainedElement (file): what the metamodel contains stands in place or is the root of a file of its
-    own, what it refers to does not
+ContainedElement (file): a contained element stands in its container or is the root of another file;
+    a reference holds no element
 NumberSyntax (refused): numbers are written as numbers of their type
 FiniteNumber (mission): numbers are finite
-NumberMagnitude (mission): numbers are no larger than the simulation can reckon with
+NumberMagnitude (mission): numbers are from -1.0E12 to 1.0E12, the range of the simulation
 EnumLiteral (refused): enumerations have one of their literals
 StringLength (mission): texts stay within their limits
-NameSyntax (metamodel): in metamodels, names and literals are letters, digits and _ of ASCII, a
-    letter first
-IdSyntax (mission): IDs begin with a letter and hold letters, digits, _ - . and spaces
-ReservedId (mission): IDs of a mission become names that Python and generated code leave free
+NameSyntax (metamodel): in metamodels, names and literals begin with an ASCII letter and contain
+    only ASCII letters, digits and _
+IdSyntax (mission): IDs begin with a letter and contain letters, digits, _ - . and spaces
+ReservedId (mission): no ID of a mission becomes a name that Python or generated code uses itself
 UniqueId (mission): IDs are unique over all classes of a file
 IdClash (mission): IDs of a mission become different names in Python
 ResolvedReference (mission): references lead to an element
 ReferenceType (refused): references lead to an element of the declared class
 UniqueReference (dropped): a list of references names each element once
 LocalReference (file): references between files lead to files of the mission, in its project
-DurationInRange (mission): a mission, or what a trigger sets off, lasts 1 to 10,000,000 ticks
+DurationInRange (mission): the duration of a mission or a trigger is 1 to 10,000,000 ticks
 RadiusPositive (mission): an area has a radius above 0
 SpeedNotNegative (mission): a speed is not below 0
-TurnRateInRange (mission): a robot turns by more than 0 and up to 180 degrees a tick
+TurnRateInRange (mission): a turn rate is above 0 and at most 180 degrees per tick
 NoiseNotNegative (mission): a noise is not below 0
 EnergyNotNegative (mission): energies and energy costs are not below 0
-SamplesPerSecondPositive (mission): a sensor takes at least 1 sample a tick
+SamplesPerSecondPositive (mission): a sensor takes at least 1 sample per tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
 PeriodPositive (mission): a patrol period is at least 1 tick
-DeadlinePositive (mission): a deadline is at least tick 1
+DeadlinePositive (mission): a deadline is tick 1 or later
 TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
 DelayNotNegative (faults): delays, also of triggers, and block durations are 0 to 2,147,483,647
@@ -106,12 +106,12 @@ LikelihoodInRange (faults): the likelihood of a fault is 0 to 1
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
 MessageFieldType (mission): a message field is of type Coordinates, Int, Double or String
-SenderIsNotReceiver (mission): a message goes to somebody else than its sender
+SenderIsNotReceiver (mission): the receiver of a message is not its sender
 UniquePropertyName (mission): user-defined properties of one station have different names
 GoalDependsOnOthers (mission): a goal does not depend on itself
 GatherSamplesArea (mission): a goal that gathers samples has an area
 SensorOfMember (mission): the sensor of a goal belongs to one of its members
-PairOfMembers (mission): a distance between robots has at least two members to be between
+PairOfMembers (mission): a goal that keeps a distance between robots has at least two members
 ExactlyOneFaultType (faults): a fault contains exactly one fault type
 RandomBoundsOrdered (faults): the lowest random value of a fault is not above its highest
 SearchBoundsOrdered (faults): the lowest value of a parameter is not above its highest
@@ -119,28 +119,28 @@ WholeTicks (faults): delays and block durations are whole numbers of ticks
 WindowComplete (faults): a fault has both start and finish, or neither
 WindowOrdered (faults): a fault does not finish before it starts
 TriggerInWindow (faults): a fault that waits for a trigger has a window
-TriggerOfEvent (faults): a trigger refers to what its event is about, and to nothing else
-ReachableGoal (faults): a goal that a trigger waits for to be reached has something to reach
+TriggerOfEvent (faults): a trigger refers to exactly what its event needs
+ReachableGoal (faults): a trigger waits to reach only goals whose task can be reached
 """
 
 _WARNINGS = """
-IdWithoutSpaces (mission): IDs hold no spaces, so that an attribute can refer to them
+IdWithoutSpaces (mission): IDs contain no spaces, so that an attribute can refer to them
 AreaInsideMission (mission): areas lie inside the mission area
 RobotInsideMission (mission): robots start inside the mission area
 RobotStartsClear (mission): robots start clear of obstacles and of each other
-RobotHasBattery (mission): a robot has energy to begin with
+RobotHasBattery (mission): a robot starts with energy in its batteries
 SenderIsMember (mission): the messages of a goal are sent by its members
-UniqueMessageField (mission): a message reports a field once
-FieldOfSender (mission): a message reports what its sender has
+UniqueMessageField (mission): a message reports each field once
+FieldOfSender (mission): a message reports only sensor types that its sender has
 AvoidCollisionMembers (mission): robots that avoid collisions are members of their goal
 DeadlineInsideMission (mission): a deadline lies inside the mission
-FigureInsideMission (mission): speeds, distances, noises and tolerances are no longer than the
-    mission area is wide, periods no longer than the mission lasts
-AsReactionsAssume (mission): a robot turns at once and reports where it is, as the built-in
-    reactions assume
+FigureInsideMission (mission): speeds, distances, noises and tolerances are at most the width of
+    the mission area; periods are at most the duration of the mission
+AsReactionsAssume (mission): a robot turns at once and reports its exact position, as the
+    built-in reactions assume
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
-TriggerCanHappen (faults): a trigger waits for the effect of a fault that does not wait for it
+TriggerCanHappen (faults): a trigger of an effect waits for a fault that does not wait for it
 """
 
 CONSTRAINTS: Mapping[str, Constraint] = {

@@ -260,7 +260,7 @@ def parse(text: str, name: str) -> GeneratedFile:
             raise ProtectedRegionError(
                 f"{name}:{number}: found the marker {content.strip()!r}; expected "
                 "'# protected region ID on begin' or '# protected region ID end'; "
-                "mend it or word the comment differently"
+                "correct it or word the comment differently"
             )
     markers = [*MARKER.finditer(text)]
     parts: list[str | Region] = []
@@ -380,8 +380,8 @@ def _require_no_orphans(
         raise ProtectedRegionError(
             "\n".join(
                 f"{existing.name}:{region.line}: protected region '{region.id}' holds hand-written "
-                f"code, but element '{region.id.partition('.')[0]}' is gone from the model; "
-                "bring the element back, or move the code elsewhere and empty the region"
+                f"code, but element '{region.id.partition('.')[0]}' is no longer in the model; "
+                "restore the element, or move the code elsewhere and empty the region"
                 for region in orphans
             )
         )
@@ -395,8 +395,8 @@ def _require_generated_skeleton(
     place = f"{existing.name}:{next((number for number, (a, b) in pairs if a != b), 1)}"
     if record is None:
         raise ProtectedRegionError(
-            f"{place}: differs here from what would be generated, and no manifest says whether "
-            "by hand; move your edits into protected regions, then generate with --force"
+            f"{place}: differs here from the text to generate, and without a manifest this "
+            "counts as an edit; move your edits into protected regions, then generate with --force"
         )
     if record.skeleton != text_hash(existing.skeleton):
         raise ProtectedRegionError(
@@ -499,7 +499,7 @@ def _read(path: Path) -> str | None:
         return None
     except (OSError, UnicodeDecodeError) as error:
         what = f"{path}: cannot be read as text in UTF-8 ({error})"
-        raise GenerationError(f"{what}; mend or remove it") from error
+        raise GenerationError(f"{what}; correct or remove it") from error
     return text.replace("\r\n", "\n")
 
 
@@ -525,14 +525,14 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
         schema = int(document["schema"])
         if schema > SCHEMA:
             found = f"{name}: has schema {schema}, written by a newer mrsfi"
-            raise GenerationError(f"{found}; this one knows {SCHEMA}; generate with the newer one")
+            raise GenerationError(f"{found}; this one reads {SCHEMA}; generate with the newer one")
         return {
             _file_name(path): FileRecord(str(entry["skeleton"]), dict(entry["regions"].items()))
             for path, entry in document["files"].items()
         }
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise GenerationError(
-            f"{name}: is no manifest ({type(error).__name__}: {error}); restore it from version "
+            f"{name}: is not a manifest ({type(error).__name__}: {error}); restore it from version "
             "control, or delete it: then everything in the generated files counts as edited"
         ) from error
 

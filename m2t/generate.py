@@ -63,7 +63,7 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPl
         try:
             change.replace(planned.changes)
         except UsageError as error:
-            raise GenerationError(f"{error}; mend the cause and generate again") from error
+            raise GenerationError(f"{error}; correct the cause and generate again") from error
     return planned
 
 
@@ -201,19 +201,18 @@ def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
     known = dict.fromkeys(identity for each in ids for identity in each)
     for old in names:
         if old not in known:
-            raise UsageError(f"found '{old}', an ID that nothing has; {expected(old, known)}")
+            raise UsageError(f"found '{old}', but no element has this ID; {expected(old, known)}")
     for own, becomes_name in zip(ids, (True, False), strict=True):
         taken: dict[str, str] = {}
         for old in own:
             new = names.get(old, old)
             for defect in defects_of_id(new, becomes_name=becomes_name) if old in names else ():
                 raise UsageError(f"{old}={new}: {defect.finding}")
-            other = taken.setdefault(identifier(new) if becomes_name else new, old)
+            name = identifier(new) if becomes_name else new
+            other = taken.setdefault(name, old)
             if other != old:
-                raise UsageError(
-                    f"{old} would be {new} and so have the name of what was {other}; expected "
-                    "an ID that no other element has"
-                )
+                what = f"{other} and {old} would both be named {name}"
+                raise UsageError(f"{what}; expected an ID that no other element has")
 
 
 def _rewritten(
@@ -231,7 +230,7 @@ def _rewritten(
         ast.parse(text, str(path))
     except SyntaxError as error:
         what = f"{path}:{error.lineno}: is not Python: {error.msg}"
-        raise ProtectedRegionError(f"{what}; mend the region first") from error
+        raise ProtectedRegionError(f"{what}; correct the region first") from error
     pairs = zip(_names_in(old), _names_in(new), strict=True)
     names = {earlier: later for earlier, later in pairs if earlier != later}
     ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))
@@ -240,8 +239,8 @@ def _rewritten(
         row = token.start[0]
         if row in regions and token.string in {*names.values()} - {*names}:
             raise UsageError(
-                f"{path}:{row}: found the name {token.string} in region {regions[row]}, which an "
-                "element would get; expected another ID, or another name there"
+                f"{path}:{row}: region {regions[row]} uses the name {token.string}, which an "
+                "element would get; expected another ID, or another name in the region"
             )
     for token in reversed(tokens):
         (row, begin), (_, end) = token.start, token.end

@@ -331,10 +331,10 @@ def _check_feature(slot: Slot, report: Report) -> None:
         report.add(feature, "NumberSyntax", finding)
     for name in ("volatile", "transient", "derived", "changeable"):
         if getattr(feature, name) is not (name == "changeable"):
-            finding = f"has {name}, with which files do not keep its values; delete {name}"
+            finding = f"has {name}, so files do not store its values; delete {name}"
             report.add(feature, "KnownFeature", finding)
     if feature.many and not feature.ordered:
-        finding = "has ordered, with which its values would change places; delete ordered"
+        finding = "has ordered=false, so its values could change order; delete ordered"
         report.add(feature, "KnownFeature", finding)
     if feature.name in _TAKEN_NAMES:
         finding = "has a name that every element uses itself; expected another; rename it"
@@ -374,7 +374,7 @@ def _check_contract(package: Any, root_class: str, report: Report) -> None:
                 report.add(kind, "RequiredFeature", finding)
             elif slot.feature not in seen and not _meets(slot, need):
                 seen.add(slot.feature)
-                finding = f"of {name} is read as {need}, which is not what it declares; restore it"
+                finding = f"of {name} is declared in another way; mrsfi reads {need}; restore it"
                 report.add(slot.feature, "RequiredFeature", finding)
 
 
@@ -398,5 +398,5 @@ def _check_meaning(kind: Any, report: Report) -> None:
         if not any(conforms(other, known) for other in read if other is not known)
     ]
     if len(names) > 1:
-        finding = f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them only"
+        finding = f"inherits from {' and '.join(names)}, and mrsfi can read it as only one of them"
         report.add(kind, "ConcreteType", f"{finding}; keep one")

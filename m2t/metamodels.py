@@ -108,7 +108,7 @@ class _Reader:
         contained = [each for each in fault.eStructuralFeatures if getattr(each, "containment", 0)]
         for feature in contained:
             if feature.eType in kinds and feature.many:
-                finding = "holds many fault types, of which a fault has one; delete upperBound"
+                finding = "may hold many fault types, but a fault has one; delete upperBound"
                 self._add(feature, "SingleValue", finding)
         held = {feature.eType for feature in contained}
         for kind in kinds:
@@ -124,11 +124,11 @@ class _Reader:
             if source.startswith(OURS) and not is_read:
                 finding = (
                     f"has the source {shown(source)}; expected {MEANING} at a fault type or a "
-                    "parameter of one, and no other source of ours; correct or delete it"
+                    "parameter of one, and no other source of mrsfi; correct or delete it"
                 )
                 self._add(note, "KnownFeature", finding)
             elif source == MEANING and not note.details:
-                finding = "says nothing; expected details with a key and a value; delete it"
+                finding = "is empty; expected details with a key and a value; delete it"
                 self._add(note, "RequiredFeature", finding)
 
     def _said(self, element: Any, keys: tuple[str, ...]) -> Said:
@@ -162,7 +162,7 @@ class _Reader:
         found = next(filter(None, said), {})
         if "mode" not in found:
             finding = (
-                f"says no mode; expected an annotation of source {MEANING} with a mode "
+                f"has no mode; expected an annotation of source {MEANING} with a mode "
                 f"({', '.join(Mode.__members__)}) and the property that it acts on; add one"
             )
             self._add(kind, "RequiredFeature", finding)

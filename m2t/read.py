@@ -180,7 +180,7 @@ class XmlFile:
         if self.n_elements > MAX_ELEMENTS:
             raise Defect("FileSize", f"has more than {MAX_ELEMENTS:,} elements; split the model")
         if len(self._open) >= MAX_DEPTH:
-            finding = f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
+            finding = f"nests more than {MAX_DEPTH} elements; expected fewer; correct it"
             raise Defect("FileSize", finding)
         namespace, _, tag = name.rpartition(" ")
         parent = self._open[-1] if self._open else None
@@ -355,8 +355,8 @@ class ModelFiles:
         is_large = self._n_bytes > MAX_BYTES or self._n_elements > MAX_ELEMENTS
         if is_large or len(self._files) >= MAX_FILES:
             finding = (
-                f"is one file too many: all files of a model have at most {MAX_FILES:,} files, "
-                f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements; model less"
+                f"exceeds a limit: a model has at most {MAX_FILES:,} files, "
+                f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements in all; make it smaller"
             )
             self._report.add(FileLine(path, 1), "FileSize", finding)
             return None
@@ -377,7 +377,7 @@ class ModelFiles:
             finding = f"holds the text {shown(text)}; expected elements; delete it"
             self._report.add(root, "NoText", finding)
         if not root.children:
-            finding = "is the root and holds nothing; expected a Mission; add one"
+            finding = "is the root and is empty; expected a Mission; add one"
             self._report.add(root, "RootElement", finding)
         for child in root.children:
             child.parent = None

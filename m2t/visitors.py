@@ -389,8 +389,8 @@ class OwnFeatures:
         if value is None and slot.is_contained and isinstance(beside, tuple):
             raise self.error(
                 element,
-                f"has no {slot.name}; code knows those of all its neighbours as one constant, in "
-                "which every one needs a value; add it",
+                f"has no {slot.name}; generated code has one constant for all parts of the list, "
+                "and each part needs a value; add it",
             )
         return self._value(element, value, slot)
 
@@ -403,8 +403,8 @@ class OwnFeatures:
             raise self.error(
                 element,
                 f"refers to {self.nodes[value].description} as {slot.name}, which has no index in "
-                "code; expected a robot, a sensor, an obstacle, a goal, a server or a part that "
-                "the mission lists",
+                "generated code; expected a robot, a sensor, an obstacle, a goal, a server or a "
+                "part that the mission lists",
             )
         return NONE if value is None else self.indices[value]
 
@@ -474,8 +474,8 @@ def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
         if found.name in constants:
             raise own.error(
                 element or mission,
-                f"holds a value that code would know as {found.name}, which is another's name "
-                "already; rename the feature or the other element",
+                f"has a value that would become the constant {found.name}, as another element "
+                "does; rename the feature or that element",
             )
         constants[found.name] = found
     return {

@@ -297,8 +297,8 @@ class _Checker:
                     self._report.add(node, "UniqueId", finding)
             elif (namespace, name) not in expected:
                 finding = (
-                    f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
-                    "expected attributes of the metamodel; delete it"
+                    f"has attribute {shown(f'{{{namespace}}}{name}')}, which no metamodel "
+                    "declares; expected attributes of the metamodel; delete it"
                 )
                 self._report.add(node, "KnownFeature", finding)
 
@@ -387,8 +387,8 @@ class _Checker:
             names = " > ".join(owner.path.name for owner in circle)
             raise Defect(
                 "ContainedElement",
-                f"{what}, which closes a circle of files ({names}); expected files that lead "
-                "downwards only; move the element into place",
+                f"{what}, which closes a circle of files ({names}); expected a file that does not "
+                "contain this one; move the element into place",
             )
         file = files.read(path, owners)
         if file is None:  # what is wrong with it is reported there
@@ -403,7 +403,7 @@ class _Checker:
         target = child.attributes.get("href")
         if target is None or set(child.attributes) != {"href"} or child.children:
             finding = (
-                "is a reference; expected nothing but href, such as "
+                "is a reference; expected only href, such as "
                 f'<{child.tag} href="mission.xmi#m1"/>; correct it'
             )
             self._report.add(child, "ContainedElement", finding)

@@ -51,7 +51,7 @@ def check_mission(mission: Any, report: Report) -> None:
         properties = (station.intProperties, station.stringProperties, station.doubleProperties)
         for entry in repeated(chain(*properties)):
             finding = (
-                f"is a property of {report.place(station).description} for the second time; "
+                f"is the second property of that name in {report.place(station).description}; "
                 "expected different names; rename one"
             )
             report.add(entry, "UniquePropertyName", finding)
@@ -127,7 +127,7 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
             finding = (
                 f"has {name} {number(getattr(robot, name))}, which the built-in reactions ignore, "
                 "so that goals may be violated without any fault; expected none; delete it, or "
-                "write reactions that reckon with it"
+                "write reactions that use it"
             )
             report.add(robot, "AsReactionsAssume", finding)
     area = mission.missionArea
@@ -232,8 +232,8 @@ _TASK_CHECKS: dict[str, Callable[[int, Any, Report], None]] = {
 def _check_message(goal: Any, message: Any, report: Report) -> None:
     sender = message.sender
     if sender is message.receiver:
-        finding = f"is sent by '{sender.ID}' to itself; expected somebody else"
-        report.add(message, "SenderIsNotReceiver", f"{finding}; correct the receiver")
+        finding = f"is sent by '{sender.ID}' to itself; expected another receiver"
+        report.add(message, "SenderIsNotReceiver", f"{finding}; correct it")
     if sender not in goal.members:
         finding = f"is sent by '{sender.ID}'; expected a member of the goal ({_ids(goal.members)})"
         report.add(message, "SenderIsMember", f"{finding}; correct the sender or the members")
@@ -255,7 +255,7 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
         report.add(entry, "MessageFieldName", finding)
     elif entry.name in sensor_types and entry.name not in carried:
         finding = (
-            f"is a sensor type of which '{sender.ID}' has no sensor; expected one of "
+            f"is a sensor type, and '{sender.ID}' has no such sensor; expected one of "
             f"{', '.join(dict.fromkeys(carried)) or 'none'}; correct the field or the sender"
         )
         report.add(entry, "FieldOfSender", finding)
@@ -376,7 +376,7 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
         report.add(fault, "WindowComplete", f"{finding}; add {missing}")
     if fault.trigger is not None and not has_start:
         finding = (
-            f"waits for trigger '{fault.trigger.ID}' and has no window in which to act; expected "
+            f"waits for trigger '{fault.trigger.ID}' but has no window; expected "
             "start and finish, or no trigger in a pool; correct one of them"
         )
         report.add(fault, "TriggerInWindow", finding)
@@ -387,8 +387,8 @@ def _check_window(fault: Any, duration: int, report: Report) -> None:
         report.add(fault, "WindowOrdered", f"{finding}; expected start <= finish; exchange them")
     elif fault.start >= duration:
         finding = (
-            f"starts at {fault.start} in a mission of {duration} ticks and never acts; expected "
-            "an earlier start; correct one of them"
+            f"starts at {fault.start} in a mission of {duration} ticks and is never active; "
+            "expected an earlier start; correct one of them"
         )
         report.add(fault, "WindowInsideMission", finding)
 
@@ -430,12 +430,12 @@ def _check_trigger(trigger: Any, report: Report) -> None:
         task = trigger.goal.task.eClass
         if not any(is_kind(task, name) for name in _REACHABLE):
             finding = (
-                f"waits until goal '{trigger.goal.ID}' is reached, and {task.name} has nothing to "
-                f"reach; expected a goal of {', '.join(_REACHABLE)}; choose another"
+                f"waits until goal '{trigger.goal.ID}' is reached, but {task.name} cannot be "
+                f"reached; expected a goal of {', '.join(_REACHABLE)}; choose another"
             )
             report.add(trigger, "ReachableGoal", finding)
     elif event == "EFFECT" and all(fault.trigger is trigger for fault in trigger.faults):
-        finding = "waits for no fault but those that wait for it, and never happens"
+        finding = "waits only for faults that wait for it, so it never happens"
         report.add(trigger, "TriggerCanHappen", f"{finding}; expected another fault; add one")
 
 

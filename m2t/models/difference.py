@@ -90,7 +90,7 @@ def read_models(path: Path) -> dict[str, Outline]:
     names = [path / name for name in _FILES if (path / name).is_file()]
     paths = names if path.is_dir() else [path]
     if not paths:
-        raise ModelError(f"{path}: holds neither {' nor '.join(_FILES)}; expected a mission folder")
+        raise ModelError(f"{path}: has neither {' nor '.join(_FILES)}; expected a mission folder")
     report = Report()
     files = ModelFiles(report)
     roots: list[Node] = []

@@ -123,7 +123,7 @@ FIXES: Mapping[str, Fix] = {
 _TITLES = {name: fix.title for name, fix in FIXES.items()}
 _TITLES_OF_REMAINS = {
     "UniqueReference": _TITLES["UniqueReference"],
-    "ResolvedReference": "Delete the reference, and what is incomplete without it",
+    "ResolvedReference": "Delete the reference and each element that is incomplete without it",
 }
 """What loading has left out already, with what is incomplete without it to follow."""
 

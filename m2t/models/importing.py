@@ -95,7 +95,7 @@ class _Namer:
             return False
         self._kept.add(own)
         if "ID" not in node.attributes:
-            self._notes.add("renamed", node, "ID", "has no ID; its name is its ID now")
+            self._notes.add("renamed", node, "ID", "has no ID; its ID is now its name")
         node.attributes["ID"] = own
         return True
 
@@ -452,17 +452,17 @@ class PublishedReader:
             self._drop_attribute(node, name, text, class_name)
         for (namespace, name), text in node.qualified.items():
             if namespace != XMI and (namespace, name) != (XSI, "type") and node.parent is not None:
-                self._notes.add("dropped", node, name, f"belongs to no model ({shown(text)})")
+                self._notes.add("dropped", node, name, f"is in no metamodel ({shown(text)})")
         for child in [child for kept in given.children.values() for child in kept]:
             is_ours = child.namespace in NAMESPACES
-            what = "that is not known here" if is_ours else "of another namespace"
-            self._notes.add("dropped", child, child.tag, f"is an element {what}")
+            what = "an unknown element" if is_ours else "an element of another namespace"
+            self._notes.add("dropped", child, child.tag, f"is {what}")
         if node.text.strip() and class_name:
             message = f"is text between elements ({shown(node.text.strip())})"
             self._notes.add("dropped", node, "text", message)
 
     def _drop_attribute(self, node: Node, name: str, text: str, class_name: str) -> None:
-        reason, contradiction = f"is not known here ({shown(text)})", ""
+        reason, contradiction = f"is an unknown attribute ({shown(text)})", ""
         if name in ("parentID", "goal_ID"):
             reason, holder = "repeats the container's ID", node.parent
             known = () if holder is None else (holder.attributes.get("ID"), holder.xmi_id)
@@ -547,7 +547,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         what = f"{folder}: exists already; name another folder with --out, or replace its models"
         raise UsageError(f"{what} with --force")
     if is_there and not (folder / MISSION_XMI).is_file():
-        what = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder"
+        what = f"{folder}: exists but is no mission folder: it contains no {MISSION_XMI}"
         raise UsageError(f"{what}; name another with --out")
     origins: dict[Any, Node] = {}
     report = Report(origins)
@@ -577,7 +577,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         specifications.append(load_metamodels().faults_class(ID="faults"))
         origins[specifications[0]] = setup
         # A pool for the team to fill, so that the folder is that of a whole mission.
-        said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
+        said = f"is absent; {FAULTS_XMI} is an empty pool; a search needs faults in it"
         notes.add("default", setup, "specification", said)
     check_mission(mission, report)
     for pool in specifications:
@@ -603,7 +603,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> list[Node]:
     missions = setup.tagged("mission")
     if len(missions) != 1:
-        finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
+        finding = f"has {len(missions) or 'no'} mission; expected one; split the file"
         report.add(setup, "RequiredFeature" if not missions else "SingleValue", finding)
         report.require_no_errors()
     known = load_metamodels()

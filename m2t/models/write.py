@@ -179,8 +179,8 @@ class _Writer:
                 raise ModelError(
                     f"{element.eClass.name} '{self._fragment(element)}' refers by {slot.name} to "
                     f"{value.eClass.name} '{self._fragment(value)}', which is part of {where}; "
-                    "expected one of the model's files; take the reference out if it was deleted, "
-                    "or give the address of its file"
+                    "expected one of the model's files; delete the reference if the target is "
+                    "deleted, or give the address of its file"
                 )
 
     def _address(self, value: Any) -> str:
@@ -254,7 +254,7 @@ def _text(slot: Slot, value: Any) -> str:
 def _escaped(text: str, escapes: Mapping[int, str]) -> str:
     """Return a text with what XML reserves escaped; refuse what XML cannot hold."""
     if _NO_XML.search(text):
-        found = f"text {text[:60]!a} holds a character that XML cannot; expected printable text"
+        found = f"text {text[:60]!a} contains a character that XML forbids; expected printable text"
         raise ModelError(f"{found}; delete the character")
     return text.translate(escapes)
 

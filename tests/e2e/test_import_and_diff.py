@@ -45,7 +45,7 @@ def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(f
     flight = mrsfi_json("simulate", "harbour", cwd=place)
     refused = mrsfi("evolve", "harbour", cwd=place, expected=5).stderr
 
-    assert "faults.xmi is an empty pool: it flies, a search needs faults in it" in told
+    assert "faults.xmi is an empty pool; a search needs faults in it" in told
     assert early == (
         "not flown without faults: generated/harbour: not generated yet; run `mrsfi generate "
         "models/harbour`\n"

@@ -80,5 +80,5 @@ def test_two_renames_at_once_follow_each_other(tmp_path, attempt):
         assert 'ID="second"' in (place / "models" / MISSION / "mission.xmi").read_text()
     else:
         assert codes == [0, 2]
-        assert "found 'r1', an ID that nothing has" in "".join(told)
+        assert "found 'r1', but no element has this ID" in "".join(told)
     mrsfi("generate", MISSION, "--check", cwd=place)
