@@ -2,9 +2,9 @@
 
 ``CampaignFolder`` names every file that a campaign may have; ``only_writer`` lets one process
 write it at a time. ``canonical`` and its neighbours write values as JSON: one value has one text,
-which reads back bit for bit. The rest is the SQLite file: layout, version and errors. Nothing of
-``sqlite3`` but the connection leaves this module: an error becomes a ``RecordError`` with the path,
-what was found and what was expected. ``store.py`` reads and writes the rows.
+which reads back bit for bit. The rest is the SQLite file: layout, version and errors. Only the
+connection of ``sqlite3`` leaves this module; each error becomes a ``RecordError`` with the path,
+the problem and the expectation. ``store.py`` reads and writes the rows.
 
 Every record from mrsfi 0.3.0 on, which began with version 4, stays readable. A later version only
 adds columns. Where a record lacks one, its values are ``None`` and print as *not recorded*. Records
@@ -35,27 +35,27 @@ from mrsfi_runtime.model.mission import Margin, Outcome
 
 
 class CampaignFolder:
-    """The folder ``runs/<name>`` of one campaign; a replay depends on nothing outside of it."""
+    """The folder ``runs/<name>`` of one campaign; a replay needs only its content."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.model = path / "model"  # copy of the mission folder
         self.generated = path / "generated"  # copy of the code; in a subfolder what it imports
         self.database = path / "campaign.sqlite"  # every evaluation and generation
-        self.lock = path / "campaign.lock"  # by the process that runs the campaign
+        self.lock = path / "campaign.lock"  # held by the process that runs the campaign
         self.critical = path / "critical"  # the most critical specifications as XMI
-        self.weaknesses = path / "weaknesses"  # the least that breaks each goal as XMI
+        self.weaknesses = path / "weaknesses"  # the mildest variant of each weakness as XMI
         self.causes = path / "causes"  # cause sets of explained specifications as XMI
         self.figures = path / "figures"
-        self.tables = path / "tables"  # the numbers behind them
-        self.summary = path / "summary.json"  # what a script reads of the report
+        self.tables = path / "tables"  # the numbers of the figures
+        self.summary = path / "summary.json"  # the report for scripts
         self.report = path / "report.md"
-        self.latex = path / "report.tex"  # the same for a paper, where asked for
-        self.page = path / "report.html"  # the same with flights to be looked at
+        self.latex = path / "report.tex"  # the same for a paper, on request
+        self.page = path / "report.html"  # the same with animated flights
 
     @classmethod
     def reserve(cls, path: Path) -> Self:
-        """Make a new folder, or take one whose campaign was ended before its store was made."""
+        """Create a folder, or reuse one whose campaign was interrupted before its store existed."""
         folder = cls(path)
         with _system_words(path):
             folder.require_unused()
@@ -68,7 +68,7 @@ class CampaignFolder:
         generated_folder: Path,
         imported: Mapping[str, Path] = MappingProxyType({}),
     ) -> None:
-        """Copy models, code and, by where it goes, what that imports; only its writer may."""
+        """Copy models, code and imported files, by their target names; only for its writer."""
         with _system_words(self.path):
             self.require_unused()
             for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
@@ -80,7 +80,7 @@ class CampaignFolder:
             _copy_files(imported, self.generated / IMPORTED)
 
     def files(self) -> list[Path]:
-        """Return the campaign's own files in order, without lock, bytecode and unfinished ones."""
+        """Return the campaign's files in order, without lock, bytecode and unfinished files."""
         places = {*vars(self).values()} - {self.path, self.lock}
         found = {path for place in places for path in (place, *place.rglob("*"))}
         return sorted(
@@ -98,7 +98,7 @@ class CampaignFolder:
         return file_hashes(self.model, self.generated, imported)
 
     def require_hashes(self, recorded: Mapping[str, str]) -> None:
-        """Refuse copies that are not those that the campaign was begun on."""
+        """Refuse copies that differ from those with which the campaign began."""
         found = self.hashes()
         for name in {*recorded, *(name for name in found if name.startswith(IMPORTED))}:
             if recorded.get(name) != found.get(name):
@@ -109,7 +109,7 @@ class CampaignFolder:
                 )
 
     def require_unused(self) -> None:
-        """Refuse a folder that holds more than a start that was ended leaves behind."""
+        """Refuse a folder that holds more than an interrupted start leaves behind."""
         if not self.path.exists():
             return
         found = {entry.name for entry in self.path.iterdir()} if self.path.is_dir() else {"a file"}
@@ -139,7 +139,7 @@ def _hash(path: Path) -> str:
 
 
 def new_name(path: Path) -> str:
-    """Return the name that a file has until it is whole."""
+    """Return the name that a file has until it is complete."""
     return f"{path.name}.new"
 
 
@@ -165,9 +165,9 @@ def _copy_files(files: Mapping[str, Path], target: Path) -> None:
 
 @contextmanager
 def only_writer(folder: CampaignFolder) -> Iterator[None]:
-    """Let nobody else write a campaign while the body runs.
+    """Hold a campaign's lock, so that no other process writes it while the body runs.
 
-    The lock is the operating system's: it ends with the process, and children do not inherit it.
+    The operating system releases the lock when the process ends; children do not inherit it.
     """
     try:
         descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
@@ -185,9 +185,9 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
 
 @contextmanager
 def no_writer(folder: CampaignFolder) -> Iterator[None]:
-    """Let nobody write a campaign while the body reads it; its folder may be read-only."""
+    """Let no process write a campaign while the body reads it; its folder may be read-only."""
     with ExitStack() as stack:
-        with suppress(OSError):  # copied without it, or not to be read at all
+        with suppress(OSError):  # a copy without the file, or an unreadable one
             descriptor = os.open(folder.lock, os.O_RDONLY | os.O_CLOEXEC)
             stack.callback(os.close, descriptor)
             _seize(folder, descriptor, is_shared=True)
@@ -215,10 +215,10 @@ def _seize(folder: CampaignFolder, descriptor: int, *, is_shared: bool = False) 
 
 
 OUTCOME = tuple(each.name for each in fields(Outcome))
-"""Names of what an outcome has, in the order in which they are stored."""
+"""The fields of an outcome, in the order in which they are stored."""
 
 COUNTS = OUTCOME[: OUTCOME.index("digest")]
-"""Of these, the count vectors."""
+"""Those fields that are count vectors."""
 
 _ENCODER = json.JSONEncoder(
     separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=methodcaller("item")
@@ -230,19 +230,19 @@ def canonical(value: Any) -> str:
     return _ENCODER.encode(value)
 
 
-def texts(found: Sequence[Sequence[float]]) -> list[str]:
-    """Return the texts of several lists of numbers, written at once, which is quicker."""
-    return [f"[{numbers}]" for numbers in canonical(found)[2:-2].split("],[")]
+def texts(rows: Sequence[Sequence[float]]) -> list[str]:
+    """Return the JSON texts of several lists of numbers; one call for all is faster."""
+    return [f"[{numbers}]" for numbers in canonical(rows)[2:-2].split("],[")]
 
 
 def specification_text(specification: Specification) -> str:
-    """Return ``[["f9",100,900,[200.0,-450.0]],…]``; a trigger stands last, where there is one."""
+    """Return ``[["f9",100,900,[200.0,-450.0]],…]``; a trigger, if there is one, comes last."""
     rows = map(plain, specification)
     return canonical([timed if timed.trigger else timed[:-1] for timed in rows])
 
 
 def specification(rows: Iterable[Any]) -> Specification:
-    """Return the specification whose text has such rows; a ValueError if none."""
+    """Return the specification that decoded rows describe; a ValueError if they are invalid."""
     try:
         return tuple(
             plain(TimedFault(fault, start, finish, tuple(values), *trigger))
@@ -253,11 +253,11 @@ def specification(rows: Iterable[Any]) -> Specification:
 
 
 def fault_texts(text: str) -> tuple[list[str], list[str]]:
-    """Return the pool fault of each timed fault, and texts that tell timed faults apart.
+    """Return the pool fault of each timed fault, and a text that identifies each.
 
-    To make the timed faults of a specification would take six times as long.
+    Decoding the timed faults of a specification would take six times as long.
     """
-    faults = re.findall(r'\["([^"\\]*)",', text)  # unless their IDs are odd ones
+    faults = re.findall(r'\["([^"\\]*)",', text)  # it misses IDs with quotes or backslashes
     texts = text.removeprefix("[[")[:-3].split("]],[")
     is_plain = text.endswith("]]]") and "-0.0" not in text and '"]' not in text  # no triggers
     if is_plain and len(faults) == len(texts):
@@ -271,27 +271,27 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
 
 
 def lists(texts: Sequence[str]) -> list[list[Any]]:
-    """Return what several JSON lists hold, read at once, which is quicker; a ValueError if none."""
-    found: list[list[Any]] = json.loads(f"[{','.join(texts)}]")
-    if len(found) != len(texts) or not all(type(each) is list for each in found):
+    """Decode several JSON lists; one call for all is faster. A ValueError if one is no list."""
+    decoded: list[list[Any]] = json.loads(f"[{','.join(texts)}]")
+    if len(decoded) != len(texts) or not all(type(each) is list for each in decoded):
         raise ValueError(f"found {' '.join(texts)[:60]}; expected lists")
-    return found
+    return decoded
 
 
-def integers(found: Sequence[Sequence[Any]]) -> tuple[tuple[int, ...], ...]:
+def integers(rows: Sequence[Sequence[Any]]) -> tuple[tuple[int, ...], ...]:
     """Return lists of integers as tuples; a ValueError if they hold anything else."""
-    if not set(map(type, chain.from_iterable(found))) <= {int}:
-        raise ValueError(f"found {str(found)[:60]}; expected lists of integers")
-    return tuple(map(tuple, found))
+    if not set(map(type, chain.from_iterable(rows))) <= {int}:
+        raise ValueError(f"found {str(rows)[:60]}; expected lists of integers")
+    return tuple(map(tuple, rows))
 
 
-def margins(found: object) -> tuple[Margin | None, ...] | None:
-    """Return margins as they are in an outcome; a ValueError if they make no sense."""
-    if not found:
+def margins(decoded: object) -> tuple[Margin | None, ...] | None:
+    """Return margins as they are in an outcome; a ValueError if they are invalid."""
+    if not decoded:
         return None
-    if not isinstance(found, list):
-        raise ValueError(f"found {str(found)[:60]}; expected a list of margins")  # noqa: TRY004 - the text is wrong
-    return tuple(None if each is None else _margin(*each) for each in found)
+    if not isinstance(decoded, list):
+        raise ValueError(f"found {str(decoded)[:60]}; expected a list of margins")  # noqa: TRY004 - the text is wrong
+    return tuple(None if each is None else _margin(*each) for each in decoded)
 
 
 def _margin(least: float, tick: int) -> Margin:
@@ -321,7 +321,7 @@ EVALUATION = ("idx", "generation", "fitness", "fault_ticks", *OUTCOME, "specific
 
 
 def quoted(columns: Iterable[str], stored: Container[str] = EVALUATION) -> str:
-    """Return columns as a query names them, with NULL for one that a record does not have."""
+    """Return columns as a query names them, with NULL for each that a record lacks."""
     return ", ".join(f'"{name}"' if name in stored else "NULL" for name in columns)
 
 
@@ -335,14 +335,14 @@ _TABLES = (
 
 
 def stored_columns(path: Path, connection: sqlite3.Connection) -> frozenset[str]:
-    """Return the columns that a record has for evaluations."""
+    """Return the columns of a record's table of evaluations."""
     with translated(path):
         columns = connection.execute("PRAGMA table_info(evaluation)")
         return frozenset(name for _, name, *_ in columns)
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:
-    """Make the file, and its folder if that is missing; under its name it appears whole."""
+    """Create the file, and its folder if missing; it gets its name when it is complete."""
     with translated(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists():
@@ -361,7 +361,7 @@ def create(path: Path, meta: Mapping[str, str]) -> None:
 
 
 def fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) -> None:
-    """Make the tables of a campaign without evaluations; the path is for messages."""
+    """Create the tables of a campaign without evaluations; the path is for messages."""
     with transaction(path, connection):
         connection.execute(f"PRAGMA application_id = {_APPLICATION}")
         connection.execute(f"PRAGMA user_version = {SCHEMA}")
@@ -404,7 +404,7 @@ def transaction(path: Path, connection: sqlite3.Connection) -> Iterator[sqlite3.
 
 @contextmanager
 def translated(path: Path) -> Iterator[None]:
-    """Turn what SQLite and the file system say into a ``RecordError`` that names the file."""
+    """Turn errors of SQLite and the file system into a ``RecordError`` that names the file."""
     try:
         yield
     except (sqlite3.Error, OSError) as error:
@@ -412,7 +412,7 @@ def translated(path: Path) -> Iterator[None]:
 
 
 def _sqlite_words(path: Path, error: sqlite3.Error | OSError) -> str:
-    """Return what was found, what was expected and what to do, by SQLite's primary code."""
+    """Return the problem, the expectation and the remedy, by SQLite's primary error code."""
     if isinstance(error, OSError):
         return _refused(path, str(error))
     code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
@@ -441,7 +441,7 @@ def _refused(path: Path, found: str) -> str:
 
 
 def damaged(path: Path, found: str) -> str:
-    """Return the message for a file whose content makes no sense."""
+    """Return the message for a file with invalid content."""
     return (
         f"{path}: the record is damaged: {found}; expected a campaign database of "
         f"version {SCHEMA}; restore the file from a copy, or run the campaign again"

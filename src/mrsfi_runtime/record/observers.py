@@ -1,7 +1,7 @@
-"""What is written of a flight: a log for people, a trace as CSV, a bag for viewers of ROS 2.
+"""The files of a flight: a log for people, a trace as CSV, a bag for viewers of ROS 2.
 
-``NamedFault`` is how messages, tables and JSON name a timed fault. ``Events`` yields what happens
-at each tick, in words. ``TraceTable``, ``SimulationLog`` and ``Bag`` are observers: an engine calls
+``NamedFault`` describes a timed fault for messages, tables and JSON. ``Events`` yields the events
+of each tick in words. ``TraceTable``, ``SimulationLog`` and ``Bag`` are observers: an engine calls
 them with truth, belief and verdicts of every tick, and they change none of these. The same flight
 writes the same bytes. docs/bags.md lists the topics of a bag.
 
@@ -53,12 +53,12 @@ Window: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class NamedFault:
-    """A timed fault, and all that it takes to name it.
+    """A timed fault, and what is needed to describe it.
 
-    ``touched`` is in words, ``robots`` are the places of the robots that have it or carry the
-    sensors that do; ``window`` has the first and last tick at which it is active, ``None`` if it
-    never is; ``units`` are those of the mission. One with a ``trigger`` is active at ``most`` ticks
-    of it.
+    ``touched`` names the affected properties. ``robots`` are the indexes of the robots that have
+    them or carry the sensors that do. ``window`` has the first and last tick at which the fault is
+    active, ``None`` if it never is; ``units`` are those of the mission. With a ``trigger``, it is
+    active for at most ``most`` ticks of the window.
     """
 
     name: str
@@ -73,11 +73,14 @@ class NamedFault:
 
     @property
     def target(self) -> str:
-        """What it touches, after what it refers to unless that says the same: ``m8: r2 speed``."""
+        """The affected properties, after the element that it refers to: ``m8: r2 speed``.
+
+        The element is left out if the properties name it.
+        """
         refers = self.fault.target
         words = ", ".join(self.touched) or "nothing"
-        is_said = bool(self.touched) and all(each.startswith(f"{refers} ") for each in self.touched)
-        return words if is_said else f"{refers}: {words}"
+        names = bool(self.touched) and all(each.startswith(f"{refers} ") for each in self.touched)
+        return words if names else f"{refers}: {words}"
 
     @property
     def words(self) -> str:
@@ -91,13 +94,13 @@ class NamedFault:
 
     @property
     def values_in_words(self) -> str:
-        """Its values, and what it waits for; empty if it has neither."""
+        """Its values and its trigger; empty if it has neither."""
         return "; ".join(filter(None, (self.values, self.trigger.words if self.trigger else "")))
 
     def active(self, tally: FaultTally) -> Window | None:
-        """Return when it is active in a flight, as far as that is known from what it did until now.
+        """Return when it is active in a flight, as far as its tally shows until now.
 
-        A fault that waits for a trigger was active at all ticks from its first one on.
+        A fault with a trigger is active at all ticks from its first one on.
         """
         if self.trigger is None or self.window is None or not tally.applied:
             return self.window if self.trigger is None else None
@@ -105,7 +108,7 @@ class NamedFault:
         return first, min(self.window[1], first + self.most - 1)
 
     def as_json(self) -> dict[str, Any]:
-        """Return all of it but its ID as plain values."""
+        """Return it as plain values, without its ID."""
         waits = {"trigger": self.trigger.id} if self.trigger is not None else {}
         return {
             "type": self.fault.type,
@@ -148,9 +151,9 @@ def named_faults(
 
 
 class Events:
-    """Tells what happens in a flight, tick by tick from the first.
+    """Describes the events of a flight, tick by tick from the first.
 
-    ``tallies`` say what each fault does, and are filled before the first tick.
+    ``tallies`` count what each fault does; the engine adds them before the first tick.
     """
 
     def __init__(
@@ -164,7 +167,7 @@ class Events:
         }
 
     def at(self, world: State, verdicts: Verdicts) -> Iterator[tuple[str, str]]:
-        """Yield what happens at the next tick, in words, each after what it is about."""
+        """Yield kind and description of each event at the next tick."""
         yield from self._of_faults(world.mission.tick)
         for kind, subject, fact in (*self._facts(world), *self._judged(verdicts)):
             before = self._known.get(subject, fact)
@@ -191,7 +194,7 @@ class Events:
                 yield "fault", f"{what}: ends"
 
     def _facts(self, world: State) -> Iterator[tuple[str, str, str]]:
-        """Yield what is worth an event when it changes, as subject and value."""
+        """Yield kind, subject and value of all facts whose change is an event."""
         mission = self._mission
         for index, robot in enumerate(mission.robots):
             command = world.commands[index]
@@ -205,7 +208,7 @@ class Events:
             yield "collision", f"collision of {name}", "yes" if gap < 0.0 else "no"
 
     def _judged(self, verdicts: Verdicts) -> Iterator[tuple[str, str, str]]:
-        """Yield what is said of each goal; before the first tick, nothing is violated or missed."""
+        """Yield the verdicts on each goal; before the first tick, none is violated or failed."""
         for index, goal in enumerate(self._mission.goal_ids):
             for what, flag in (
                 ("violated", verdicts.is_true[index]),
@@ -227,11 +230,11 @@ class Events:
 
 
 class TraceTable:
-    """Observer that writes a CSV row a tick to a text file; no bit of a float is lost.
+    """Observer that writes a CSV row a tick to a text file; floats keep every bit.
 
-    Columns are the tick, then per robot, sensor and goal its ID with ``.true`` and ``.believed``
-    forms, for example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``; and last, for
-    each goal, whether it is certain to be missed: ``g3.missed.true``.
+    Columns are the tick, then values of each robot, sensor and goal, true and believed, for
+    example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``. Last comes, for each goal,
+    whether it can no longer be met: ``g3.missed.true``.
     """
 
     _FIELDS: Mapping[str, Sequence[str]] = MappingProxyType(
@@ -267,7 +270,7 @@ class TraceTable:
 
 
 class SimulationLog:
-    """Observer that writes the true state, what is believed otherwise, and what happened."""
+    """Observer that writes the true state, beliefs that differ from it, and events."""
 
     def __init__(self, mission: Mission, stream: TextIO, events: Events) -> None:
         self._mission = mission
@@ -287,36 +290,37 @@ class SimulationLog:
                 f"energy={robot.energy:.1f} samples{samples}"
             )
         lines += self._mistaken(world, belief)
-        lines += (f"  event {said}" for _, said in self._events.at(world, verdicts))
+        lines += (f"  event {event}" for _, event in self._events.at(world, verdicts))
         self._stream.write("\n".join(lines) + "\n")
 
     def _mistaken(self, world: State, belief: State) -> Iterator[str]:
-        for listed, some in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
-            properties = [*some]
+        for listed, group in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
+            properties = [*group]
             owners, *sides = (getattr(each, listed) for each in (self._mission, belief, world))
             for owner, *pair in zip(owners, *sides, strict=True):
                 for affected in properties:
                     _, names = PROPERTIES[affected]
                     believed, true = ([getattr(side, name) for name in names] for side in pair)
                     if believed != true:
-                        said, so = _apart(believed, true)
-                        yield f"  believed {owner.id} {affected.name.lower()}: {said}, true {so}"
+                        first, second = _apart(believed, true)
+                        name = f"{owner.id} {affected.name.lower()}"
+                        yield f"  believed {name}: {first}, true {second}"
 
 
 def _apart(first: Sequence[float], second: Sequence[float]) -> tuple[str, str]:
     """Return unequal values as texts that differ: with two decimals, or all digits if need be."""
     short = (" ".join(f"{n:.2f}" for n in values) for values in (first, second))
-    said, so = (text.replace(".00", "") for text in short)
-    if said != so:
-        return said, so
+    texts = tuple(text.replace(".00", "") for text in short)
+    if texts[0] != texts[1]:
+        return texts[0], texts[1]
     return " ".join(map(repr, first)), " ".join(map(repr, second))
 
 
 Message: TypeAlias = dict[str, Any]
-"""Fields of a message to values; what is left out is zero or empty."""
+"""Fields of a message to values; missing ones are zero or empty."""
 
-Said: TypeAlias = tuple[Topic, Message]
-"""A message, and the topic that it is on."""
+Published: TypeAlias = tuple[Topic, Message]
+"""A message, and its topic."""
 
 Place: TypeAlias = tuple[float, float, float]
 Colour: TypeAlias = tuple[float, float, float, float]
@@ -368,20 +372,20 @@ class Bag:
 
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
-        for topic, message in self._said(world, belief, verdicts):
+        for topic, message in self._messages(world, belief, verdicts):
             nanoseconds = world.mission.tick * 1_000_000_000
             self._writer.write_message(topic.name, self._schema(topic.type), message, nanoseconds)
 
     def finish(self) -> None:
-        """Write what belongs to the end of the file."""
+        """Write the end of the file."""
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def _registered(self, name: str) -> "Schema":
         full = type_name(name, "msg", 2)
         return self._writer.register_msgdef(full, self._types.generate_msgdef(full, 2)[0])
 
-    def _said(self, world: State, belief: State, verdicts: Verdicts) -> Iterator[Said]:
-        """Yield what is written of a tick; of what seldom changes, only what does."""
+    def _messages(self, world: State, belief: State, verdicts: Verdicts) -> Iterator[Published]:
+        """Yield the messages of a tick; values that seldom change come only when they do."""
         tick = world.mission.tick
         time = time_of(tick, 2)
         yield CLOCK, {"clock": time}
@@ -404,26 +408,26 @@ class Bag:
             if self._known.get(topic.name) != message:
                 self._known[topic.name] = message
                 yield topic, message
-        for kind, said in self._events.at(world, verdicts):
-            yield LOG, {"stamp": time, "level": _LEVELS[kind], "name": kind, "msg": said}
+        for kind, event in self._events.at(world, verdicts):
+            yield LOG, {"stamp": time, "level": _LEVELS[kind], "name": kind, "msg": event}
         yield TRANSFORMS, self._transforms(world, belief)
-        told = zip(self._faults, self._events.tallies, strict=True)
-        active = [(fault.robots, fault.active(tally)) for fault, tally in told]
+        tallied = zip(self._faults, self._events.tallies, strict=True)
+        active = [(fault.robots, fault.active(tally)) for fault, tally in tallied]
         yield ROBOTS, robot_markers(self._mission, active, world, belief)
 
-    def _numbers(self, state: State) -> Iterator[Said]:
+    def _numbers(self, state: State) -> Iterator[Published]:
         for robot, of_robot in zip(state.robots, self._robots, strict=True):
             yield of_robot.speed, {"data": robot.speed}
             yield of_robot.energy, {"data": robot.energy}
         for sensor, of_sensor in zip(state.sensors, self._sensors, strict=True):
             yield of_sensor.samples, {"data": sensor.count}
 
-    def _switched(self, state: State) -> Iterator[Said]:
+    def _switched(self, state: State) -> Iterator[Published]:
         for sensor, of_sensor in zip(state.sensors, self._sensors, strict=True):
             yield of_sensor.active, {"data": bool(sensor.active)}
 
-    def _commands(self, world: State) -> Iterator[Said]:
-        """Yield what was commanded for the tick after, be it by a fault."""
+    def _commands(self, world: State) -> Iterator[Published]:
+        """Yield the commands for the next tick, faulty ones included."""
         for command, of_robot in zip(world.commands, self._robots, strict=True):
             heading = (command.heading_x, command.heading_y, 0.0)
             yield of_robot.heading_command, point(heading)
@@ -431,7 +435,7 @@ class Bag:
         for switch, of_sensor in zip(world.switches, self._sensors, strict=True):
             yield of_sensor.active_command, {"data": bool(switch.active)}
 
-    def _judged(self, verdicts: Verdicts) -> Iterator[Said]:
+    def _judged(self, verdicts: Verdicts) -> Iterator[Published]:
         lists = (verdicts.is_believed, verdicts.is_true, verdicts.missed)
         for what, flags in zip(("believed", "true", "missed"), lists, strict=True):
             for name, flag in zip(self._goals, flags, strict=True):
@@ -451,18 +455,18 @@ class Bag:
         }
 
 
-def _of_belief(said: Said) -> Said:
-    topic, message = said
+def _of_belief(published: Published) -> Published:
+    topic, message = published
     return Topic(f"/belief{topic.name}", topic.type), message
 
 
 def stamped(tick: int, frame: str = "map") -> Message:
-    """Return the header of what is at a place of a frame at a tick."""
+    """Return the header of a message about a frame at a tick."""
     return {"stamp": time_of(tick, 2), "frame_id": frame}
 
 
 def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
-    """Return what never changes: areas, waypoints, obstacles, and names that move with robots."""
+    """Return all fixed markers: areas, waypoints, obstacles, and names that move with robots."""
     markers = [_disc("mission area", _of(mission.area.center), mission.area.radius, _AREA)]
     for disc in mission.goal_discs:
         spot = (disc.x, disc.y, 0.0)
@@ -487,10 +491,10 @@ def robot_markers(
     world: State,
     belief: State,
 ) -> Message:
-    """Return robots where they are and are believed to be, and misplaced obstacles, at a tick.
+    """Return the true and believed places of robots, and misplaced obstacles, at a tick.
 
-    Robots that an active fault touches have another colour, by their places and when it is active.
-    It replaces what was drawn before.
+    ``active`` has, for each fault, its robots and its active window; robots with an active fault
+    have another colour. The markers replace all earlier ones.
     """
     tick, wide = world.mission.tick, 2.0 * ROBOT_RADIUS
     windows = ((robots, window or (0, -1)) for robots, window in active)

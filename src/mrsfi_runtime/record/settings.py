@@ -1,9 +1,9 @@
-"""What people write of campaigns in TOML: their settings, and the limits of kept weaknesses.
+"""The TOML files of campaigns: their settings, and the limits of kept weaknesses.
 
 A campaign file has one table, ``[search]``, which ``CampaignSettings`` reads strictly: an unknown
 key or a wrong value is a ``UsageError`` that names the file. A key that the file leaves out has
 the paper's value. Each setting is one field with a ``_Rule`` that checks and converts its value,
-wherever that comes from: file, option, record or script.
+whether that comes from a file, an option, a record or a script.
 
 A ``Regression`` is a weakness that a team keeps beside its models. It is two files in
 ``models/<mission>/regressions/``: a fault specification, ``NAME.xmi``, and ``NAME.toml`` with the
@@ -32,16 +32,16 @@ ALGORITHM_NAMES = (
     "paper", "eaSimple", "eaMuPlusLambda", "eaMuCommaLambda", "eaGenerateUpdate", "nsga2", "guided",
     "random", "drift", "cover",
 )  # fmt: skip
-"""The algorithms of ours and of DEAP, as a campaign file names them."""
+"""The built-in algorithms, as a campaign file names them."""
 
 COVERING = "cover"
-"""The one that knows neither populations nor generations."""
+"""The algorithm without populations and generations."""
 
 MINIMISING = ("nsga2", "guided")
-"""Those that keep a front, and so can minimise one thing beside many violations."""
+"""Algorithms with a Pareto front, which can minimise a cost while they maximise violations."""
 
 VIOLATIONS = ("believed", "true", "masked", "missed")
-"""Counts of an outcome that a search can look at."""
+"""Counts of an outcome that a search can maximise."""
 
 
 class _Rule(NamedTuple):
@@ -88,12 +88,11 @@ def _setting(default: Any, rule: _Rule) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class CampaignSettings:
-    """What a campaign searches with; defaults are those of the paper's case studies.
+    """The settings of a search; defaults are those of the paper's case studies.
 
     Functions are named by ``ALGORITHM_NAMES``, ``SELECTIONS``, ``CROSSOVERS``, ``MUTATIONS`` and
-    ``FITNESS_FUNCTIONS``, or are a team's own, ``module:function``. Of ``VIOLATIONS``, fitness and
-    front look at one: ``missed`` counts, for goals missed, the ticks from the one on at which that
-    was certain.
+    ``FITNESS_FUNCTIONS``, or user-defined, ``module:function``. Fitness and front use one of
+    ``VIOLATIONS``; ``missed`` counts the ticks from the one at which a goal can no longer be met.
 
     References
     ----------
@@ -103,7 +102,7 @@ class CampaignSettings:
     algorithm: str = _setting("paper", _NAME)
     population: int = _setting(20, _whole(1))
     generations: int = _setting(50, _whole(0))  # after the first, which is generation 0
-    # Of an individual, as far as the mission has room; with ``minimise`` the most that one may have
+    # Of an individual, as far as the mission has room; with ``minimise`` at most so many
     faults: int = _setting(20, _whole(1))
     crossover: float = _setting(0.7, _CHANCE)  # of a pair to exchange faults
     mutation: float = _setting(0.7, _CHANCE)  # of an individual to mutate
@@ -111,27 +110,27 @@ class CampaignSettings:
     selection: str = _setting("roulette", _NAME)
     crossover_operator: str = _setting("exchange", _NAME)
     mutation_operator: str = _setting("redraw", _NAME)
-    # What ``eaMuPlusLambda`` and ``eaMuCommaLambda`` breed in a generation; none means
+    # Offspring in a generation of ``eaMuPlusLambda`` and ``eaMuCommaLambda``; none means
     # ``population``, and twice that for ``eaMuCommaLambda``
     offspring: int | None = _setting(None, _whole(1))
     fitness: str = _setting("weighted", _NAME)
     violations: str = _setting("believed", _one_of(VIOLATIONS))
-    # Of which a front is to have few beside many violations
+    # The cost that a front minimises while it maximises violations
     minimise: str | None = _setting(None, _one_of(COSTS))
     # Mission seeds, from ``mission_seed`` on, over which fitness and goal vector are averaged
     replications: int = _setting(1, _whole(1, 1000))
-    # IDs of those that ``focused`` and the Pareto front look at; none means all
+    # IDs of the goals that ``focused`` and the Pareto front use; none means all
     goals: tuple[str, ...] = _setting((), _Rule("a list of different goal IDs", _are_goals, tuple))
     seed: int = _setting(1, _SEED)  # of the search
     mission_seed: int = _setting(1, _SEED)
-    # After exactly so many the run ends, in place of ``generations``: so controls are given as
-    # many as another run had
+    # The run ends after exactly so many, in place of ``generations``: a control run gets as many
+    # as the run that it is compared with
     evaluations: int | None = _setting(None, _whole(1))
-    # Bound of what is not found at which ``cover`` ends for all goals, if not before
+    # ``cover`` ends when the bound on what it has not found is at most this for every goal
     until: float | None = _setting(None, _CHANCE)
     max_failures: int = _setting(10, _whole(1))  # failed evaluations that end the run
     source: str = field(default="settings", compare=False)  # where they come from, for messages
-    options: frozenset[str] = field(default=frozenset(), compare=False)  # what was given beside it
+    options: frozenset[str] = field(default=frozenset(), compare=False)  # those given as options
 
     @classmethod
     def load(cls, path: Path, **overrides: object) -> Self:
@@ -146,16 +145,16 @@ class CampaignSettings:
 
     @classmethod
     def parse(cls, text: str, source: str, **overrides: object) -> Self:
-        """Read the text of a campaign file; what is given by keyword replaces its values."""
+        """Read the text of a campaign file; keyword arguments replace its values."""
         table = _search_table(text, source)
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
         if "generations" in given:
-            values.pop("evaluations", None)  # of the file, which would end the run in their place
+            values.pop("evaluations", None)  # of the file, which would take precedence
         values |= _checked(given, "option")
         if values.get("algorithm") == COVERING:
             _require_no_generations("option", given)
-            if "algorithm" not in given:  # else they are settings of another one
+            if "algorithm" not in given:  # else the file's settings are for another algorithm
                 _require_no_generations(source, table)
             values = {"evaluations": 100_000 if "until" in values else 909} | values
         elif "until" in values:
@@ -172,38 +171,38 @@ class CampaignSettings:
         return cls(**_checked(given, source), source=source)
 
     def as_json(self) -> dict[str, Any]:
-        """Return all settings but where they come from, as values of JSON."""
+        """Return all settings as values of JSON, without their source."""
         values = asdict(self)
         del values["source"], values["options"]
         return values | {"goals": list(self.goals)}
 
     def where(self, key: str) -> str:
-        """Return what says a setting, for messages: an option, or the campaign file."""
+        """Return the source of a setting, for messages: an option, or the campaign file."""
         return f"option {key}" if key in self.options else f"{self.source}: [search] {key}"
 
     @property
     def own_modules(self) -> list[str]:
-        """Modules of the functions that it names as ``module:function``."""
+        """Modules of the user-defined functions that it names."""
         values = self.as_json().values()
         named = (value for value in values if isinstance(value, str) and ":" in value)
         return sorted({value.partition(":")[0] for value in named})
 
     def costs(self, specification: Specification, duration: int) -> tuple[int, ...]:
-        """Return what a specification is to have little of; nothing as a rule."""
+        """Return the cost of a specification; empty unless the campaign minimises one."""
         return () if self.minimise is None else (COSTS[self.minimise](specification, duration),)
 
     def is_short(self, n_asked: int) -> bool:
-        """Whether a search was to make more evaluations; ``cover`` may end before."""
+        """Whether a search ended before its ``evaluations``, which only ``cover`` may."""
         return self.algorithm != COVERING and n_asked < (self.evaluations or 0)
 
     @property
     def mission_seeds(self) -> tuple[int, ...]:
-        """The seeds over which fitness is averaged, ``mission_seed`` first."""
+        """The mission seeds over which fitness is averaged, ``mission_seed`` first."""
         return following(self.mission_seed, self.replications)
 
 
 def following(seed: int, n: int) -> tuple[int, ...]:
-    """Return mission seeds from one on; after the largest comes 0."""
+    """Return ``n`` mission seeds from ``seed`` on; after the largest comes 0."""
     return tuple((seed + number) % (_LARGEST_SEED + 1) for number in range(n))
 
 
@@ -238,7 +237,7 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
 
 
 def _require_no_generations(where: str, table: Mapping[str, object]) -> None:
-    """Refuse what makes no sense beside the algorithm that covers, where that is named."""
+    """Refuse settings that the algorithm ``cover`` does not have."""
     for key in ("population", "generations"):
         if key in table:
             raise UsageError(
@@ -255,22 +254,22 @@ def _kept(rule: _Rule, where: str, value: object) -> Any:
 
 
 def require_whole(name: str, value: object) -> int:
-    """Return a number of things that a script gives, at least one; refuse anything else."""
+    """Return a script's whole number of at least one; refuse anything else."""
     return int(_kept(_whole(1), name, value))
 
 
 def require_seed(value: object) -> int:
-    """Return a mission seed that a script gives; refuse anything else."""
+    """Return a script's mission seed; refuse anything else."""
     return int(_kept(_SEED, "seed", value))
 
 
 @dataclass(frozen=True, slots=True)
 class Regression:
-    """A fault specification that must not do more harm than is kept.
+    """A kept weakness: a fault specification, and limits that its flights must not exceed.
 
-    ``limits`` are the most ticks of one of ``VIOLATIONS`` that goals may have, by their IDs, with
-    each of the ``mission_seeds``. ``path`` is their file. ``found`` says where it comes from and
-    what it did, ``accepted`` why that is accepted, ``side`` which parts flew, as ``--side`` has it,
+    ``limits`` has, by goal ID, the most ticks of ``violations`` with each of the ``mission_seeds``.
+    ``path`` is the file of the limits. ``found`` states where the weakness was found and what it
+    did, ``accepted`` why it is accepted, ``side`` which parts flew, as in ``--side``, and
     ``defect`` why its files cannot be read.
     """
 
@@ -293,24 +292,24 @@ class Regression:
         """File of its fault specification."""
         return self.path.with_suffix(".xmi")
 
-    def counts(self, goals: tuple[str, ...], outcome: Outcome, said_by: str = "") -> dict[str, int]:
-        """Return what a flight has of what is limited; a goal that there is not is refused.
+    def counts(self, goals: tuple[str, ...], outcome: Outcome, source: str = "") -> dict[str, int]:
+        """Return the violations of each limited goal in a flight; refuse an unknown goal.
 
-        ``said_by`` is what says the limits, if that is not the file.
+        ``source`` names where the limits come from, if not from the file.
         """
-        found = dict(zip(goals, getattr(outcome, self.violations), strict=True))
+        violations = dict(zip(goals, getattr(outcome, self.violations), strict=True))
         for goal in self.limits:
-            if goal not in found:
+            if goal not in violations:
                 known = expected(goal, goals, "goals of the mission:")
-                raise UsageError(f"{said_by or f'{self.path}: max'}: found goal '{goal}'; {known}")
-        return {goal: found[goal] for goal in self.limits}
+                raise UsageError(f"{source or f'{self.path}: max'}: found goal '{goal}'; {known}")
+        return {goal: violations[goal] for goal in self.limits}
 
     def exceeded(self, counts: Mapping[str, int]) -> tuple[str, ...]:
-        """Return the goals that have more than is kept, by what ``counts`` returned."""
+        """Return the goals that exceed their limits, by what ``counts`` returned."""
         return tuple(goal for goal, ticks in counts.items() if ticks > self.limits[goal])
 
     def idle(self, duration: int) -> Iterator[str]:
-        """Yield a warning for each limit that no flight of so many ticks can exceed."""
+        """Yield a warning for each limit that no flight of ``duration`` ticks can exceed."""
         for goal, most in self.limits.items():
             if most >= duration:
                 yield (
@@ -319,7 +318,7 @@ class Regression:
                 )
 
     def text(self) -> str:
-        """Return what ``load`` reads."""
+        """Return the text of the file, as ``load`` reads it."""
         accepted = f"accepted = {_quoted(self.accepted)}\n" if self.accepted else ""
         side = "" if self.side == BOTH else f'side = "{self.side}"\n'
         text = (
@@ -336,7 +335,7 @@ class Regression:
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read the file of some limits; what it lacks, or has of a wrong kind, is refused."""
+        """Read a file of limits; refuse unknown keys, and missing or wrong values."""
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:  # also numbers of thousands of digits
@@ -364,7 +363,7 @@ class Regression:
 
 
 def kept(models: Path) -> tuple[Regression, ...]:
-    """Return what is kept beside the models of a mission, by name, also what cannot be read."""
+    """Return the weaknesses kept beside a mission's models, by name, unreadable ones included."""
     folder = folder_of(models)
     if not os.path.lexists(folder):
         return ()
@@ -390,12 +389,12 @@ def _read(path: Path) -> Regression:
 
 
 def folder_of(models: Path) -> Path:
-    """Return where weaknesses are kept that are about a mission, by the folder of its models."""
+    """Return the folder of a mission's kept weaknesses, by the folder of its models."""
     return models / "regressions"
 
 
 def _quoted(text: str) -> str:
-    """Return a text as TOML writes it: as JSON does, but for one character."""
+    """Return a text as a TOML string, which differs from JSON in one character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 

@@ -1,12 +1,11 @@
 """The store of a campaign: evaluations, failures, generations and later flights in one file.
 
 Each append is one transaction with a rollback journal. So a run that is killed at any moment loses
-at most the append that it was in, and the next reader finds every earlier one. Indexes of
-evaluations and generations count from 0 without gaps. A row that makes no sense is a
-``RecordError`` that names the file.
+at most its current append, and the next reader finds every earlier one. Indexes of evaluations and
+generations count from 0 without gaps. An invalid row is a ``RecordError`` that names the file.
 
-``CampaignStore`` reads and appends; the values above it are what it returns; the functions below it
-turn rows into values and back. ``Measure`` says which violations a campaign counts.
+``CampaignStore`` reads and appends the values that are defined above it; the functions below it
+turn rows into values and back. ``Measure`` names the violations that a campaign counts.
 """
 
 import hashlib
@@ -34,11 +33,10 @@ _BATCH = 2000  # evaluations whose texts are held at once
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """What flying gave, without the specification, which takes longest to read.
+    """The result of an evaluation, without the specification, which takes longest to read.
 
-    The first of ``fitness`` ranks it; if that is a mean over mission seeds, the mean violations of
-    each chosen goal follow. ``fault_ticks`` are those at which faults were active, summed over
-    them.
+    The first value of ``fitness`` ranks it. If that is a mean over mission seeds, the mean
+    violations of each chosen goal follow. ``fault_ticks`` sums the active ticks of all faults.
     """
 
     index: int
@@ -50,7 +48,7 @@ class Flown:
 
 @dataclass(frozen=True, slots=True)
 class Evaluation(Flown):
-    """A fault specification, and what flying it gave."""
+    """A fault specification, and the result of its evaluation."""
 
     specification: Specification
 
@@ -67,7 +65,7 @@ class Generation:
 
 @dataclass(frozen=True, slots=True)
 class FailedEvaluation:
-    """A specification whose evaluation raised an error in the mission's own code."""
+    """A specification whose evaluation raised an error in the mission's code."""
 
     number: int  # of the specifications that the search asked for, from 0, failed or not
     generation: int
@@ -77,30 +75,30 @@ class FailedEvaluation:
 
 @dataclass(frozen=True, slots=True)
 class RecordedFlight:
-    """What came of a specification with a mission seed."""
+    """The result of a specification with one mission seed."""
 
     mission_seed: int
     specification: Specification
     found: Evaluated
 
     def row(self) -> tuple[int, str, str]:
-        """Return it as it is stored: mission seed, specification, what came of it."""
+        """Return it as it is stored: mission seed, specification, result."""
         found = self.found.traceback if isinstance(self.found, FailedFlight) else asdict(self.found)
         text = database.specification_text(self.specification)
         return int(self.mission_seed), text, database.canonical([found])
 
     @classmethod
     def from_row(cls, row: tuple[int, str, str]) -> Self:
-        """Return what such a row says; ``ValueError`` or ``TypeError`` if it makes no sense."""
-        seed, specification, text = row
-        faults, (found, *rest) = database.lists([specification, text])
-        known = database.specification(faults)
+        """Return the flight of such a row; ``ValueError`` or ``TypeError`` if it is invalid."""
+        seed, specification_text, text = row
+        faults, (found, *rest) = database.lists([specification_text, text])
+        specification = database.specification(faults)
         if isinstance(found, str) and not rest:
-            return cls(int(seed), known, FailedFlight(found))
+            return cls(int(seed), specification, FailedFlight(found))
         least, most = {*database.COUNTS, "digest"}, {*database.OUTCOME}
         if rest or not isinstance(found, dict) or not least <= {*found} <= most:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
-        return cls(int(seed), known, _outcome(*map(found.get, database.OUTCOME)))
+        return cls(int(seed), specification, _outcome(*map(found.get, database.OUTCOME)))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -138,7 +136,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             return cls(path, connection)
 
     def require_flyable(self) -> None:
-        """Refuse to fly what was found under other rules of the world: it would differ."""
+        """Refuse to fly a campaign of other semantics, because results would differ."""
         found, release = self.manifest.semantics, self.manifest.versions.get("mrsfi")
         if found != SEMANTICS:
             folder = self.path.parent
@@ -189,7 +187,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return self._next("evaluation")
 
     def evaluations(self, first: int = 0, n_most: int | None = None) -> Iterator[Evaluation]:
-        """Yield evaluations in index order: all, or at most so many from one index on."""
+        """Yield evaluations in index order: all, or at most ``n_most`` from ``first`` on."""
         end = self.n_evaluations if n_most is None else first + n_most
         for rows in self._batches(self._from_evaluations(), range(first, end)):
             for row in rows:
@@ -201,7 +199,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             yield from (frozenset(self._decoded(database.fault_texts, each)[0]) for each in texts)
 
     def flown(self, step: int) -> Iterator[Flown]:
-        """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
+        """Yield results in index order: of evaluation 0, and of every ``step``-th after it."""
         query = self._from_evaluations(database.EVALUATION[:-1])
         for rows in self._batches(query, range(0, self.n_evaluations, step)):
             for row in rows:
@@ -210,7 +208,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def stored(
         self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
     ) -> Iterator[T]:
-        """Yield what the first evaluations have in some columns, decoded, thousands at a time."""
+        """Yield columns of the first ``n`` evaluations, decoded, thousands at a time."""
         n_read = 0
         for rows in self._batches(self._from_evaluations(columns), range(n)):
             n_expected = min(_BATCH, n - n_read)
@@ -224,10 +222,10 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Yield evaluations with true violations and margins by goal, where these are recorded."""
         query = self._from_evaluations(("idx", "true", "margins"))
         for rows in self._batches(query, range(self.n_evaluations)):
-            told = [row for row in rows if row[2] is not None]
-            texts = [text for _, *both in told for text in both]
-            found = self._decoded(database.lists, texts)
-            for (index, *_), true, each in zip(told, found[::2], found[1::2], strict=True):
+            known = [row for row in rows if row[2] is not None]
+            texts = [text for _, *both in known for text in both]
+            lists = self._decoded(database.lists, texts)
+            for (index, *_), true, each in zip(known, lists[::2], lists[1::2], strict=True):
                 margins = self._decoded(database.margins, each)
                 yield index, true, margins or ()
 
@@ -254,7 +252,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return tuple(index for (index,) in rows)
 
     def generation(self, index: int) -> Generation | None:
-        """Return one finished generation, or nothing if it is not finished."""
+        """Return one finished generation; ``None`` if it is not finished."""
         rows = self._select("SELECT * FROM generation WHERE idx = ?", (int(index),))
         return self._decoded(_generation, rows[0]) if rows else None
 
@@ -269,7 +267,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return int(self._select("SELECT count(*) FROM failure")[0][0])
 
     def next_indexes(self) -> tuple[int, int, int]:
-        """Undo what an interrupt left half done; return what is next, failures by their number."""
+        """Undo an interrupted append; return the next indexes, for failures the next number."""
         if self._connection.in_transaction:
             self._connection.rollback()
         return self._next("evaluation"), self._next("failure"), self._next("generation")
@@ -280,28 +278,28 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return tuple(self._decoded(_failure, row) for row in rows)
 
     def kept(self, key: str, decode: Callable[[str], T]) -> T | None:
-        """Return a text of its own that is stored under a key, decoded; ``None`` if none is."""
+        """Return the text that is stored under a key, decoded; ``None`` if there is none."""
         rows = self._select("SELECT value FROM meta WHERE key = ?", (key,))
         return self._decoded(decode, rows[0][0]) if rows else None
 
     def keep(self, key: str, text: str) -> None:
-        """Store a text under a key, in place of another one."""
+        """Store a text under a key, in place of an earlier one."""
         with database.transaction(self.path, self._connection) as connection:
             connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
 
     def doubt(self, text: str) -> None:
-        """Record how what flies was seen not to repeat itself, if it was."""
+        """Record how two flights of one specification differed, or an empty text."""
         engine = replace(self.manifest.engine, unrepeated=text)
         self.manifest = replace(self.manifest, engine=engine)
         self.keep("manifest", database.canonical(self.manifest.as_json()))
 
     def flights(self) -> tuple[RecordedFlight, ...]:
-        """Return what was flown after the search, in order."""
+        """Return the flights after the search, in order."""
         rows = self._select("SELECT mission_seed, specification, found FROM flight ORDER BY idx")
         return tuple(self._decoded(RecordedFlight.from_row, row) for row in rows)
 
     def flown_with(self, sets: Collection[frozenset[str]]) -> Iterator[RecordedFlight]:
-        """Yield what the search flew of just the pool faults of a set, and all flights after it."""
+        """Yield all evaluations of exactly one of the sets, or of no fault, then later flights."""
         for index, faults in enumerate(self.fault_sets()):
             if faults in sets or not faults:
                 each = self.evaluation(index)
@@ -309,7 +307,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         yield from self.flights()
 
     def append_flights(self, flights: Iterable[RecordedFlight]) -> None:
-        """Store what was flown after the search, in one transaction."""
+        """Store flights after the search, in one transaction."""
         rows = [(None, *flight.row()) for flight in flights]
         with database.transaction(self.path, self._connection) as connection:
             connection.executemany("INSERT INTO flight VALUES (?, ?, ?, ?)", rows)
@@ -332,11 +330,11 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return f"SELECT {database.quoted(columns, self._columns)} FROM evaluation"
 
     def _next(self, table: str) -> int:
-        """Return the index that comes next: how many rows there are, as they have no gaps."""
+        """Return the next index, which is the number of rows, because indexes have no gaps."""
         return int(self._select(f"SELECT coalesce(max(idx) + 1, 0) FROM {table}")[0][0])
 
     def _batches(self, query: str, indexes: range) -> Iterator[list[tuple[Any, ...]]]:
-        """Yield rows of some thousand evaluations at a time; in between nobody has to wait."""
+        """Yield rows of some thousand evaluations at a time, without a lock in between."""
         for first in range(indexes.start, indexes.stop, _BATCH * indexes.step):
             end = min(first + _BATCH * indexes.step, indexes.stop)
             where = "WHERE idx >= ? AND idx < ? AND (idx - ?) % ? = 0 ORDER BY idx"
@@ -397,7 +395,7 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(*found: Any) -> Outcome:
-    """Return an outcome of what is stored of it; margins and detection may be missing."""
+    """Return an outcome from its stored fields; margins and detection may be missing."""
     *counts, digest, margins, late = found
     detection = tuple((n, n_late) for n, n_late in database.integers(late or ())) or None
     named: dict[str, Any] = dict(zip(database.COUNTS, database.integers(counts), strict=True))
@@ -406,11 +404,11 @@ def _outcome(*found: Any) -> Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """The violations that a campaign looks at, one ``kind`` of ``COUNTED``.
+    """The violations that a campaign counts, one ``kind`` of ``COUNTED``.
 
-    The record keeps means over ``n_seeds`` mission seeds, of the ``chosen`` goals in this order;
-    with 1 it keeps counts, in the order of ``goals``. ``minimised`` is what of ``COSTS`` a front
-    has few of beside many violations, if any.
+    The record has means over ``n_seeds`` mission seeds, of the ``chosen`` goals in this order;
+    with one seed it has counts, in the order of ``goals``. ``minimised`` is the one of ``COSTS``
+    that a front minimises while it maximises violations, if any.
     """
 
     kind: str
@@ -438,13 +436,13 @@ class Measure:
 
     @property
     def words(self) -> str:
-        """What is counted, for people."""
+        """The counted quantity, in words."""
         names = {"missed": "time after failure", "masked": "undetected violations"}
         return names.get(self.kind, f"{self.kind} violations")
 
     @property
     def means(self) -> str:
-        """What follows the name of something that is a mean over mission seeds."""
+        """The suffix of the name of a mean over mission seeds; empty with one seed."""
         return "" if self.n_seeds == 1 else f", mean of {self.n_seeds} mission seeds"
 
     @property
@@ -458,10 +456,10 @@ class Measure:
         if self.n_seeds > 1:
             why = "because the record keeps means over mission seeds of these only:"
             known.append((self.chosen, f"a goal of the campaign file, {why}"))
-        for some, what in known:
+        for names, what in known:
             for goal in goals:
-                if goal not in some:
-                    raise UsageError(f"found goal '{goal}'; {expected(goal, some, what)}")
+                if goal not in names:
+                    raise UsageError(f"found goal '{goal}'; {expected(goal, names, what)}")
 
     def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
         """Return the violations of each goal that is recorded, by its ID."""
@@ -471,7 +469,7 @@ class Measure:
 
 
 NONE = "–"
-"""What a table shows where there is nothing."""
+"""The content of an empty table cell."""
 
 
 def ticks(count: float) -> str:
