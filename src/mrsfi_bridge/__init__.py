@@ -4,7 +4,7 @@
 nothing of missions and imports nothing of mrsfi.
 
 Modules import only from those before them: ``errors``, ``structures`` (types of messages),
-``settings`` (what a server is started with), ``frames`` (bytes), ``protocol`` (what a client
-says), ``broker`` (what clients share), ``session`` (one client), ``server`` (sockets) and
-``embedded`` (ways to run). Begin with ``session``.
+``settings`` (types, address, limits), ``frames`` (bytes), ``protocol`` (operations of a
+client), ``broker`` (shared topics and services), ``session`` (one client), ``server`` (sockets)
+and ``embedded`` (ways to run). Begin with ``session``.
 """

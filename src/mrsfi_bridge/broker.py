@@ -1,14 +1,14 @@
-"""Topics, services and actions: who offers them and who uses them.
+"""Topics, services and actions that clients share.
 
-Three things that clients share. A ``Broker`` delivers messages from publishers to subscribers,
+A ``Broker`` delivers messages from publishers to subscribers,
 in order and before ``publish`` returns; ``BrokerOfRos2`` delivers them in turns, as the
 middleware of ROS 2 does. ``Services`` passes calls to providers and answers to callers.
-``Actions`` are services that take as long as they like, report progress and can be cancelled.
+``Actions`` are services without a time-out that report progress and can be cancelled.
 
-What holds throughout: clients are any hashable objects, and no class here knows a socket. Every
+Invariants: clients are any hashable objects, and no class here uses a socket. Every
 call and every goal gets exactly one answer, whatever happens to its provider. A topic exists
-while a client publishes or subscribes. A ``ProtocolError`` refuses a type that is unknown or
-conflicts, a message that does not fit its type, what is not the client's, and what exceeds
+while a client publishes or subscribes. A ``ProtocolError`` refuses an unknown or conflicting
+type, a message that does not fit its type, an object of another client, and an excess of
 ``Limits``.
 
 Begin with ``Broker``, then ``Services.call``.
@@ -42,7 +42,7 @@ class Subscriber(Protocol):
 
 @dataclass(slots=True)
 class Publication:
-    """What a client publishes on a topic: whether its last message is kept, and which it is."""
+    """A client's publications on a topic: whether the last message is kept, and the message."""
 
     is_latched: bool
     last: Outgoing | None = None
@@ -105,9 +105,9 @@ class Broker:
     def subscribe(
         self, client: Hashable, name: str, type_name: str | None, subscriber: Subscriber
     ) -> None:
-        """Have a client receive what is published on a topic, and at once what is kept of before.
+        """Have a client receive a topic, beginning with the messages kept from before.
 
-        A client that subscribes again gets what is kept only once.
+        A client that subscribes again does not get the kept messages again.
         """
         topic = self._topic(name, type_name)
         is_known = client in topic.subscribers
@@ -129,7 +129,7 @@ class Broker:
 
     @property
     def is_idle(self) -> bool:
-        """Whether all that was published was given to those who subscribe."""
+        """Whether all published messages were delivered."""
         return True
 
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
@@ -137,12 +137,12 @@ class Broker:
             subscriber.receive(outgoing)
 
     def _kept(self, topic: Topic) -> list[Outgoing]:
-        """Return what those get who subscribe later: what is latched."""
+        """Return the latched messages, for later subscribers."""
         lasts = (publication.last for publication in topic.publishers.values())
         return [last for last in lasts if last is not None]
 
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
-        """Keep a message for those who subscribe later."""
+        """Keep a message for later subscribers."""
         n_bytes = len(outgoing.frames(topic.name, PLAIN))
         n_all_bytes = self._n_latched_bytes + n_bytes - publication.n_bytes
         limit = self._limits.latched_bytes
@@ -176,13 +176,13 @@ class Broker:
             del self.topics[topic.name]
 
 
-DEPTH = 10  # messages of a topic that are under way at most; of more, the oldest are lost
-LIFESPAN_S = 1.0  # how long what was said on a topic is kept for those who subscribe later
+DEPTH = 10  # most messages of a topic in transit; of more, the oldest are lost
+LIFESPAN_S = 1.0  # how long messages of a topic are kept for later subscribers
 
 
 @dataclass(slots=True)
 class _Lane:
-    """What is under way on a topic, and what was not long ago; ``order`` is that of subscribing."""
+    """Waiting and recent messages of a topic; ``order`` is that of the first subscriptions."""
 
     order: int
     waiting: deque[Outgoing] = field(default_factory=lambda: deque(maxlen=DEPTH))
@@ -194,8 +194,8 @@ class BrokerOfRos2(Broker):
     """Delivers messages in the next turn of the loop, in order within a topic only.
 
     A turn delivers one message of each topic, in the order in which topics were subscribed to. A
-    late subscriber gets the last second of a topic, also of publishers that have left. So did
-    rosbridge_suite 2.1.0 on ROS 2 Jazzy, where it was measured.
+    late subscriber gets the last second of a topic, also of publishers that have left. This was
+    measured on rosbridge_suite 2.1.0 with ROS 2 Jazzy.
     """
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -209,7 +209,7 @@ class BrokerOfRos2(Broker):
     def subscribe(
         self, client: Hashable, name: str, type_name: str | None, subscriber: Subscriber
     ) -> None:
-        """Do as ``Broker`` does; the first to subscribe gives a topic its place among others."""
+        """Subscribe as in ``Broker``; the first subscription sets the order of a topic."""
         super().subscribe(client, name, type_name, subscriber)
         if len(self.topics[name].subscribers) == 1:
             self._lane(name).order = next(self._orders)
@@ -263,7 +263,7 @@ class BrokerOfRos2(Broker):
             self._scheduler.call_later(LIFESPAN_S, self._expire)
 
     def _expire(self) -> None:
-        """Forget what is over, and topics on which nothing is left."""
+        """Forget expired messages, and topics without any."""
         since = self._scheduler.time() - LIFESPAN_S
         for name, lane in tuple(self._lanes.items()):
             while lane.recent and lane.recent[0][0] <= since:
@@ -282,7 +282,7 @@ Reply: TypeAlias = Callable[[bool, Any], None]
 """Answers a caller: whether the call succeeded, and the response or the reason."""
 
 
-OWN: Hashable = "the server itself"  # provider of the services that nobody else may provide
+OWN: Hashable = "the server itself"  # provider of services that clients cannot replace
 
 
 class Service(NamedTuple):
@@ -294,7 +294,7 @@ class Service(NamedTuple):
 
 
 class Call(NamedTuple):
-    """A call that waits for its answer; without a timer as long as it takes."""
+    """A call that waits for its answer; without a timer, there is no time-out."""
 
     service: str
     type: ServiceType
@@ -307,7 +307,7 @@ class Call(NamedTuple):
 class Services:
     """Passes calls to providers and answers to callers; every call gets one answer.
 
-    ``services`` has them by name, in the order in which they came.
+    ``services`` maps names to services, in the order of their first advertisement.
     """
 
     noun = "service"
@@ -323,9 +323,9 @@ class Services:
         self._numbers = count(1)
 
     def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
-        """Let a client provide a service; return whether another did before, whose place it takes.
+        """Let a client provide a service; return whether it replaces another provider.
 
-        Nobody takes the place of the server itself.
+        No client replaces the server itself.
         """
         check_name(name, self.noun)
         service_type = self._typed(type_name)
@@ -353,11 +353,11 @@ class Services:
     def call(
         self, caller: Hashable, name: str, arguments: Any, reply: Reply, timeout_s: float = 0
     ) -> str:
-        """Pass a call to its provider; whatever happens, ``reply`` takes one answer.
+        """Pass a call to its provider; ``reply`` always gets exactly one answer.
 
-        ``arguments`` are the fields of the request by name, or in order. ``timeout_s`` is the time
-        that the caller gives the provider, at most an hour; 0 leaves it to the server. It returns
-        the identifier of the call, none if it was refused.
+        ``arguments`` are the fields of the request by name, or in order. ``timeout_s`` is the
+        caller's time-out, at most an hour; 0 means that of the server. Returns
+        the identifier of the call, or an empty text if it was refused.
         """
         service = self.services.get(name)
         if service is None:
@@ -379,7 +379,7 @@ class Services:
         return call_id
 
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
-        """Pass the response of a provider to the caller, or say to both that it does not fit."""
+        """Pass a provider's response to the caller; if it does not fit, both get the reason."""
         call = self._taken(owner, call_id)
         try:
             response = call.type.response.convert(values)
@@ -390,11 +390,11 @@ class Services:
         call.reply(True, response)
 
     def refuse(self, owner: Hashable, call_id: Any, reason: str) -> None:
-        """Tell the caller that the provider failed."""
+        """Answer the caller that the provider failed."""
         self._taken(owner, call_id).reply(False, reason)
 
     def drop(self, call_id: str, reason: str) -> None:
-        """Tell the caller that there will be no answer, unless it had one."""
+        """End a call with a failure, unless it was answered."""
         if call_id in self._calls:
             call = self._forget(call_id)
             call.reply(False, f"{self.noun.capitalize()} {call.service}: {reason}")
@@ -413,7 +413,7 @@ class Services:
         return self._types.service(type_name)
 
     def _timer(self, call_id: str, timeout_s: float) -> TimerHandle | None:
-        """Return what ends a call that takes too long."""
+        """Return the timer that ends a call that takes too long."""
         wait_s = min(timeout_s, 3600.0) if timeout_s > 0 else self._limits.service_s
         reason = f"no answer within {wait_s:g} s"
         return self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
@@ -452,13 +452,13 @@ def _named(arguments: Any, service_type: ServiceType) -> Any:
 
 
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-"""How a goal ended; of ``action_msgs/GoalStatus``. Whatever else a provider says is the last."""
+"""How a goal ended, by ``action_msgs/GoalStatus``. Any other status of a provider is ABORTED."""
 
 
 class Actions(Services):
-    """Services that may take as long as they like, tell how far they are, and can be cancelled.
+    """Services without a time-out that report progress and can be cancelled.
 
-    What asks a provider is given ``None`` in place of the goal that it is to give up.
+    A provider's ``Ask`` gets ``None`` in place of the goal to cancel it.
     """
 
     noun = "action"
@@ -472,9 +472,9 @@ class Actions(Services):
         goal: Any,
         answer: Callable[[dict[str, Any]], None],
     ) -> str:
-        """Pass a goal to its provider; as ``call``. It fails if the action is of another type.
+        """Pass a goal to its provider, as ``call`` does; an action of another type is a failure.
 
-        ``answer`` takes what comes back of it: the fields of an operation, its result last.
+        ``answer`` gets the operations that come back: feedback, and last the result.
         """
 
         def reply(is_ok: bool, values: Any) -> None:
@@ -488,14 +488,14 @@ class Actions(Services):
         return self.call(caller, name, goal, reply)
 
     def cancel(self, goal_id: str) -> None:
-        """Ask a provider to give up a goal; its result says what came of that."""
+        """Ask a provider to cancel a goal; its result says whether it did."""
         call = self._calls.get(goal_id)
         if call is None:
             raise ProtocolError("you have no active goal with this id")
         self.services[call.service].ask(goal_id, None)
 
     def feed_back(self, owner: Hashable, goal_id: Any, values: Any) -> None:
-        """Tell a caller how far a goal is."""
+        """Pass feedback on a goal to its caller."""
         call = self._asked(owner, goal_id)
         if call.type.feedback is not None:
             feedback = call.type.feedback.convert(values)
@@ -504,9 +504,9 @@ class Actions(Services):
     def finish(
         self, owner: Hashable, goal_id: Any, values: Any, status: int, *, is_ok: bool
     ) -> None:
-        """Tell a caller the result of a goal; as ``respond``.
+        """Pass the result of a goal to its caller, as ``respond`` does.
 
-        A goal that failed has a result, too, as with the genuine server: an empty one.
+        As on the genuine server, a failed goal has an empty result.
         """
         call = self._asked(owner, goal_id)
         try:

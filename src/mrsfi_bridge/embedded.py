@@ -1,10 +1,10 @@
-"""Two ways to run a server: in a thread of this process, or until the process is told to end.
+"""Two ways to run a server: in a thread of this process, or as a process until a signal.
 
-An ``EmbeddedBridge`` runs a ``BridgeServer`` in a thread of its own. A ``LocalClient`` joins it
-without a socket; it is used in the server's thread only, into which ``call_soon`` leads. What is
-raised there is kept in ``failed``, so that the thread that waits for it can raise it.
+An ``EmbeddedBridge`` runs a ``BridgeServer`` in a separate thread. A ``LocalClient`` joins it
+without a socket; it is used only in the server's thread, through ``call_soon``. Errors
+raised there are kept in ``failed``, so that a waiting thread can raise them.
 
-``serve`` is what the command line runs: it prints the URL, writes the log, and ends on SIGTERM or
+The command line runs ``serve``: it prints the URL, writes the log, and ends on SIGTERM or
 Ctrl-C.
 """
 
@@ -40,25 +40,25 @@ class FirstError(threading.Event):
 
 
 class _LocalSubscriber(NamedTuple):
-    """Hands messages on as they are."""
+    """Passes messages to callbacks unencoded."""
 
     callbacks: list[Callable[[dict[str, Any]], None]]
     failed: FirstError
 
     def receive(self, outgoing: Outgoing) -> None:
-        """Hand a message on."""
+        """Pass a message on."""
         for each in self.callbacks:
             try:
                 each(outgoing.message)
-            except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+            except Exception as error:  # noqa: BLE001 - raised in a waiting thread
                 self.failed.note(error)
 
 
 class LocalClient:
-    """A client of the server in its own process; used in the server's thread only.
+    """A client in the server's process; used only in the server's thread.
 
-    What its callbacks raise is kept in ``EmbeddedBridge.failed``. A type that is unknown or
-    conflicts, and a message that does not fit its topic, are a ``ProtocolError``.
+    Errors of its callbacks are kept in ``EmbeddedBridge.failed``. An unknown or conflicting type,
+    and a message that does not fit its topic, are a ``ProtocolError``.
     """
 
     def __init__(self, hub: Hub, failed: FirstError) -> None:
@@ -77,7 +77,7 @@ class LocalClient:
     def subscribe(
         self, topic: str, type_name: str, callback: Callable[[dict[str, Any]], None]
     ) -> None:
-        """Have a callback receive every message of a topic; it may not change them."""
+        """Have a callback receive every message of a topic; it must not change them."""
         callbacks = self._callbacks.setdefault(topic, [])
         callbacks.append(callback)
         subscriber = _LocalSubscriber(callbacks, self._failed)
@@ -91,7 +91,7 @@ class LocalClient:
         def ask(call_id: str, request: dict[str, Any]) -> None:
             try:
                 self._hub.services.respond(self, call_id, handler(request))
-            except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+            except Exception as error:  # noqa: BLE001 - raised in a waiting thread
                 self._failed.note(error)
                 self._hub.services.drop(call_id, f"its provider failed: {error}")
 
@@ -111,10 +111,10 @@ class LocalClient:
 
 
 class EmbeddedBridge:
-    """A rosbridge server in a thread of its own, by default on any free port of this machine.
+    """A rosbridge server in a separate thread, by default on any free port of this machine.
 
-    ``ros`` is the version of ROS whose server it is like, ``url`` where clients connect once it has
-    started, ``failed`` the first error that arose in the server's thread.
+    ``ros`` is the version of ROS that it emulates, ``url`` its address once it has
+    started, ``failed`` the first error in the server's thread.
     """
 
     def __init__(self, settings: ServerSettings | None = None) -> None:
@@ -148,7 +148,7 @@ class EmbeddedBridge:
         return LocalClient(self._server.hub, self.failed)
 
     def call_soon(self, function: Callable[[], None]) -> None:
-        """Call a function in the server's thread; what it raises is kept in ``failed``."""
+        """Call a function in the server's thread; its error is kept in ``failed``."""
         if self._loop is None:
             raise NotRunningError("the embedded server does not run")
         try:
@@ -157,23 +157,23 @@ class EmbeddedBridge:
             raise NotRunningError(f"the embedded server ended: {self.failed.error}") from error
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
-        """Call a function in the server's thread after a time; to be called there."""
+        """Call a function in the server's thread after a time; call this in that thread."""
         if self._loop is not None:
             self._loop.call_later(seconds, self._call, function)
 
     def barrier(self, then: Callable[[], None]) -> None:
-        """Call a function when all clients have answered what they were sent until now.
+        """Call a function when all clients have answered everything sent to them until now.
 
-        That holds for clients that work off what they hear in one thread. To be called in the
-        server's thread, as the function is.
+        This holds for clients that process messages in one thread. Call this in the
+        server's thread, in which the function is called, too.
         """
         if self._server is not None:
             self._server.barrier(lambda: self._call(then))
 
     def on_refusal(self, listener: Callable[[str, str], None]) -> None:
-        """Have a function told of what clients say and the server drops: the topic, and the reason.
+        """Call a function with topic and reason of each operation that the server drops.
 
-        The topic is empty where none is named. The function is called in the server's thread, soon.
+        The topic is empty if the operation names none. The function runs in the server's thread.
         """
         if self._server is None:
             raise NotRunningError("the embedded server does not run; start it first")
@@ -185,7 +185,7 @@ class EmbeddedBridge:
         self._server.hub.refused = refused
 
     def close(self) -> None:
-        """End the server and its thread; a second time does nothing."""
+        """End the server and its thread; a second call does nothing."""
         loop, stop = self._loop, self._stop
         if loop is not None and stop is not None:
             self._loop = None
@@ -226,20 +226,20 @@ class EmbeddedBridge:
     def _call(self, function: Callable[[], None]) -> None:
         try:
             function()
-        except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+        except Exception as error:  # noqa: BLE001 - raised in a waiting thread
             self.failed.note(error)
         if self._server is not None:
             self._server.flush()
 
     def _note(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Keep what asyncio could not raise anywhere."""
+        """Keep an error that asyncio could not raise."""
         loop.default_exception_handler(context)
         error = context.get("exception")
         self.failed.note(error or RuntimeError(str(context.get("message"))))
 
 
 def serve(settings: ServerSettings) -> None:
-    """Run a server until the process is told to end; its URL goes to standard output.
+    """Run a server until SIGTERM or Ctrl-C; print its URL to standard output.
 
     It is a ``SettingsError`` if the settings would open the server to strangers or a definition
     is wrong, a ``ListenError`` if the address cannot be bound.

@@ -3,10 +3,10 @@
 ::
 
     BridgeError              1  a defect of the server
-    ├── SettingsError        2  settings or definitions that make no sense
+    ├── SettingsError        2  invalid settings or definitions
     ├── ListenError          8  an address that cannot be bound
-    ├── NotRunningError           8  an embedded server that was not started, or has ended
-    └── ProtocolError        8  what a client says is not allowed
+    ├── NotRunningError      8  an embedded server that was not started, or has ended
+    └── ProtocolError        8  an operation of a client that is not allowed
 """
 
 from typing import ClassVar
@@ -19,7 +19,7 @@ class BridgeError(Exception):
 
 
 class SettingsError(BridgeError):
-    """A setting or a definition makes no sense."""
+    """A setting or a definition is invalid."""
 
     exit_code = 2
 
@@ -37,6 +37,6 @@ class NotRunningError(BridgeError):
 
 
 class ProtocolError(BridgeError):
-    """A client says what the protocol, its type or its limits do not allow."""
+    """A client sends something that the protocol, a type or a limit does not allow."""
 
     exit_code = 8

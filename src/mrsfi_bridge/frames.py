@@ -1,16 +1,16 @@
-"""What travels over a socket: JSON, encodings of messages, frames of a websocket.
+"""Data on a socket: JSON, encodings of messages, frames of a websocket.
 
-``to_json`` and ``from_json`` use ``orjson`` where it is installed, which is faster. An
+``to_json`` and ``from_json`` use ``orjson`` if it is installed, which is faster. An
 ``Outgoing`` is a published message in normal form (see ``structures``). It is encoded once for
-each ``Encoding`` that clients ask for: JSON, PNG, CBOR with typed arrays, or the bytes that ROS
+each ``Encoding`` that clients request: JSON, PNG, CBOR with typed arrays, or the bytes that ROS
 nodes exchange. A text may be cut into fragments.
 
-A ``Stream`` is one end of a websocket as bytes: it takes what arrived, yields messages, and
-returns what is to be written. The ``websockets`` package shakes hands, answers pings, closes and
-judges what is wrong; whole text frames, which are nearly all, are cut out here, since that is
+A ``Stream`` is one end of a websocket as bytes: it takes received bytes, yields messages, and
+returns bytes to write. The ``websockets`` package performs handshakes, answers pings, closes and
+detects errors. Whole text frames, which are nearly all, are parsed here, because that is
 faster. The server and the client of ``--client wire`` both use it.
 
-Nothing here opens a socket or knows a topic. Begin with ``Outgoing``, then ``Stream``.
+This module opens no socket and handles no topic. Begin with ``Outgoing``, then ``Stream``.
 
 References
 ----------
@@ -63,11 +63,11 @@ except ImportError:  # where it has no compiled part
     from websockets.utils import apply_mask
 
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
-"""Reads as ``json.loads`` does, which looks for an encoding and for blanks first."""
+"""Reads as ``json.loads`` does, without its checks for an encoding and for blanks."""
 
 if c_make_encoder is None:
     _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
-else:  # the same, which makes what encodes anew for each value
+else:  # the same without a new encoder for each value
     _PARTS = c_make_encoder(
         None, dict, encode_basestring_ascii, None, ":", ",", False, False, False
     )
@@ -77,7 +77,7 @@ else:  # the same, which makes what encodes anew for each value
 
 
 def to_json(value: Any) -> bytes:
-    """Return a value as JSON; a number that is none becomes null."""
+    """Return a value as JSON; NaN and infinite numbers become null."""
     if orjson is not None:
         with suppress(TypeError):  # it is a whole number of more than 64 bits, say
             content: bytes = orjson.dumps(value, default=dict)
@@ -89,9 +89,9 @@ def to_json(value: Any) -> bytes:
 
 
 def from_json(content: bytes | bytearray | str) -> Any:
-    """Return what a JSON text says; a ``ValueError`` or ``RecursionError`` if it is none."""
+    """Return the value of a JSON text; ``ValueError`` or ``RecursionError`` if it is invalid."""
     if orjson is not None:
-        with suppress(ValueError):  # it says NaN, say
+        with suppress(ValueError):  # it contains NaN, say
             return orjson.loads(content)
     text = content if isinstance(content, str) else content.decode()
     with suppress(StopIteration):
@@ -134,10 +134,10 @@ COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
 
 
 class Encoding(NamedTuple):
-    """How a client wants what it is sent; the compression is one of ``COMPRESSIONS``.
+    """The encoding that a client requests; the compression is one of ``COMPRESSIONS``.
 
-    Texts of more than ``fragment_size`` letters are cut into fragments, but into no more than
-    4,096. Binary frames stay whole.
+    Texts of more than ``fragment_size`` characters are cut into at most 4,096 fragments. Binary
+    frames stay whole.
     """
 
     compression: str = "none"
@@ -148,9 +148,9 @@ PLAIN = Encoding()
 
 
 class Outgoing:
-    """A published message in its normal form, which nobody may change.
+    """A published message in its normal form, which must not be changed.
 
-    It is encoded once however many clients receive it.
+    It is encoded once for any number of clients.
     """
 
     __slots__ = ("_frames", "message", "structure")
@@ -163,7 +163,7 @@ class Outgoing:
     def frames(self, topic: str, encoding: Encoding) -> bytes:
         """Return the frames that carry the message, ready for a socket.
 
-        A client is sent ``topic`` as it spells it.
+        ``topic`` is the client's own spelling.
         """
         key = topic, encoding
         frames = self._frames.get(key)
@@ -174,7 +174,7 @@ class Outgoing:
         return frames
 
     def number(self, seq: int) -> None:
-        """Give its header, if it has one, a number, whatever the client says."""
+        """Set the number of the header, if there is one, in place of the client's."""
         if self.structure.is_numbered:
             self.message["header"]["seq"] = seq
 
@@ -234,12 +234,12 @@ def _binary(topic: str, message: Any) -> bytes:
 
 
 def _frame(opcode: Opcode, content: bytes) -> bytes:
-    """Return an unmasked frame; as ``Frame.serialize``, which takes five times as long."""
+    """Return an unmasked frame, as ``Frame.serialize`` does in five times the time."""
     return _frame_head(opcode, len(content)) + content
 
 
 def _frame_head(opcode: Opcode, n_bytes: int, mask: int = 0) -> bytes:
-    """Return what a whole frame of so many bytes begins with."""
+    """Return the head of a whole frame of so many bytes."""
     if n_bytes < 126:
         return bytes((0x80 | opcode, mask | n_bytes))
     if n_bytes < 1 << 16:
@@ -248,7 +248,7 @@ def _frame_head(opcode: Opcode, n_bytes: int, mask: int = 0) -> bytes:
 
 
 def _tagged(structure: Structure, message: dict[str, Any]) -> dict[str, Any]:
-    """Return a message as CBOR is to have it: bytes as bytes, numbers as typed arrays."""
+    """Return a message for CBOR: bytes as bytes, numbers as typed arrays."""
     return {
         field.name: _tagged_field(field, structure, message[field.name])
         for field in structure.definition.fields
@@ -277,7 +277,7 @@ def _tagged_field(field: Field, structure: Structure, value: Any) -> Any:
 
 
 class _Packer:
-    """Puts what ROS nodes send to each other together, in ``content``."""
+    """Serializes messages as ROS nodes exchange them, into ``content``."""
 
     def __init__(self, *, is_cdr: bool) -> None:
         self._is_cdr = is_cdr
@@ -329,7 +329,7 @@ def _packed_numbers(type_name: str, values: Sequence[Any]) -> bytes:
 
 
 def _single(value: float) -> float:
-    """Return a number that single precision can hold: too large ones become infinite."""
+    """Return a number in the range of single precision; larger ones become infinite."""
     try:
         struct.pack("<f", value)
     except OverflowError:
@@ -342,18 +342,18 @@ _WHOLE_TEXT = 0x80 | OP_TEXT
 _MASKED = 0x80
 _MASK_BYTES = 4
 _LENGTH_BYTES = {126: 2, 127: 8}
-"""How many bytes a greater length of a frame takes, by what stands in the place of a small one."""
+"""Number of bytes of an extended frame length, by the value in the short length field."""
 
 
 class Message(NamedTuple):
-    """What one end says to the other."""
+    """A message of the other end."""
 
     content: bytes | bytearray
     is_text: bool
 
 
 class Pong(NamedTuple):
-    """What answers a ping, and goes behind all that was said before."""
+    """The answer to a ping; it follows all earlier messages."""
 
     content: bytes
 
@@ -377,35 +377,35 @@ class Stream:
 
     @property
     def is_open(self) -> bool:
-        """Whether hands were shaken, and nobody took leave."""
+        """Whether the handshake is complete and no end has begun to close."""
         return self.protocol.state is State.OPEN
 
     @property
     def status(self) -> int | None:
-        """The status of HTTP by which the server refused to shake hands, if it did."""
+        """The HTTP status with which the server refused the handshake, if it did."""
         error = self.protocol.handshake_exc
         return error.response.status_code if isinstance(error, InvalidStatus) else None
 
     @property
     def n_bytes(self) -> int:
-        """What came of messages that are not whole yet."""
+        """Number of received bytes of incomplete messages."""
         return len(self._waiting) + len(self._parts) + len(self.protocol.reader.buffer)
 
     def send_text(self, content: bytes) -> None:
-        """Say a text, as a client; ``data_to_send`` has it."""
+        """Queue a text of a client for ``data_to_send``."""
         mask = next(self._masks, None)
-        if mask is None:  # a call of the system for each takes longer than all the rest
+        if mask is None:  # a system call for each mask would dominate the time
             self._masks = _masks()
             mask = next(self._masks)
         self._unsent += _frame_head(OP_TEXT, len(content), _MASKED), mask, apply_mask(content, mask)
 
     def data_to_send(self) -> list[bytes]:
-        """Return what is to be written, in parts; an empty one last ends the connection."""
+        """Return the bytes to write, in parts; an empty last part ends the connection."""
         frames, self._unsent = self._unsent, []
         return [*frames, *self.protocol.data_to_send()]
 
     def receive(self, data: bytes | memoryview) -> Iterator[Event]:
-        """Take bytes; yield what they complete, one after the other."""
+        """Take bytes; yield the completed events."""
         if self.protocol.state is State.CONNECTING:
             head, data = self._head(bytes(data))
             yield from self._judged(head)
@@ -415,7 +415,7 @@ class Stream:
             start, end = bounds
             is_refused = self._is_refused(position, end - start)
             if is_refused:
-                end = len(self._waiting)  # ``websockets`` says why
+                end = len(self._waiting)  # ``websockets`` finds the reason
             elif end > len(self._waiting):
                 break
             if is_refused or not self._is_whole or self._waiting[position] != _WHOLE_TEXT:
@@ -430,7 +430,7 @@ class Stream:
         del self._waiting[:position]
 
     def _head(self, data: bytes) -> tuple[bytes, bytes]:
-        """Return what belongs to the handshake, and what comes after it."""
+        """Return the bytes of the handshake, and the rest."""
         end = (self._tail + data).find(_END_OF_HEAD)
         if end < 0:
             self._tail = (self._tail + data)[1 - len(_END_OF_HEAD) :]
@@ -439,7 +439,7 @@ class Stream:
         return data[:end], data[end:]
 
     def _bounds(self, position: int) -> tuple[int, int] | None:
-        """Return where the content of the next frame begins and ends, once that is known."""
+        """Return start and end of the content of the next frame, once known."""
         waiting, start = self._waiting, position + 2
         if len(waiting) < start:
             return None
@@ -454,7 +454,7 @@ class Stream:
         return start, start + length
 
     def _is_refused(self, position: int, length: int) -> bool:
-        """Return whether a frame comes too late, is too long, or masked where it must not be."""
+        """Return whether a frame is too late, too long, or wrongly masked."""
         most = self.protocol.max_message_size
         return (
             not self.is_open
@@ -463,7 +463,7 @@ class Stream:
         )
 
     def _judged(self, data: bytes) -> Iterator[Event]:
-        """Have ``websockets`` take bytes; yield what they complete."""
+        """Pass bytes to ``websockets``; yield the completed events."""
         self.protocol.receive_data(data)
         for event in self.protocol.events_received():
             if not isinstance(event, Frame):
@@ -481,13 +481,13 @@ class Stream:
 
 
 def _masks() -> Iterator[bytes]:
-    """Yield some masks that nobody can guess."""
+    """Yield some unpredictable masks."""
     drawn = os.urandom(1024 * _MASK_BYTES)
     return (drawn[start : start + _MASK_BYTES] for start in range(0, len(drawn), _MASK_BYTES))
 
 
 def client_stream(url: str) -> Stream:
-    """Return a client's end, which has said what it asks for."""
+    """Return a client's end, with its handshake request to be sent."""
     protocol = ClientProtocol(parse_uri(url), max_size=None)
     protocol.send_request(protocol.connect())
     return Stream(protocol)

@@ -1,15 +1,14 @@
-"""What a client says: operations, names, fragments, and how it wants a topic.
+"""Requests of a client: operations, names, fragments, and options of a subscription.
 
 ``operations`` splits a text into JSON values, and ``check_operation`` checks the fields of one
-against the table ``_FIELDS``. ``Fragments`` joins a message that arrives in parts. What does not
-fit is a ``ProtocolError`` whose text is meant for the client.
+against the table ``_FIELDS``. ``Fragments`` joins a message that arrives in parts. An
+invalid request is a ``ProtocolError`` whose text is meant for the client.
 
-``Uses`` are the topics that a client advertises or subscribes to. A ``Wish`` is what one
-``subscribe`` asks for: how often, how many may wait, in which encoding; ``settled`` combines the
-wishes of one client for one topic. A ``Subscription`` delivers a topic to a client as the
-combined wish says.
+``Uses`` are the topics that a client advertises or subscribes to. A ``Wish`` is the request of one
+``subscribe``: rate, queue length and encoding. ``settled`` combines the
+wishes of one client for one topic, and a ``Subscription`` delivers the topic accordingly.
 
-Time comes from a scheduler that is an argument. Begin with ``check_operation``.
+The scheduler, an argument, provides the time. Begin with ``check_operation``.
 
 References
 ----------
@@ -89,13 +88,13 @@ _FIELDS = MappingProxyType(
         "fragment": {"id": _CALL, "data": _NAME, "num": _NUMBER, "total": _NUMBER},
     }
 )
-"""Fields that an operation may have; others are ignored, as the genuine server does."""
+"""Fields of each operation; others are ignored, as on the genuine server."""
 
 
 def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
     """Yield the JSON values of a frame, which may hold several.
 
-    ``refuse`` is told once if a part of the text is no JSON.
+    ``refuse`` gets the reason, once, if a part of the text is not JSON.
     """
     try:
         value = from_json(text)
@@ -150,7 +149,7 @@ def absolute(name: str) -> str:
 
 
 def check_name(name: str, noun: str) -> None:
-    """Raise ``ProtocolError`` at a name empty, too long, or with blanks or unprintable letters."""
+    """Raise ``ProtocolError`` if a name is empty, too long, or has blanks or unprintable parts."""
     if name.strip("/") and len(name) <= _LONGEST_NAME and name.isprintable() and " " not in name:
         return
     shown = repr(name[:_LONGEST_NAME])
@@ -159,7 +158,7 @@ def check_name(name: str, noun: str) -> None:
 
 
 class _Unfinished(NamedTuple):
-    """A message of which some fragments are still to come."""
+    """A message with missing fragments."""
 
     total: int
     parts: list[str]
@@ -167,10 +166,10 @@ class _Unfinished(NamedTuple):
 
 
 class Fragments:
-    """Puts messages together that arrive in fragments; unfinished ones share ``max_bytes``.
+    """Joins messages that arrive in fragments; unfinished ones share ``max_bytes``.
 
-    The fragments of a message arrive in order. After one that is refused, the others of its
-    message are refused, too, since the next one to be taken is again the first of a message.
+    The fragments of a message arrive in order. After a refused one, the rest of its
+    message is refused, too, because the next accepted one must be the first of a message.
     """
 
     def __init__(self, max_bytes: int) -> None:
@@ -200,7 +199,7 @@ class Fragments:
         return None
 
     def _forget(self, fragment_id: str | int) -> _Unfinished | None:
-        """Return what has arrived of a message, and keep it no more."""
+        """Remove and return the received part of a message."""
         message = self._unfinished.pop(fragment_id, None)
         self.n_bytes -= 0 if message is None else message.n_bytes
         return message
@@ -208,15 +207,15 @@ class Fragments:
 
 V = TypeVar("V")
 
-UseId: TypeAlias = str | int | None  # what tells the uses of one topic by one client apart
+UseId: TypeAlias = str | int | None  # identifies one of a client's uses of a topic
 _LONGEST_THROTTLE_MS = 1e9
 
 
 class Uses(dict[str, dict[UseId, V]]):
-    """Topics that a client uses, each under the identifiers that it gave."""
+    """Topics that a client uses, each with the identifiers that the client gave."""
 
     def remove(self, name: str, use_id: UseId) -> bool:
-        """Forget a use, or all of a topic without an identifier; return whether it was the last."""
+        """Remove one use, or without an identifier all; return whether none remains."""
         uses = self[name]
         for gone in tuple(uses) if use_id is None else {use_id} & uses.keys():
             del uses[gone]
@@ -233,22 +232,21 @@ class Budget:
         self.used = 0
 
     def take(self, n_bytes: int) -> bool:
-        """Use some; return whether there are as many left."""
+        """Take bytes if the limit allows; return whether it does."""
         if self.used + n_bytes > self._limit:
             return False
         self.used += n_bytes
         return True
 
     def give_back(self, n_bytes: int) -> None:
-        """Have used some."""
+        """Return bytes."""
         self.used -= n_bytes
 
 
 class Wish(NamedTuple):
-    """What one ``subscribe`` asks for; ``throttle_s`` is the least time between two messages.
+    """The request of one ``subscribe``; ``throttle_s`` is the least time between two messages.
 
-    Messages beyond ``queue_length`` that wait for their time are lost, the oldest first; with 0,
-    what comes too early is lost.
+    Early messages wait. Beyond ``queue_length``, the oldest are lost; with 0, all early ones.
     """
 
     throttle_s: float = 0.0
@@ -257,7 +255,7 @@ class Wish(NamedTuple):
 
 
 def wish(operation: dict[str, Any]) -> Wish:
-    """Return what a ``subscribe`` asks for; a value that makes no sense is a ``ProtocolError``."""
+    """Return the request of a ``subscribe``; an invalid value is a ``ProtocolError``."""
     throttle_ms = operation.get("throttle_rate", 0)
     queue_length = operation.get("queue_length", 0)
     if not 0 <= throttle_ms <= _LONGEST_THROTTLE_MS:
@@ -268,7 +266,7 @@ def wish(operation: dict[str, Any]) -> Wish:
 
 
 def wanted_encoding(operation: dict[str, Any]) -> Encoding:
-    """Return the encoding that an operation asks for; an unknown compression counts as none."""
+    """Return the requested encoding; an unknown compression counts as none."""
     compression = operation.get("compression", "none")
     size = operation.get("fragment_size")
     if compression not in COMPRESSIONS:
@@ -279,7 +277,7 @@ def wanted_encoding(operation: dict[str, Any]) -> Encoding:
 
 
 def settled(wishes: Collection[Wish]) -> Wish:
-    """Take wishes together: the most frequent, the shortest queue, the best compression."""
+    """Combine wishes: the highest rate, the shortest queue, the best compression."""
     compressions = {entry.encoding.compression for entry in wishes}
     sizes = [entry.encoding.fragment_size for entry in wishes]
     return Wish(
@@ -293,10 +291,10 @@ def settled(wishes: Collection[Wish]) -> Wish:
 
 
 class Subscription:
-    """One topic, as the client spells it, of one client, whatever number of times it subscribed.
+    """One topic of one client, in its spelling, for all its subscriptions.
 
-    ``scheduler`` is the clock for throttling; ``budget`` is what the messages of all clients may
-    take while they wait for their time.
+    ``scheduler`` is the clock for throttling; ``budget`` limits the bytes of waiting messages of
+    all clients.
     """
 
     __slots__ = ("_budget", "_last", "_queue", "_scheduler", "_send", "_timer", "_topic", "wish")
@@ -318,7 +316,7 @@ class Subscription:
         self._timer: TimerHandle | None = None
 
     def receive(self, outgoing: Outgoing) -> None:
-        """Send a message now, later or never, as the client asked."""
+        """Send a message now, later or never, as requested."""
         wanted = self.wish
         if not wanted.throttle_s:
             while self._queue:
@@ -331,7 +329,7 @@ class Subscription:
             self._keep(outgoing.frames(self._topic, wanted.encoding))
 
     def close(self) -> None:
-        """Forget what waits."""
+        """Drop the waiting messages."""
         while self._queue:
             self._take()
         if self._timer is not None:

@@ -1,15 +1,15 @@
 """The server: its sockets from the opening handshake on, its limits, and its barriers.
 
 A ``BridgeServer`` listens. It has one ``Connection`` for each socket, and each connection has a
-``Stream`` for the bytes and, after the handshake, a ``Session`` for what they mean. All of it runs
-in one asyncio loop: a message is carried out whole before the next client is served, and the
-limit on its length bounds how long that takes. What connections have to write leaves in one write
-per client before the loop goes on. The server counts the bytes that wait for and from clients. It
+``Stream`` for the bytes and, after the handshake, a ``Session`` for the operations. All of it runs
+in one asyncio loop: a message is processed whole before the next client is served, and the
+limit on its length bounds the time. All data for a client leaves in one write
+before the loop continues. The server counts the bytes held for and from clients. It
 disconnects a client that exceeds a limit, if possible with a ``status``, and serves the others.
 
-A barrier waits until all clients have answered what they were sent. A client that works off what
-it hears in one thread answers a ping after all that was sent before; by the second pong it has
-also sent what it had to say. Measured for roslibpy, asyncio and Twisted, and for roslib on Node
+A barrier waits until all clients have answered everything sent to them. A client that processes
+messages in one thread answers a ping after all earlier messages; by the second pong it has
+also sent its answers. This was measured for roslibpy, asyncio and Twisted, and for roslib on Node
 (docs/node.md).
 
 Begin with ``Connection.buffer_updated``.
@@ -49,11 +49,11 @@ class Pinged(Protocol):
     """A client that can be pinged."""
 
     def ping(self, content: bytes) -> None:
-        """Ping it, behind all that it was sent."""
+        """Ping it after all earlier messages."""
 
 
 class Barriers:
-    """Barriers of all clients of a server; ``is_idle`` says whether all that was said went out."""
+    """Barriers of all clients of a server; ``is_idle`` says whether all messages were delivered."""
 
     def __init__(self, loop: AbstractEventLoop, is_idle: Callable[[], bool]) -> None:
         self._loop = loop
@@ -64,9 +64,9 @@ class Barriers:
     def begin(
         self, clients: Callable[[], list[Pinged]], then: Callable[[], None], rounds: int = ROUNDS
     ) -> None:
-        """Call a function when those who are clients have answered so many pings, one by one.
+        """Call a function when all clients have answered so many pings, one after the other.
 
-        While there is no client, nobody has answered.
+        Without any client, the function is not called.
         """
         if not self._is_idle():
             self._loop.call_soon(self.begin, clients, then, rounds)
@@ -87,12 +87,12 @@ class Barriers:
             client.ping(content)
 
     def pong(self, client: Pinged, content: bytes) -> None:
-        """Take what a client answered to a ping."""
+        """Take a client's answer to a ping."""
         if client in self._open.get(content, {}):
             self._answered(content, client)
 
     def gone(self, client: Pinged) -> None:
-        """Wait no more for a client that has left."""
+        """Stop waiting for a client that has left."""
         for content in tuple(self._open):
             if client in self._open.get(content, {}):
                 self._answered(content, client)
@@ -107,14 +107,14 @@ class Barriers:
 
 _READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
-_SHAKING = 256  # sockets beside those of clients: shaking hands, refused, or closing
+_SHAKING = 256  # sockets beside those of clients: in the handshake, refused, or closing
 
 
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 _WIRE = LOGGER.getChild("websocket")
 _WIRE.setLevel(logging.WARNING)
 _THIS_MACHINE = re.compile(r"https?://(?:localhost|127\.0\.0\.1|\[::1\])(?::\d+)?")
-_FEW_BYTES = 1 << 16  # what may wait for or from a client before it is counted
+_FEW_BYTES = 1 << 16  # bytes held for or from a client that are not counted
 
 
 class Connection(asyncio.BufferedProtocol):
@@ -139,7 +139,7 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def is_client(self) -> bool:
-        """Whether hands were shaken."""
+        """Whether the handshake succeeded."""
         return self._session is not None
 
     def _now(self) -> float:
@@ -157,11 +157,11 @@ class Connection(asyncio.BufferedProtocol):
             self.abort("too many sockets")
 
     def get_buffer(self, _: int) -> memoryview:
-        """Return where asyncio may put what a client sends."""
+        """Return a buffer for received data."""
         return self._server.buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Carry out what a client sent."""
+        """Process received data."""
         self._heard = self._now()
         self._pinged = None
         self._is_answered = False
@@ -175,7 +175,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._ending is None and isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._report(f"your message exceeds {self._limits.frame_bytes} bytes, the limit")
         self._flush()
-        if _QUICKACK is not None and not self._is_answered:  # no client waits for it to send more
+        if _QUICKACK is not None and not self._is_answered:  # a client may wait for it
             with suppress(OSError):
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
@@ -197,7 +197,7 @@ class Connection(asyncio.BufferedProtocol):
         self._server.flush()
 
     def check(self, now: float) -> None:
-        """End what takes too long: handshakes, silence, farewells."""
+        """End the connection if a handshake, silence or closing takes too long."""
         state = self._protocol.state
         if self._ending is not None or state in {State.CLOSING, State.CLOSED}:
             self._ending = self._ending or now
@@ -215,7 +215,7 @@ class Connection(asyncio.BufferedProtocol):
             self._server.dirty(self)
 
     def write(self) -> None:
-        """Write everything that waits, in one go."""
+        """Write all pending data at once."""
         transport, writes = self._transport, self._outbox
         writes.extend(self._protocol.data_to_send())
         self._outbox = []
@@ -225,19 +225,19 @@ class Connection(asyncio.BufferedProtocol):
         content = b"".join(writes)
         if content:
             transport.write(content)
-            self._is_answered = True  # which acknowledges what came
+            self._is_answered = True  # this also acknowledges received data
         if is_end and transport.can_write_eof():
             transport.write_eof()
         self._count_held()
 
     def ping(self, content: bytes) -> None:
-        """Ping the client, behind all that it was sent."""
+        """Ping the client after all earlier messages."""
         if self._protocol.state is State.OPEN:
             self._protocol.send_ping(content)
             self._server.dirty(self)
 
     def close(self, code: int, reason: str) -> None:
-        """Take leave of the client; it is cut off if it takes too long."""
+        """Close the connection; the client is cut off if that takes too long."""
         if self._protocol.state is State.OPEN:
             self._protocol.send_close(code, reason)
             self._ending = self._now()
@@ -246,7 +246,7 @@ class Connection(asyncio.BufferedProtocol):
         self._server.dirty(self)
 
     def refuse(self, reason: str) -> None:
-        """Tell the client that it uses too much, and cut it off."""
+        """Report to the client that it exceeds a limit, and cut it off."""
         if self._ending is not None:
             return
         if self._protocol.state is State.OPEN:
@@ -254,13 +254,13 @@ class Connection(asyncio.BufferedProtocol):
         self.close(CloseCode.TRY_AGAIN_LATER, reason[:120])
 
     def _report(self, reason: str) -> None:
-        """Tell the client why it is disconnected, before it is."""
+        """Report the reason to the client before it is disconnected."""
         LOGGER.warning("%s: disconnected: %s", self.name, reason)
         self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
         self._ending = self._now()
 
     def abort(self, reason: str) -> None:
-        """Cut the client off, and forget what waits for it."""
+        """Cut the client off, and drop its pending data."""
         LOGGER.warning("%s: cut off: %s", self.name, reason)
         self._transport.abort()
 
@@ -293,7 +293,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _take_message(self, message: Message) -> None:
         if self._session is None or self._ending is not None:
-            return  # a client that took leave itself is heard to the end
+            return  # of a client that closes itself, all messages are processed
         try:
             text = message.content.decode()
         except UnicodeDecodeError as error:
@@ -308,7 +308,7 @@ class Connection(asyncio.BufferedProtocol):
             self._server.dirty(self)
 
     def _count_held(self) -> None:
-        """Refuse a client for which too much waits; tell the server how much it is."""
+        """Refuse a client with too much queued data; report its size to the server."""
         n_bytes = self._transport.get_write_buffer_size()
         if n_bytes > self._limits.queue_bytes:
             self.refuse(
@@ -321,7 +321,7 @@ class Connection(asyncio.BufferedProtocol):
 
 
 def _shows(request: Request, token: str) -> bool:
-    """Return whether a client shows the token, in its URL or as bearer."""
+    """Return whether a client sends the token, in its URL or as bearer."""
     shown: list[Any] = list(parse_qs(urlsplit(request.path).query).get("token", ()))
     shown += [value.removeprefix("Bearer ") for value in request.headers.get_all("Authorization")]
     return any(hmac.compare_digest(value.encode(), token.encode()) for value in shown)
@@ -344,8 +344,8 @@ class BridgeServer:
         self._connections: dict[Connection, None] = {}
         self._dirty: dict[Connection, None] = {}
         self._held: dict[Connection, int] = {}
-        self.buffer = memoryview(bytearray(_READ_BYTES))  # asyncio would make one for each read
-        self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
+        self.buffer = memoryview(bytearray(_READ_BYTES))  # one for all reads
+        self.n_held_bytes = 0  # held for and from clients with more than 64 KiB each
         self._checks: asyncio.TimerHandle | None = None
         self.barriers = Barriers(self._loop, lambda: self.hub.broker.is_idle)
 
@@ -366,7 +366,7 @@ class BridgeServer:
         LOGGER.info("listening on %s", self.url)
 
     async def close(self) -> None:
-        """Take leave of all clients, and cut off those that take too long."""
+        """Close all connections, and cut off clients that take too long."""
         if self._server is None:
             return
         self._server.close()
@@ -384,7 +384,7 @@ class BridgeServer:
         self._server = None
 
     def enter(self, connection: Connection) -> bool:
-        """Take a new socket in; return whether there is room for it to shake hands."""
+        """Accept a new socket; return whether there is room for its handshake."""
         if len(self._connections) >= self.settings.limits.clients + _SHAKING:
             return False
         self._connections[connection] = None
@@ -396,20 +396,20 @@ class BridgeServer:
         return n_clients < self.settings.limits.clients
 
     def dirty(self, connection: Connection) -> None:
-        """Note that a connection has something to write; it will before the loop goes on."""
+        """Note that a connection has pending data; it is written before the loop continues."""
         if not self._dirty:
             self._loop.call_soon(self.flush)
         self._dirty[connection] = None
 
     def flush(self) -> None:
-        """Have all connections write what they have."""
+        """Write the pending data of all connections."""
         while self._dirty:
             connections, self._dirty = self._dirty, {}
             for connection in connections:
                 connection.write()
 
     def hold(self, connection: Connection, n_bytes: int) -> None:
-        """Note what waits for and from a client; beyond the limit of all, who has most goes."""
+        """Note the bytes held for a client; beyond the limit of all, cut off the largest."""
         self.n_held_bytes += n_bytes - self._held.pop(connection, 0)
         if n_bytes:
             self._held[connection] = n_bytes
@@ -428,11 +428,11 @@ class BridgeServer:
         self.n_held_bytes -= self._held.pop(connection, 0)
 
     def barrier(self, then: Callable[[], None]) -> None:
-        """Call a function when all clients have answered what they were sent until now."""
+        """Call a function when all clients have answered everything sent to them until now."""
         self.barriers.begin(lambda: [each for each in self._connections if each.is_client], then)
 
     def tell_clients(self) -> None:
-        """Publish who is connected."""
+        """Publish the connected clients."""
         tell_clients(self.hub, [each.details for each in self._connections if each.is_client])
 
     def _check(self) -> None:

@@ -1,13 +1,13 @@
-"""One client of the server, what all clients share, and the services of rosapi.
+"""One client of the server, the hub of all clients, and the services of rosapi.
 
-A ``Session`` is one client: ``receive`` takes a text, and each operation in it is carried out by
-the method of its name, ``_publish`` for ``publish``. What is wrong is dropped, counted, logged,
-and reported in a ``status`` to a client that set a level. A ``Hub`` has what all sessions share:
-types, topics, services, actions. A session knows no socket; it is given a function that sends.
+A ``Session`` is one client: ``receive`` takes a text, and the method named after an operation
+carries it out, ``_publish`` for ``publish``. Invalid operations are dropped, counted, logged,
+and reported in a ``status`` to a client that set a level. All sessions share a ``Hub`` of
+types, topics, services and actions. A session has no socket, only a function that sends.
 
 ``provide_rosapi`` makes the server itself provide the services under ``/rosapi``, by which
-clients ask what there is and keep parameters. Clients of the server are no ROS nodes: as with
-the genuine server, what they do counts as done by the node ``/rosbridge_websocket``.
+clients query topics, types and nodes and keep parameters. Clients of the server are not ROS nodes:
+as on the genuine server, the node ``/rosbridge_websocket`` stands for all of them.
 
 Begin with ``Session.receive``.
 """
@@ -49,7 +49,7 @@ LEVELS = ("info", "warning", "error", "none")
 
 @dataclass(slots=True)
 class Counts:
-    """What the server did since it started."""
+    """Counts since the server started."""
 
     clients: int = 0
     received: int = 0
@@ -58,10 +58,10 @@ class Counts:
 
 
 class Hub:
-    """What all clients share; ``scheduler`` is its clock.
+    """Topics, services and actions of all clients; ``scheduler`` is the clock.
 
-    ``waiting`` are the bytes of throttled messages that wait for their time. ``refused`` is called
-    with each operation of a client that is dropped, or ``None`` if it was no JSON, and the reason.
+    ``waiting`` counts the bytes of throttled messages. ``refused`` is called
+    with each dropped operation, or ``None`` if it was not JSON, and the reason.
     """
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -80,7 +80,7 @@ class Hub:
 class Session:
     """Carries out the operations of one client, whose ``name`` is for the log.
 
-    ``send`` takes frames for it; ``fragments`` are messages whose parts have not all come.
+    ``send`` takes frames for the client; ``fragments`` are its incomplete messages.
     """
 
     def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
@@ -96,7 +96,7 @@ class Session:
         self._n_dropped = 0
 
     def receive(self, text: str) -> None:
-        """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
+        """Carry out the operations of a text; drop, count and log invalid ones."""
         for value in operations(text, self._drop):
             self._carry_out(value)
 
@@ -118,7 +118,7 @@ class Session:
             LOGGER.info("%s: %d operations dropped in total", self.name, self._n_dropped)
 
     def status(self, level: str, text: str, operation_id: Any = None) -> None:
-        """Tell the client something, if it asked for that level."""
+        """Send the client a message, if it set this level or a lower one."""
         if LEVELS.index(level) < LEVELS.index(self._level):
             return
         operation = {"op": "status", "level": level, "msg": text}
@@ -202,7 +202,7 @@ class Session:
         self._hub.services.call(self, absolute(name), arguments, reply, timeout)
 
     def _service_response(self, operation: Operation) -> None:
-        """Pass an answer on: as with the genuine server, values count for more than result."""
+        """Pass an answer on; as on the genuine server, ``values`` override ``result``."""
         values = operation.get("values")
         if operation.get("result") is False and not isinstance(values, dict):
             reason = values if isinstance(values, str) else "the provider reported a failure"
@@ -295,7 +295,7 @@ _DEEPEST = 32
 
 
 class _Parameters:
-    """Values under names like ``/robot/speed``; one with others below it stands for all of them.
+    """Values under names like ``/robot/speed``; a name with others below it has all their values.
 
     More leaves than ``max_parameters``, or a value longer than ``max_bytes`` as JSON text, are a
     ``ProtocolError``.
@@ -308,7 +308,7 @@ class _Parameters:
 
     @property
     def names(self) -> list[str]:
-        """Names of all leaves, in the order in which they came."""
+        """Names of all leaves, in the order in which they were set."""
         return list(self._leaves)
 
     def __contains__(self, name: str) -> bool:
@@ -345,12 +345,12 @@ class _Parameters:
             )
         self.delete(path)
         above = path
-        while above := above.rpartition("/")[0]:  # a name with others below it is no leaf
+        while above := above.rpartition("/")[0]:  # a name with others below it is not a leaf
             self._leaves.pop(above, None)
         self._leaves.update(leaves)
 
     def delete(self, name: str) -> None:
-        """Forget a name and all below it; one that has no value is no error."""
+        """Delete a name and all below it, if it has a value."""
         path = absolute(name)
         for gone in [path, *self._below(path)]:
             self._leaves.pop(gone, None)
@@ -361,7 +361,7 @@ class _Parameters:
 
 
 def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
-    """Yield name and JSON text of every value that is no dictionary, or an empty one."""
+    """Yield name and JSON text of every value that is not a dictionary, or an empty one."""
     if not isinstance(value, dict) or not value:
         yield path, json.dumps(value)
         return
@@ -399,7 +399,7 @@ def provide_rosapi(hub: Hub) -> None:
 
 
 def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
-    """Publish who is connected: address and time of each client."""
+    """Publish address and connection time of each client."""
     hub.broker.publish(OWN, _CLIENT_COUNT, {"data": len(clients)})
     hub.broker.publish(OWN, _CLIENTS, {"clients": list(clients)})
 
@@ -455,7 +455,7 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
 
 
 def _of_type(type_name: str, types: Mapping[str, str]) -> list[str]:
-    """Return the names of what has a type; none for what is no type."""
+    """Return the names with a type; none if it is not a type name."""
     with suppress(ProtocolError):
         wanted = full_name(type_name)
         return [name for name, found in types.items() if full_name(found) == wanted]
@@ -534,7 +534,7 @@ def _nodes(clients: Iterable[Any]) -> list[str]:
 
 
 def _type_definitions(structure: Structure, types: TypeTable) -> list[Fields]:
-    """Return the definitions of a type and of all that it holds."""
+    """Return the definitions of a type and of all its parts."""
     definitions = {part.name: part.definition for part in _parts(structure)}
     for field in [field for part in _parts(structure) for field in part.definition.fields]:
         if field.type in TIMES:
@@ -573,7 +573,7 @@ def _example(field: Field) -> str:
 
 
 def _full_text(structure: Structure, types: TypeTable) -> str:
-    """Return the definition of a type and of all that it holds, as ROS prints them."""
+    """Return the definition of a type and of all its parts, as ROS prints them."""
     parts = {part.name: part.definition for part in _parts(structure)}
     own, *others = parts.values()
     border = "=" * 80

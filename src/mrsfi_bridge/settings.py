@@ -1,12 +1,12 @@
-"""What a server is started with: types, address, limits, and the options that set them.
+"""Settings of a server: types, address, limits, and the options that set them.
 
 A ``TypeTable`` has the types of messages, services and actions by name. It reads those of the
 user's folders first, then those that come with the server, then those of ROS in ``rosbags``. A
 folder of definitions holds ``PACKAGE/msg/TYPE.msg``, ``PACKAGE/srv/TYPE.srv`` and
 ``PACKAGE/action/TYPE.action``, as ROS packages do. Clients may name a type ``PACKAGE/TYPE`` or
-``PACKAGE/msg/TYPE``; this package uses the first way.
+``PACKAGE/msg/TYPE``; this package uses the first form.
 
-``ServerSettings`` has the address and who may connect, ``Limits`` what a client may use.
+``ServerSettings`` has the address and the permitted clients, ``Limits`` the limits of a client.
 ``bridge_command`` makes the command line: ``mrsfi bridge`` and ``python -m mrsfi_bridge`` are
 this command under two names.
 
@@ -45,17 +45,17 @@ STANDARD = Path(__file__).parent / "types"
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(?:msg|srv|action)/)?([A-Za-z]\w*)", re.ASCII)
 _MAX_SHOWN = 80
 _MESSAGES = {name: f"builtin_interfaces/{name.capitalize()}" for name in TIMES}
-"""What is a message in ROS 2, and in ``rosbags``, and a type of its own in ROS 1."""
+"""Messages in ROS 2 and in ``rosbags`` that are primitive types in ROS 1."""
 
 _TIMES = {message: name for name, message in _MESSAGES.items()}
 _PACKAGES = {"rosapi_msgs": "rosapi", "example_interfaces": "rospy_tutorials"}
-"""Packages of ROS 2 whose definitions are those of another one in ROS 1."""
+"""Packages of ROS 2 whose definitions belong to another package in ROS 1."""
 
 _NOUNS = {"msg": "message", "srv": "service", "action": "action"}
 
 
 class ServiceType(NamedTuple):
-    """What a service takes and gives; or an action, which gives ``feedback``, too."""
+    """Request and response of a service, or of an action, which also has ``feedback``."""
 
     name: str
     request: Structure
@@ -66,8 +66,8 @@ class ServiceType(NamedTuple):
 class TypeTable:
     """Types by name; a definition is read when its type is first asked for.
 
-    Of the user's ``folders`` the first that has a type wins; those that come with the server, and
-    the messages of Noetic or Jazzy, as ``ros`` is 1 or 2, are the last resort. An unknown type is a
+    The first of the user's ``folders`` that has a type wins, then the definitions of the server,
+    then the messages of Noetic or Jazzy (``ros`` 1 or 2). An unknown type is a
     ``ProtocolError``, a wrong definition a ``SettingsError``.
     """
 
@@ -170,7 +170,7 @@ class TypeTable:
 
 
 def _standard_message(name: str, ros: int) -> Definition | None:
-    """Return a message of ROS itself, if there is one of this name."""
+    """Return a standard message of ROS, if there is one of this name."""
     found = _messages(ros).get(name.replace("/", "/msg/"))
     if found is None:
         return None
@@ -204,7 +204,7 @@ def _field(message: str, ros: int, name: str, kind: Nodetype, found: Any) -> Fie
 
 
 def full_name(name: str) -> str:
-    """Return a type's name as ``PACKAGE/TYPE``; ``ProtocolError`` if the name is none of a type."""
+    """Return a type's name as ``PACKAGE/TYPE``; an invalid one is a ``ProtocolError``."""
     match = _NAME.fullmatch(name)
     if match is None:
         raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is not a type name; expected 'package/Type'")
@@ -230,33 +230,33 @@ _MEBI = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What clients may use of the server's memory and time."""
+    """How much of the server's memory and time clients may use."""
 
     clients: int = 256  # connections at a time
-    frame_bytes: int = 10 * _MEBI  # longest message of a client, also when it comes in fragments
-    queue_bytes: int = 24 * _MEBI  # what may wait for one client that reads too slowly
-    total_bytes: int = 256 * _MEBI  # what may wait for and from all clients together
-    latched_bytes: int = 64 * _MEBI  # what the last messages of latched topics take together
+    frame_bytes: int = 10 * _MEBI  # longest message of a client, also in fragments
+    queue_bytes: int = 24 * _MEBI  # data queued for one client that reads too slowly
+    total_bytes: int = 256 * _MEBI  # data held for and from all clients together
+    latched_bytes: int = 64 * _MEBI  # last messages of all latched topics together
     topics: int = 20_000  # at a time, as services and parameters
     services: int = 5_000
-    calls: int = 20_000  # calls of a client that are under way at a time, and as many goals
+    calls: int = 20_000  # open calls of a client at a time, and as many goals
     parameters: int = 10_000
     parameter_bytes: int = 1 << 16  # longest parameter, as JSON text
     handshake_s: float = 10.0  # time for the opening handshake
     ping_s: float = 15.0  # silence after which a client is pinged
-    pong_s: float = 30.0  # further silence after which it counts as gone
+    pong_s: float = 30.0  # further silence after which it is cut off
     close_s: float = 3.0  # time for a closing handshake
-    service_s: float = 30.0  # time that a provider has for its answer
+    service_s: float = 30.0  # time within which a provider must answer
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSettings:
-    """Address of a server, who may use it, and how much of it."""
+    """Address of a server, its permitted clients and their limits."""
 
     host: str = "127.0.0.1"
     port: int = 0  # any free one
     is_public: bool = False  # whether ``host`` may be one that other machines reach
-    token: str | None = field(default=None, repr=False)  # what clients of a public server show
+    token: str | None = field(default=None, repr=False)  # clients of a public server send it
     origins: tuple[str, ...] = ()  # of web pages that may connect, beside those of this machine
     types: TypeTable = field(default_factory=TypeTable)
     limits: Limits = Limits()
@@ -316,7 +316,7 @@ _LIMITS = (
     ("--max-memory", "total_bytes", _MEBI, 65536, "Data queued for all clients, in MiB."),
     ("--max-topics", "topics", 1, 1_000_000, "Topics that may exist at a time."),
 )
-"""Options, the limit that each sets, in which unit, the greatest value, and what it says."""
+"""Options: the limit that each sets, its unit, greatest value and help text."""
 
 _OPTIONS = (
     click.option("--host", default="127.0.0.1", show_default=True, help="Address to bind."),
@@ -371,9 +371,9 @@ _OPTIONS = (
 def bridge_command(
     program: str, run: Callable[[ServerSettings], None], ros_unasked: Callable[[], int] = lambda: 1
 ) -> click.Command:
-    """Return the command that has ``run`` run a server; the last word of ``program`` names it.
+    """Return the command that calls ``run`` with settings; its name is the end of ``program``.
 
-    ``ros_unasked`` says of which version of ROS it is, unless the command line does.
+    ``ros_unasked`` returns the version of ROS if the command line gives none.
     """
 
     def callback(

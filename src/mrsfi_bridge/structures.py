@@ -2,19 +2,19 @@
 
 ``parse_message`` and ``parse_parts`` read the text of ``.msg``, ``.srv`` and ``.action`` files
 into a ``Definition``. A ``Structure`` is made of a definition and checks messages:
-``Structure.convert`` takes what JSON carried and returns the normal form of the message.
+``Structure.convert`` takes a value from JSON and returns the normal form of the message.
 
 A message in normal form is a dictionary with all fields in the order of the definition, each
 of the right kind, and no other field. Times are ``secs`` and ``nsecs`` (in ROS 2 ``sec`` and
 ``nanosec``), arrays of bytes are base64 text, and NaN is a float although JSON writes ``null``.
-Every other module may rely on that. A value that does not fit is a ``FieldError``, which names
+Every other module relies on this. A value that does not fit is a ``FieldError``, which names
 the path to the field.
 
 Begin with ``Structure``. ``settings.TypeTable`` finds definitions by their names.
 
 References
 ----------
-http://wiki.ros.org/msg and http://wiki.ros.org/srv; what ROS 2 adds:
+http://wiki.ros.org/msg and http://wiki.ros.org/srv; additions of ROS 2:
 https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html.
 """
 
@@ -34,7 +34,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError, SettingsError
 
-SCALAR = -1  # array length of a field that is no array
+SCALAR = -1  # array length of a field that is not an array
 VARIABLE = 0  # array length of an array of any length
 
 FORMATS = {
@@ -52,7 +52,7 @@ FORMATS = {
     "float32": "f",
     "float64": "d",
 }
-"""Formats of ``struct`` of the types that are bytes or numbers; small letters have a sign."""
+"""``struct`` formats of the types that are bytes or numbers; lower case is signed."""
 
 FLOATS = ("float32", "float64")
 INTEGERS = tuple(name for name in FORMATS if name not in ("bool", *FLOATS))
@@ -86,7 +86,7 @@ class Field:
 
 
 class Constant(NamedTuple):
-    """A constant of a message; the value is the text that stands in the definition."""
+    """A constant of a message; the value is the text in the definition."""
 
     name: str
     value: str
@@ -94,7 +94,7 @@ class Constant(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """What a message of one type holds."""
+    """The fields and constants of a message type."""
 
     name: str
     fields: tuple[Field, ...]
@@ -104,10 +104,10 @@ class Definition:
 def parse_message(
     name: str, lines: list[str], path: Path, ros: int, first_line: int = 1
 ) -> Definition:
-    """Return the definition that the lines of a ``.msg`` file, or of a part of it, state.
+    """Return the definition in the lines of a ``.msg`` file, or of a part of it.
 
     ``name`` is ``package/Type``, ``ros`` the version of ROS; ``path`` and ``first_line`` are for
-    errors. A line that is neither field nor constant, or a field that occurs twice, is a
+    errors. A line that is neither field nor constant, or a duplicate field, is a
     ``SettingsError``.
     """
     package = name.partition("/")[0]
@@ -179,7 +179,7 @@ def _value(text: str) -> Any:
 
 
 def _full(type_name: str, package: str) -> str:
-    """Return a type's full name: types of the same package go without it."""
+    """Return a type's full name; types of the same package have none in definitions."""
     if type_name in _PRIMITIVES or "/" in type_name:
         return type_name
     if type_name == "Header":
@@ -193,14 +193,14 @@ Convert: TypeAlias = Callable[[Any], Any]
 Default: TypeAlias = Callable[[], Any]  # returns the value of a field that is missing
 HEADER = "std_msgs/Header"
 _PARTS = {"secs": "sec", "nsecs": "nanosec"}
-"""How ROS 2 names what ROS 1 named otherwise; it takes either."""
+"""Names in ROS 2 of fields in ROS 1; ROS 2 accepts both."""
 
 BYTE_ARRAYS = ("uint8", "char")  # element types of the arrays that JSON carries as base64 text
 _MAX_SHOWN = 60
 
 
 class FieldError(ProtocolError):
-    """A value does not fit the type of its field; ``found`` says how, without the field."""
+    """A value does not fit the type of its field; ``found`` is the reason without the field."""
 
     def __init__(self, found: str) -> None:
         super().__init__(found)
@@ -243,7 +243,7 @@ class Structure:
                 convert = _bounded(field, convert)
             if field.default is not None:
                 default = partial(convert, field.default)
-                default()  # or say now that it does not fit
+                default()  # raises an error now if it does not fit
             fields.append((field.name, convert, default))
         moments = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
         self._is_moment = definition.name in moments
@@ -251,7 +251,7 @@ class Structure:
             (field.name, field.type) == ("header", HEADER) for field in definition.fields
         )
         self._defaults = tuple((name, default) for name, _, default in fields)
-        if definition.name == HEADER:  # one that is there has the time, one left out has none
+        if definition.name == HEADER:  # a given header gets the time, a missing one gets 0
             fields = [
                 (name, c, partial(c, "now") if name == "stamp" else d) for name, c, d in fields
             ]
@@ -263,7 +263,7 @@ class Structure:
         return self.definition.name
 
     def default(self) -> dict[str, Any]:
-        """Return the message whose fields were all left out."""
+        """Return the message with all fields at their defaults."""
         return {name: default() for name, default in self._defaults}
 
     def convert(self, value: Any) -> dict[str, Any]:
@@ -326,7 +326,7 @@ def _number(value: Any) -> float:
     if type(value) is float:
         return value
     if value is None:
-        return float("nan")  # what is no number travels as null
+        return float("nan")  # NaN travels as null
     if type(value) is int and abs(value) <= sys.float_info.max:
         return float(value)
     raise mismatch(value, "a number")
@@ -362,7 +362,7 @@ def _moment(part_type: str) -> Convert:
 
 
 def _array(field: Field, convert: Convert, default: Default) -> tuple[Convert, Default]:
-    """Return check and default of an array of what the arguments check."""
+    """Return check and default of an array, from those of its elements."""
     length = field.length
     if field.type in BYTE_ARRAYS:
         empty = base64.b64encode(bytes(length)).decode("ascii")
@@ -401,7 +401,7 @@ def _bytes(length: int, convert: Convert) -> Convert:
 
 
 def _bounded(field: Field, convert: Convert) -> Convert:
-    """Return the check of an array, or of a text, that is no longer than its bound."""
+    """Return the check of an array or a text with a bound on its length."""
 
     def convert_bounded(value: Any) -> Any:
         kind = str if field.length == SCALAR else list
@@ -430,4 +430,4 @@ _PRIMITIVES = {
     "time": _Primitive(_moment("uint32"), lambda: {"secs": 0, "nsecs": 0}),
     "duration": _Primitive(_moment("int32"), lambda: {"secs": 0, "nsecs": 0}),
 }
-"""How a value of each primitive type is checked, and what it is when it is missing."""
+"""Check and default of each primitive type."""

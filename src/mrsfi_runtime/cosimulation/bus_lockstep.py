@@ -1,12 +1,12 @@
 """The lock-step of two processes over a bus: the side of the CI, and that of the simulation.
 
-A ``BusLockstep`` flies runs for the collective intelligence (CI) and judges them, wherever the
-simulation is behind the topics. A ``SimulationHost`` serves a generated simulation, run after run.
-Each side takes its step when the last message of the other's has come, in the thread of the
-transport's callbacks. The main thread watches the time (``Completion``).
+A ``BusLockstep`` flies and judges runs for the collective intelligence (CI), with any
+simulation behind the topics. A ``SimulationHost`` serves a generated simulation, run after run.
+Each side takes its step when the last message of the other side has arrived, in the thread of the
+transport's callbacks. The main thread checks time-outs (``Completion``).
 
-What holds throughout: each run has a number, and messages of another run are ignored. A side that
-cannot go on tells the other side why.
+Invariant: each run has a number, and messages of other runs are ignored. A side that
+cannot continue sends the other side the reason.
 
 Begin with ``BusLockstep.fly`` and ``_proceed``, then ``SimulationHost._fly``.
 
@@ -65,8 +65,8 @@ from mrsfi_runtime.transport.topics import (
 class BusLockstep:
     """Flies runs over a transport, one after the other; ``truth`` are topics in model order.
 
-    The ``mind`` answers what is heard; without any, the generated reactions do. ``advertise``
-    returns what publishes a command, and counts it.
+    The ``mind`` answers received messages; by default, the generated reactions do. ``advertise``
+    returns a function that publishes a command and counts it.
     """
 
     def __init__(
@@ -106,9 +106,9 @@ class BusLockstep:
         return self._topics.tick
 
     def fly(self, flight: Flight, seed: int) -> None:
-        """Fly a run to its end; its true state is moved by what the simulation says is true.
+        """Fly a run to its end; its true state follows the simulation's ``/truth`` topics.
 
-        What goes wrong on the bus is raised as a ``TransportError`` that names run and tick.
+        Errors of the bus are raised as a ``TransportError`` that names run and tick.
         """
         try:
             self._prepare(seed)
@@ -120,7 +120,7 @@ class BusLockstep:
             self._flight = flight
             self._topics.open()
             world = initial_state(self._mission, seed)
-            flight.begin(world, sends_all=True)  # the simulation may be somebody else's
+            flight.begin(world, sends_all=True)  # the simulation may be external
             world.commands, world.switches = flight.sent.commands, flight.sent.switches
             self._mind.soon(partial(self._send_go, 0))
             self._completion.wait(self._overdue)
@@ -135,11 +135,11 @@ class BusLockstep:
             self._topics.close()
             if self._flight is not None:
                 self._flight = None
-                with suppress(TransportError):  # told already
+                with suppress(TransportError):  # already raised
                     self._transport.call(STOP, {}, lambda _reply: None)
 
     def fail(self, error: Exception) -> None:
-        """End the run, for what went wrong on the way."""
+        """End the run with an error."""
         self._topics.close()  # it stays at the tick at which it failed
         self._completion.fail(error)
 
@@ -148,9 +148,9 @@ class BusLockstep:
         return self._session + self._n_runs
 
     def _prepare(self, seed: int) -> None:
-        """Reset the simulation, again and again until it answers for this run.
+        """Reset the simulation until it answers for this run.
 
-        An answer is waited for before the reset is asked for again: it may take its time.
+        Each request waits for its answer, because a reset may be slow.
         """
         self._n_runs += 1
         self._refusal = None
@@ -199,7 +199,7 @@ class BusLockstep:
         reason = str(payload.get("data"))
         if self._topics.is_open:
             raise TransportError(f"the simulation failed: {reason}")
-        if self._flight is None and str(self._run) in reason:  # it does not understand our setup
+        if self._flight is None and str(self._run) in reason:  # it cannot read the setup
             self._refusal = _refused(reason)
 
     def _on_tick(self, payload: Payload) -> None:
@@ -223,7 +223,7 @@ class BusLockstep:
             return
         self._take_truth(flight)
         is_last = tick + 1 == self._mission.duration
-        self._topics.is_muted = is_last  # no motion follows on which a command could act
+        self._topics.is_muted = is_last  # commands have no effect after the last motion
         self._is_thinking = True
         flight.hear(tick)
         if self._mind.answer(flight, tick, self._reply):
@@ -245,7 +245,7 @@ class BusLockstep:
         self._completion.advance()
 
     def _take_truth(self, flight: Flight) -> None:
-        """Take what is true in this tick, and see that it brought all that is due by that."""
+        """Take the true state of this tick, and check that all due messages have arrived."""
         world, tick = flight.world, self._topics.tick
         for index, topic in enumerate(self._truth):
             take_true_values(world, index, topic)
@@ -269,7 +269,7 @@ def _refused(reason: str) -> ProtocolError:
 class SimulationHost:
     """Serves one generated simulation, run after run.
 
-    ``patience`` says how long the CI may be silent in mid-run, and before, while its node begins.
+    ``patience`` limits how long the CI may be silent during a run, and before it.
     """
 
     def __init__(
@@ -300,8 +300,8 @@ class SimulationHost:
     def serve(self) -> None:
         """Serve runs until ``stop`` is called.
 
-        Lost messages, a lost connection, or a CI that is silent in mid-run or of other semantics,
-        are a ``TransportError``; what the simulation's own code raises goes through.
+        Lost messages, a lost connection, and a CI that is silent during a run or has other
+        semantics are a ``TransportError``. Errors of the simulation's own code are raised as is.
         """
         self._completion.wait(self._overdue)
 
@@ -318,7 +318,7 @@ class SimulationHost:
         return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._topics.tick}"
 
     def report_failure(self, error: Exception) -> None:
-        """Tell the CI why the simulation cannot go on."""
+        """Send the CI the reason why the simulation cannot continue."""
         self._failure({"data": f"{self.where()}: {error}"})
 
     def _fail(self, error: Exception) -> None:

@@ -1,18 +1,18 @@
-"""The topics of a lock-step over a bus, and what watches over them.
+"""The topics of a lock-step over a bus, and the checks of their messages.
 
 The collective intelligence (CI) sends ``SETUP`` before it resets the simulation, and ``GO``
 after the commands that precede a tick's motion: all of them before tick 0, later those that
 changed. The simulation answers with the messages of the tick, and ``TICK`` last.
 
-What holds throughout: no message is lost, doubled or out of order undetected. ``GO`` and
-``TICK`` say how many messages went before, and ``TICK`` also how many commands the simulation
-obeyed, since a server that keeps order within a topic only may deliver ``GO`` before the commands
-that it follows. ``CountedTopics`` compares these numbers with what came.
+Invariant: a lost, duplicated or reordered message is always detected. ``GO`` and
+``TICK`` contain the number of messages before them, and ``TICK`` also the number of commands that
+the simulation obeyed: a server that keeps order only within a topic may deliver ``GO`` before its
+commands. ``CountedTopics`` compares these numbers with the messages that arrived.
 
-Begin with ``CountedTopics``. ``BundlingTransport`` sends the messages of a tick as one, for speed,
-where both sides know of it: a JSON list of ``[topic, message]`` pairs in the order in which they
-were published. ``Completion`` passes how far a run has come, or why it failed, from the thread
-of the callbacks to the main thread; a ``Pace`` says when a team's node has answered a tick.
+Begin with ``CountedTopics``. If both sides support it, ``BundlingTransport`` sends the messages of
+a tick as one, for speed: a JSON list of ``[topic, message]`` pairs in the order of publication.
+``Completion`` passes progress and errors of a run from the thread of the callbacks to the main
+thread. A ``Pace`` decides when an external node has answered a tick.
 """
 
 import json
@@ -44,25 +44,25 @@ GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")  # ``GO`` and all tha
 TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")  # a tick was flown, a ``Tick``
 TICK_BUNDLE = Topic("/mission/tick/bundle", "std_msgs/String")  # ``TICK`` and all before it
 CLOCK = Topic("/clock", "rosgraph_msgs/Clock")  # to all: one tick is one second
-FAILURE = Topic("/mission/failure", "std_msgs/String")  # why it cannot go on
+FAILURE = Topic("/mission/failure", "std_msgs/String")  # why it cannot continue
 
 RESET = Service("/mission/reset", "std_srvs/Trigger")
-"""Back to before tick 0, with the newest setup; answers ``run <run>``.
+"""Return to before tick 0, with the newest setup; answers ``run <run>``.
 
-A simulation of other rules of the world answers with ``REFUSAL`` first, and fails when it is
-asked no more.
+A simulation of another semantics version answers with ``REFUSAL`` first, and ends with an error
+if no request of its version follows.
 """
 
 REFUSAL = "semantics"
-"""How the answer begins that no repetition changes; the simulation's version follows."""
+"""Begins an answer that repetition does not change; the simulation's version follows."""
 
 STOP = Service("/mission/stop", "std_srvs/Trigger")  # ends the run
 
 RUNS_OF_A_SESSION = 1_000_000
 """A run has the number session × this + its place in the session, from 1 on.
 
-The session is drawn at random: no two collective intelligences, and no simulation that an
-earlier one left behind, take each other's messages for their own.
+The session is drawn at random, so messages of another collective intelligence, or of a leftover
+simulation, are recognized as foreign.
 """
 
 
@@ -100,7 +100,7 @@ Numbers = TypeVar("Numbers", Setup, Go, Tick)
 def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
     """Return the numbers of a message of the lock-step.
 
-    It is a ``ProtocolError`` if they are not as many integers as they should be.
+    Another number of values, or values of another type, are a ``ProtocolError``.
     """
     values = payload.get("data")
     if (
@@ -140,13 +140,13 @@ _FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
 
 
 class CountedTopics:
-    """The topics of generated code on one side of a run, every message counted in and out.
+    """The topics of generated code on one side of a run; counts all messages in and out.
 
-    Each topic speaks at most once a tick. The last message of a tick announces how many there were;
-    ``proceed`` is called when a late one completes a tick that was announced before. ``tick`` is
-    that whose messages are expected, ``n_before`` counts those that came before it, ``n_sent`` what
-    was published in the run. Unless a run ``is_open``, nothing that comes in counts; while it
-    ``is_muted``, what is published is dropped, because no tick follows that it could act on.
+    Each topic carries at most one message per tick. The last message of a tick announces their
+    number; ``proceed`` is called when a late one completes an announced tick. Messages of ``tick``
+    are expected; ``n_before`` arrived in earlier ticks, ``n_sent`` were published in the run.
+    Unless ``is_open``, received messages are not counted. While ``is_muted``, published ones are
+    dropped, because no tick follows.
     """
 
     def __init__(self, transport: PubSub, sender: str, proceed: Callable[[], None]) -> None:
@@ -170,7 +170,7 @@ class CountedTopics:
         self.is_open = False
 
     def advertise(self, topic: Topic) -> Publisher:
-        """Return the function that publishes on a topic and counts."""
+        """Return a function that publishes on a topic and counts."""
         publish = self._transport.advertise(topic)
 
         def publish_counted(payload: Payload) -> None:
@@ -203,7 +203,7 @@ class CountedTopics:
         self._transport.subscribe(topic, receive)
 
     def count(self, topic: str) -> bool:
-        """Count a message that came in; return whether it completes its tick."""
+        """Count a received message; return whether it completes its tick."""
         if not self.is_open:
             return False
         if topic in self._received:
@@ -212,7 +212,7 @@ class CountedTopics:
         return self._is_complete()
 
     def announced(self, tick: int, n_messages: int) -> bool:
-        """Take the number of messages of a tick; return whether all of them are there."""
+        """Take the number of messages of a tick; return whether all of them have arrived."""
         if tick != self.tick or self._n_expected is not None:
             raise ProtocolError(
                 f"the {self._sender} announced tick {tick}; expected tick "
@@ -229,12 +229,12 @@ class CountedTopics:
         self._forget()
 
     def announce(self) -> int:
-        """Return how many messages were published since this was asked last."""
+        """Return the number of messages published since the last call."""
         n_before, self._n_announced = self._n_announced, self.n_sent
         return self.n_sent - n_before
 
     def overdue(self, silence: float, timeout: float) -> MrsfiError | None:
-        """Return what is wrong after so many seconds without progress, if anything is."""
+        """Return the error, if any, after so many seconds without progress."""
         if not self.is_open:
             return None
         if self._n_expected is not None and silence > GRACE:
@@ -269,11 +269,11 @@ _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
 class BundlingTransport:
-    """A transport that can send what belongs to one tick as one message.
+    """A transport that can send all messages of a tick as one.
 
     ``closing`` is the topic whose message ends a tick of this side; ``sends`` and ``hears`` are
-    those of the bundles of this side and of the other. If ``is_first`` it bundles from the start;
-    otherwise it answers in kind: bundles with bundles, messages with messages.
+    the topics of sent and received bundles. If ``is_first``, it bundles from the start;
+    otherwise it answers bundles with bundles and messages with messages.
     """
 
     def __init__(
@@ -298,7 +298,7 @@ class BundlingTransport:
 
     @classmethod
     def of_simulation(cls, transport: Transport) -> "BundlingTransport":
-        """Return the transport of a simulation that does as the collective intelligence does."""
+        """Return the transport of a simulation that bundles if the CI does."""
         return cls(transport, TICK, TICK_BUNDLE, GO_BUNDLE, is_first=False)
 
     def advertise(self, topic: Topic) -> Publisher:
@@ -321,7 +321,7 @@ class BundlingTransport:
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
-        """Have a callback receive every message of a topic, however it came; one per topic."""
+        """Have a callback receive every message of a topic, bundled or not; one per topic."""
 
         def receive(payload: Payload) -> None:
             self._is_bundling = self._is_first
@@ -331,7 +331,7 @@ class BundlingTransport:
         self._transport.subscribe(topic, receive)
 
     def _receive(self, payload: Payload) -> None:
-        """Take a bundle apart; as on the bus, what nobody subscribed to is left aside."""
+        """Unpack a bundle; messages without a subscriber are ignored."""
         self._is_bundling = True
         text: Any = payload.get("data")
         try:
@@ -349,16 +349,16 @@ class BundlingTransport:
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How many seconds one side waits for the other's part of a tick, and before tick 0."""
+    """Seconds that one side waits for the other, during a tick and before tick 0."""
 
     tick: float = 10.0
     handshake: float = 30.0
 
 
 class Completion:
-    """What one thread brings to its end, good or bad, and another waits for; it goes by steps.
+    """Work of one thread for which another waits; it advances by steps.
 
-    ``result`` is what came of it, once it has ended well.
+    ``result`` is its result, once it has ended without an error.
     """
 
     def __init__(self) -> None:
@@ -372,20 +372,20 @@ class Completion:
         self._n_steps += 1
 
     def end(self, result: object = None) -> None:
-        """Note that all is done, and what came of it."""
+        """Note the end, and the result."""
         self.result = result
         self._ended.set()
 
     def fail(self, error: Exception) -> None:
-        """Note why it cannot go on; the first reason counts."""
+        """Note an error; the first one counts."""
         if self._failure is None and not self._ended.is_set():
             self._failure = error
             self._ended.set()
 
     def wait(self, overdue: Callable[[float], MrsfiError | None]) -> None:
-        """Wait for the end, and raise the failure, whoever noted it.
+        """Wait for the end, and raise the error if there was one.
 
-        ``overdue`` gets the seconds since the last step; what it returns, if anything, is raised.
+        ``overdue`` gets the seconds since the last step; an error that it returns is raised.
         """
         n_steps, since = self._n_steps, monotonic()
         while not self._ended.wait(0.1):
@@ -400,16 +400,16 @@ class Completion:
 
 
 ANSWER, BARRIER = "answer", "barrier"
-"""The node says so, or it answers pings behind all that it was told."""
+"""The node publishes an answer, or it answers pings sent after the messages of the tick."""
 
 PACES = (ANSWER, BARRIER)
 
 
 class Pace:
-    """``answer``, ``barrier``, or a rate in ticks a second, at which nothing is waited for.
+    """``answer``, ``barrier``, or a rate in ticks a second, which waits for no answer.
 
-    ``barrier`` calls a function when the clients of a server have answered pings behind all that
-    they were told.
+    The argument ``barrier`` calls a function when all clients of a server have answered pings
+    sent after their messages.
     """
 
     def __init__(
@@ -421,7 +421,7 @@ class Pace:
 
     @property
     def is_free(self) -> bool:
-        """Whether the node runs by its own clock, so that no flight repeats itself for sure."""
+        """Whether the node runs by its own clock, so that a flight may not repeat itself."""
         return self.kind not in PACES
 
     def begin(self) -> None:
@@ -429,7 +429,7 @@ class Pace:
         self._start = monotonic()
 
     def wait(self, transport: NodeTransport, tick: int, then: Callable[[], None]) -> None:
-        """Call a function when a tick is over of which the node was told, unless it says so."""
+        """Call a function when a tick is over, except for ``answer``."""
         if self.is_free:
             due = self._start + (tick + 1) / float(self.kind)
             transport.call_later(max(due - monotonic(), 0.0), then)
@@ -437,5 +437,5 @@ class Pace:
             self._barrier(then)
 
     def awaited(self, answer: str) -> str:
-        """Return what is waited for, in words."""
+        """Return the awaited event in words."""
         return f"a message on {answer}" if self.kind == ANSWER else "answers to pings"

@@ -4,13 +4,13 @@ The simulation moves the true state and publishes it. The collective intelligenc
 messages into belief and answers with commands. Generated code puts both sides together from the
 parts here, one for each robot and sensor. Their topics have the same names in all missions.
 
-What holds throughout: a message counts only in the tick in which it came, so that nothing of an
-earlier tick stands for one that is missing. The CI never hears the true state, which travels on
-topics of its own for the judge. An effect of a team's own changes what its fault type names, and
-anything else is an error (``guarded``).
+Invariants: a message counts only in the tick in which it arrived, so an earlier message never
+replaces a missing one. The CI never receives the true state, which has separate topics for the
+judge. An effect of a user-defined fault changes only the properties that its type names; any other
+change is an error (``guarded``).
 
-Begin with ``Flight.step``. Before it stand the topics and the CI's side, after it what answers
-(``Mind``) and the simulation's side. docs/bus.md says what the topics carry.
+Begin with ``Flight.step``. Before it are the topics and the CI's side, after it the answers
+(``Mind``) and the simulation's side. docs/bus.md lists the content of the topics.
 
 References
 ----------
@@ -50,7 +50,7 @@ from mrsfi_runtime.transport.topics import Payload, PubSub, Topic
 
 
 class Heard:
-    """The message of a topic that came in this tick, if one did."""
+    """The message of a topic in this tick, if there is one."""
 
     def __init__(self, transport: PubSub, topic: Topic) -> None:
         self.name = topic.name
@@ -59,22 +59,22 @@ class Heard:
 
     @property
     def is_new(self) -> bool:
-        """Return whether a message came that nobody took."""
+        """Return whether there is a message that was not taken."""
         return self._payload is not None
 
     def forget(self) -> None:
-        """Be as before the first message."""
+        """Drop the message, if there is one."""
         self._payload = None
 
     def take(self) -> Payload:
-        """Return the message of this tick, once; raise ``ProtocolError`` if none came."""
+        """Return the message of this tick, once; without one, raise ``ProtocolError``."""
         payload, self._payload = self._payload, None
         if payload is None:
             raise self.missing()
         return payload
 
     def missing(self) -> ProtocolError:
-        """Return what to raise where a tick had to bring a message."""
+        """Return the error of a tick without a due message."""
         return ProtocolError(
             f"no message on {self.name}; the simulation must send one in this tick (docs/bus.md)"
         )
@@ -84,7 +84,7 @@ class Heard:
 
 
 class RobotTopics:
-    """Topics of a robot, by its identifier: what is said of it, what is true, its commands."""
+    """Topics of a robot, by its identifier: reports, true values, commands."""
 
     def __init__(self, robot: str) -> None:
         self.position = Topic(f"/{robot}/position", "geometry_msgs/Point")
@@ -96,7 +96,7 @@ class RobotTopics:
 
 
 class SensorTopics:
-    """Topics of a sensor, by two identifiers: what the simulation says of it, and its switch."""
+    """Topics of a sensor, by two identifiers: reports of the simulation, and its switch."""
 
     def __init__(self, robot: str, sensor: str) -> None:
         self.samples = Topic(f"/{robot}/{sensor}/samples", "std_msgs/Int64")
@@ -105,7 +105,7 @@ class SensorTopics:
 
 
 class RobotInterface:
-    """Hears what the simulation publishes about a robot, and commands it."""
+    """Receives the simulation's messages about a robot, and commands it."""
 
     def __init__(self, transport: PubSub, topics: RobotTopics) -> None:
         self._position = Heard(transport, topics.position)
@@ -120,7 +120,7 @@ class RobotInterface:
             heard.forget()
 
     def read(self, robot: RobotState) -> None:
-        """Copy what came in this tick; a position that it did not tell stays as it was."""
+        """Copy the messages of this tick; a position that was not sent stays as it was."""
         if self._position.is_new:
             position = self._position.take()
             robot.x, robot.y, robot.z = (float(position[axis]) for axis in "xyz")
@@ -128,7 +128,7 @@ class RobotInterface:
         robot.energy = float(self._energy.take()["data"])
 
     def require_position(self, *, is_due: bool) -> None:
-        """Raise ``ProtocolError`` unless it told its position if and only if that is due."""
+        """Raise ``ProtocolError`` unless a position arrived if and only if it is due."""
         if self._position.is_new and not is_due:
             raise ProtocolError(
                 f"a message arrived on {self._position.name} while the robot's GPS_POSITION sensor "
@@ -147,7 +147,7 @@ class RobotInterface:
 
 
 class SensorInterface:
-    """Hears what the simulation publishes about a sensor, and switches it."""
+    """Receives the simulation's messages about a sensor, and switches it."""
 
     def __init__(self, transport: PubSub, topics: SensorTopics) -> None:
         self._samples = Heard(transport, topics.samples)
@@ -162,7 +162,7 @@ class SensorInterface:
         self._was_active = None
 
     def read(self, sensor: SensorState) -> None:
-        """Copy what came in this tick; whether it is active stays as it was told."""
+        """Copy the messages of this tick; ``active`` keeps its last value."""
         count = int(self._samples.take()["data"])
         if count < sensor.count:
             raise ProtocolError(
@@ -172,7 +172,7 @@ class SensorInterface:
         sensor.active = int(self._last_active())
 
     def require_active(self, is_active: int) -> None:
-        """Raise ``ProtocolError`` unless it told last whether it is active now."""
+        """Raise ``ProtocolError`` if the last message on ``active`` is not true now."""
         if self._last_active() != is_active:
             raise ProtocolError(
                 f"the last message on {self._active.name} was {self._was_active}, but the true "
@@ -212,11 +212,11 @@ class SimInterface(Protocol):
 
     @property
     def robots(self) -> tuple[RobotInterface, ...]:
-        """What is heard of each robot, and told it."""
+        """The interface of each robot."""
 
     @property
     def sensors(self) -> tuple[SensorInterface, ...]:
-        """What is heard of each sensor, and told it."""
+        """The interface of each sensor."""
 
     def __init__(self, transport: PubSub) -> None: ...
 
@@ -234,10 +234,10 @@ Observer: TypeAlias = Callable[[State, State, Verdicts], None]
 class Flight:
     """One run: the collective intelligence takes its steps, and every tick is judged.
 
-    ``world`` is the true state, moved by others; it is also the belief until the run begins.
-    ``plan`` are the faults. ``sent`` is what the simulation was last told, ``verdicts`` what was
-    counted until now, once per goal and tick. ``observer`` gets every tick; it must not change
-    what it gets, which the next tick will.
+    ``world`` is the true state, moved by the caller; until the run begins, it is also the belief.
+    ``plan`` are the faults. ``sent`` are the last commands sent to the simulation, ``verdicts``
+    the counts so far, once per goal and tick. ``observer`` is called every tick. It must not change
+    its arguments; the next tick changes them.
     """
 
     def __init__(
@@ -260,9 +260,9 @@ class Flight:
         self._observer = observer
 
     def begin(self, world: State, *, sends_all: bool = False) -> None:
-        """Send the commands that act from the very first motion on.
+        """Send the commands that act from the first motion on.
 
-        The forged ones alone; all, to a simulation that may not know the first headings.
+        These are only the forged ones, or all for a simulation that may lack the initial headings.
         """
         self.world = world
         self._interface.reset()
@@ -285,14 +285,14 @@ class Flight:
         self._functions.react(self.belief)
 
     def reply(self, tick: int) -> None:
-        """Send the commands of a tick, and count what was violated in it."""
+        """Send the commands of a tick, and count the violations in it."""
         reply(self.world, self.belief, self._orders, self.plan, self.verdicts, tick)
         self._send()
         if self._observer is not None:
             self._observer(self.world, self.belief, self.verdicts)
 
     def _send(self, *, sends_all: bool = False) -> None:
-        """Send what differs from what was sent before, or all."""
+        """Send the commands that changed, or all."""
         orders, sent, interface = self._orders, self.sent, self._interface
         for index, order in enumerate(orders.commands):
             last = sent.commands[index]
@@ -310,9 +310,9 @@ class Flight:
 
 
 class Mind:
-    """Who answers what a flight heard, with commands in its belief: the generated reactions.
+    """Writes commands into the belief of a flight in each tick: the generated reactions.
 
-    A region may think as long as it wants.
+    A region may take any time.
     """
 
     def begin(self, flight: Flight, run: int, seed: int) -> None:
@@ -328,11 +328,11 @@ class Mind:
         return True
 
     def overdue(self, silence: float) -> MrsfiError | None:  # noqa: ARG002
-        """Return what is wrong after so many seconds without an answer, if anything is."""
+        """Return the error, if any, after so many seconds without an answer."""
         return None
 
     def end(self) -> None:
-        """Leave a flight."""
+        """Finish a flight."""
 
 
 def _orders(state: State) -> Orders:
@@ -343,9 +343,9 @@ def _orders(state: State) -> Orders:
 
 
 def true_values(world: State, index: int) -> list[float]:
-    """Return what is true of a robot and its sensors.
+    """Return the true values of a robot and its sensors.
 
-    That is ``[x, y, z, speed, energy]``, then ``count, active`` of each of its sensors.
+    These are ``[x, y, z, speed, energy]``, then ``count, active`` of each of its sensors.
     """
     robot = world.robots[index]
     values = [robot.x, robot.y, robot.z, robot.speed, robot.energy]
@@ -355,7 +355,7 @@ def true_values(world: State, index: int) -> list[float]:
 
 
 def take_true_values(world: State, index: int, topic: Heard) -> None:
-    """Make a state agree with what ``true_values`` said of a robot in this tick."""
+    """Copy a message of ``true_values`` about a robot into a state."""
     robot = world.robots[index]
     values = topic.take()["data"]
     expected = 5 + 2 * robot.n_sensors
@@ -378,7 +378,7 @@ def take_true_values(world: State, index: int, topic: Heard) -> None:
 
 
 class SimulatedRobot:
-    """Publishes a robot of the true state, at a place in it, and has it obey its commands."""
+    """Publishes a robot of the true state, by its index, and applies commands to it."""
 
     def __init__(self, transport: PubSub, topics: RobotTopics, world: State, index: int) -> None:
         self._index = index
@@ -397,7 +397,7 @@ class SimulatedRobot:
         self._command = world.commands[self._index]
 
     def publish(self) -> None:
-        """Publish the robot; its position only while it knows it."""
+        """Publish the robot; its position only while its GPS_POSITION sensor, if any, is on."""
         robot = self._robot
         if reports_position(self._world, self._index):
             x, y = reported_place(self._world, self._index)
@@ -406,7 +406,7 @@ class SimulatedRobot:
         self._publish_energy({"data": robot.energy})
 
     def publish_truth(self) -> None:
-        """Publish what is true of the robot and its sensors, for the judge alone."""
+        """Publish the true values of the robot and its sensors, only for the judge."""
         self._publish_truth({"data": true_values(self._world, self._index)})
 
     def _on_heading(self, payload: Payload) -> None:
@@ -418,7 +418,7 @@ class SimulatedRobot:
 
 
 class SimulatedSensor:
-    """Publishes a sensor of the true state, at a place in it, and has it obey its switch."""
+    """Publishes a sensor of the true state, by its index, and applies switch commands to it."""
 
     def __init__(self, transport: PubSub, topics: SensorTopics, world: State, index: int) -> None:
         self._index = index
@@ -434,7 +434,7 @@ class SimulatedSensor:
         self._published_active = -1
 
     def publish(self) -> None:
-        """Publish the sensor; whether it is active only when that changed."""
+        """Publish the sensor; ``active`` only on change."""
         sensor = self._sensor
         self._publish_samples({"data": sensor.count})
         if sensor.active != self._published_active:
@@ -453,7 +453,7 @@ class World(State):
 
 
 def initial_state(mission: Mission, seed: int) -> World:
-    """Return what is true before the first tick; as ``kernel.flight.initial_state``."""
+    """Return the true state before the first tick, as ``kernel.flight.initial_state``."""
     state = first_state(mission, seed)
     known = {name: getattr(state, name) for name in State.__slots__}
     return World(**known, samples=valid_samples(state))
@@ -465,13 +465,13 @@ def move(world: World, tick: int) -> None:
 
 
 def allowed_columns(kind: FaultType) -> tuple[str, list[str]]:
-    """Return which list of a state a fault may change, and which columns of its target there."""
+    """Return the list of a state that a fault may change, and the columns of its target in it."""
     places = [PROPERTIES[affected] for affected in kind.properties]
     return places[0][0], [column for _, columns in places for column in columns]
 
 
 def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
-    """Return an effect that fails when it changes what its fault type does not name.
+    """Return an effect that raises an error if it changes a property that its type does not name.
 
     ``kinds`` are the fault types by the number of their effect.
     """
@@ -496,7 +496,7 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
 
 
 def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[tuple[str, int, str], Any]:
-    """Return all that a flight changes of two states, and all of a fault but its memory.
+    """Return all values of two states that a flight changes, and a fault without its memory.
 
     A key is a list such as ``ci.robots``, the index of a record in it, and a column.
     """
@@ -504,12 +504,12 @@ def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[tuple[str, in
     for side, state in (("ci", ci), ("inbox", inbox)):
         records |= {f"{side}.mission": [state.mission], f"{side}.map": [state.map]}
         records |= {f"{side}.{name}": getattr(state, name) for name in COLUMNS}
-    found = {}
+    snapshot = {}
     for name, listed in records.items():
         for index, record in enumerate(listed):
-            for known in fields(record):
-                value = getattr(record, known.name)
+            for column in fields(record):
+                value = getattr(record, column.name)
                 is_number = isinstance(value, int | float)
-                found[name, index, known.name] = value if is_number else tuple(value)
-    del found["fault", 0, "memory"]
-    return found
+                snapshot[name, index, column.name] = value if is_number else tuple(value)
+    del snapshot["fault", 0, "memory"]
+    return snapshot

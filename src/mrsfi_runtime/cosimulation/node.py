@@ -1,15 +1,15 @@
-"""A team's own node in place of the generated reactions.
+"""An external node in place of the generated reactions.
 
-The node stands between the two halves of the kernel's answer (``kernel.flight.hear`` and
-``reply``). It receives what a collective intelligence would hear: nothing of a message that a
-fault withholds, the false value of one that a fault falsifies. It answers with commands.
+The node acts between the two halves of the kernel's answer (``kernel.flight.hear`` and
+``reply``). It receives the messages of a collective intelligence: none that a fault
+withholds, and false values of those that a fault falsifies. It answers with commands.
 
-What holds throughout: callbacks run in the thread of the transport's, ``begin`` and ``end`` in
-another. No call waits longer than the patience allows. What the node does wrong once it is ready
-sets ``is_to_blame``.
+Invariants: callbacks run in the transport's thread, ``begin`` and ``end`` in
+another. No call waits longer than the patience allows. Errors of the node after it is ready
+set ``is_to_blame``.
 
-Begin with ``Node.begin``, ``answer`` and ``_hear``. ``node_mapping`` says how the node names
-things, ``node_speech`` what its messages carry.
+Begin with ``Node.begin``, ``answer`` and ``_hear``. ``node_mapping`` has the names that the node
+uses, ``node_speech`` the content of its messages.
 """
 
 from collections.abc import Callable, Sequence
@@ -50,8 +50,8 @@ from mrsfi_runtime.transport.topics import (
 )
 
 _LOOK = 0.1
-_STEADY = 0.3  # seconds after which a node that subscribed to no more is taken to be ready
-_FLOOD: Final = 1000  # commands of a tick, for each topic, from which on a node floods
+_STEADY = 0.3  # seconds without a new subscription after which a node counts as ready
+_FLOOD: Final = 1000  # most commands of a node on a topic in a tick
 _SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
 
 
@@ -67,16 +67,16 @@ class Process(Protocol):
         """End it if it runs."""
 
     def ended(self) -> str:
-        """Return how it ended, or nothing while it runs."""
+        """Return how it ended, or an empty text while it runs."""
 
 
 class Node(Mind):
     """A node behind a transport, for the flights of one mission, one after the other.
 
-    Its callbacks run in the thread of the transport's; ``begin`` and ``end`` in another. A
-    ``process`` is started for each flight if that ``restarts`` it, or else before the first. When
-    a flight has failed, ``is_to_blame`` says whether the node did wrong after it was ready.
-    ``held`` are the faults of the next flight that hold back what is passed on.
+    Its callbacks run in the transport's thread; ``begin`` and ``end`` in another. A
+    ``process`` is started for each flight if ``restarts`` is set, otherwise before the first. After
+    an error, ``is_to_blame`` says whether the node caused it after it was ready.
+    ``held`` are the faults of the next flight that hold back relayed commands.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Node(Mind):
             transport.subscribe(speech.mapping.answer, self._hear_answer)
 
     def pass_on(self, advertise: Callable[[Topic], Publisher]) -> None:
-        """Have what is no heading and speed passed on to a world, on topics that it advertises."""
+        """Relay commands other than heading and speed to the topics of a world."""
         self._relay = Relay(
             {each.topic.name: (each.robot, advertise(each.world)) for each in self.speech.relayed}
         )
@@ -126,9 +126,9 @@ class Node(Mind):
             self._transport.subscribe(each.topic, partial(self._pass_on_later, each.topic.name))
 
     def begin(self, flight: Flight, run: int, seed: int) -> None:
-        """Bring the node back to before tick 0, and wait until it is ready.
+        """Return the node to before tick 0, and wait until it is ready.
 
-        One that is not in time is a ``TransportTimeout``.
+        If that takes too long, it is a ``TransportTimeout``.
         """
         self._flight, self._run, self._then = flight, run, None
         self.is_to_blame = False
@@ -141,7 +141,7 @@ class Node(Mind):
             self._restarts or self._process.ended() or not self._process.pid
         ):
             self._process.stop()
-            gone = monotonic() + 2.0  # or somebody else hears too
+            gone = monotonic() + 2.0  # or another client subscribes, too
             while self._subscribed() and monotonic() < gone:
                 sleep(_LOOK / 2)
             self._process.start(seed)
@@ -156,7 +156,7 @@ class Node(Mind):
         self._has_flown = True
 
     def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> bool:
-        """Tell the node what was heard; call a function when it has answered."""
+        """Send the node the messages of a tick; call a function when it has answered."""
         self._tick, self._then = tick, then
         self._n_heard = dict.fromkeys(self._n_heard, 0)
         self._n_answered = None
@@ -171,7 +171,7 @@ class Node(Mind):
         self._transport.call_later(0.0, function)
 
     def overdue(self, silence: float) -> MrsfiError | None:
-        """Return what is wrong after so many seconds without progress, if anything is."""
+        """Return the error, if any, after so many seconds without progress."""
         if (ended := self._ending()) is not None:
             self.is_to_blame = True
             return ended
@@ -192,10 +192,10 @@ class Node(Mind):
         )
 
     def end(self) -> None:
-        """Leave a flight; commands of robots that the mission does not have are an error."""
+        """Finish a flight; commands to robots that the mission does not have are an error."""
         self._flight = self._then = None
         lost = (self._ready or frozenset()) - self._subscribed() if self._pace.is_free else None
-        if lost:  # where nobody waits for an answer
+        if lost:  # at a rate, no answer is missing
             raise self._wrong(
                 f"the node no longer subscribes to {', '.join(sorted(lost))}; expected it to stay "
                 "connected and subscribed until it is stopped"
@@ -210,7 +210,7 @@ class Node(Mind):
             )
 
     def refuse(self, topic: str, reason: str) -> None:
-        """Take what a server refused of what the node said, if known on which topic."""
+        """Take the refusal of a message of the node, with its topic if known."""
         is_flying = self._flight is not None and self._has_flown
         if is_flying and topic in self.speech.obeyed | {"", self._mapping.answer.name}:
             raise self._wrong(f"the server refused a message of the node: {reason}")
@@ -224,20 +224,20 @@ class Node(Mind):
         return ProtocolError(text)
 
     def _publish(self, flight: Flight, tick: int) -> int:
-        """Publish what the world spoke of and nothing withholds, and what is believed otherwise."""
+        """Publish values that the world sent and no fault withholds, and changed beliefs."""
         ci, sent = flight.belief, self._sent
         silent = self._silent(flight, tick)
         n_sent = 0
         for number, (saying, publish) in enumerate(self._sayings):
             values = saying.values(ci)
-            if values != sent[number] or not saying.spoken <= silent:  # or the world spoke of it
+            if values != sent[number] or not saying.spoken <= silent:  # or the world sent it
                 sent[number] = values
                 publish(saying.payload(values))
                 n_sent += 1
         return n_sent
 
     def _silent(self, flight: Flight, tick: int) -> set[Target]:
-        """Return of what no message of this tick speaks."""
+        """Return the properties about which no message arrives in this tick."""
         silent: set[Target] = {
             (Field.POSITION, index)
             for index in range(len(flight.world.robots))
@@ -270,7 +270,7 @@ class Node(Mind):
             self._answer_when_complete()
 
     def _hear_answer(self, message: Payload) -> None:
-        """Take the message by which a tick is answered, ``[tick, commands]`` if it has numbers."""
+        """Take the answer to a tick; if it has numbers, they are ``[tick, commands]``."""
         if self._flight is None or self._then is None:
             return
         name, numbers = self._mapping.answer.name, message.get("data")
@@ -313,7 +313,7 @@ class Node(Mind):
         self._setup({"data": [*Setup(run, seed, SEMANTICS)]})
 
     def _reset(self, run: int, seed: int, deadline: float) -> None:
-        """Have the node go back to before tick 0, asking again while nobody provides that."""
+        """Return the node to before tick 0; ask again while the service does not exist."""
         is_overtaken = False
         while True:
             self._set_up(run, seed)
@@ -336,7 +336,7 @@ class Node(Mind):
                 sleep(_LOOK)
 
     def _await_subscriptions(self, deadline: float) -> None:
-        """Wait until the node hears what it heard in the flight before, or no more is added."""
+        """Wait until the node has the subscriptions of the flight before, or adds no more."""
         before: frozenset[str] = frozenset()
         steady = monotonic()
         while True:
@@ -360,14 +360,14 @@ class Node(Mind):
             sleep(_LOOK / 2)
 
     def _require_alive(self) -> None:
-        """Raise if the node's process has ended; one that flew before may fly again."""
+        """Raise an error if the node's process has ended; after a flight, the node is to blame."""
         ended = self._ending()
         if ended is not None:
             self.is_to_blame = self._has_flown
             raise ended
 
     def _subscribed(self) -> frozenset[str]:
-        """Return the topics of the node to which anybody subscribed."""
+        """Return the topics of the node that have a subscriber."""
         names = (each.topic.name for each, _ in self._sayings)
         return frozenset(
             name
@@ -376,7 +376,7 @@ class Node(Mind):
         )
 
     def _ask(self, service: Service, request: Payload) -> Reply:
-        """Call a service and wait for its reply; it is not asked again meanwhile."""
+        """Call a service once and wait for its reply."""
         completion, timeout = Completion(), self._patience.tick
         self._transport.call(service, request, completion.end)
         late = TransportTimeout(

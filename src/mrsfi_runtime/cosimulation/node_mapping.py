@@ -1,15 +1,15 @@
-"""How a team's own node names things: topics, types of messages, and their fields.
+"""How an external node names things: topics, types of messages, and their fields.
 
-A mapping is a table, ``[node]`` of ``mrsfi.toml``; docs/node.md says what it may hold. A topic with
+A mapping is a table, ``[node]`` of ``mrsfi.toml``, described in docs/node.md. A topic with
 ``{robot}``, ``{sensor}`` or ``{obstacle}`` stands for one of each. A field is a path such as
-``pose.pose.position.x`` or ``data[0]``; its value is ``offset + scale × what is ours``.
+``pose.pose.position.x`` or ``data[0]``; its value is ``offset + scale × mrsfi's value``.
 
-What holds throughout: a ``NodeMapping`` is checked when it is made. What makes no sense is a
+Invariant: a ``NodeMapping`` is checked when it is made. An invalid one is a
 ``UsageError`` that names the entry, what was found and what was expected.
 
-Begin with ``QUANTITIES`` and ``COMMANDS``, all that a node can receive of a belief and all that it
-can command. ``NodeMapping.of`` reads a table, and ``spread`` applies a rule to the elements of a
-mission. ``GENERATED`` is the table of nodes that speak the topics of docs/bus.md.
+Begin with ``QUANTITIES``, the values of a belief that a node can receive, and ``COMMANDS``.
+``NodeMapping.of`` reads a table, and ``spread`` applies a rule to the elements of a
+mission. ``GENERATED`` is the table of nodes that use the topics of docs/bus.md.
 """
 
 import math
@@ -30,9 +30,9 @@ from mrsfi_runtime.transport.topics import Service, Topic
 
 
 class Quantity(NamedTuple):
-    """Something that a node can be told; ``affected`` is what faults make of it, if they do.
+    """A value that a node can receive; ``affected`` is the property by which faults change it.
 
-    ``read`` takes it from a belief, of an element by its index.
+    ``read`` takes it from a belief, for an element by its index.
     """
 
     read: Callable[[State, int], Any]
@@ -75,14 +75,13 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "radius": Quantity(lambda ci, index: ci.obstacles[index].radius),
     },
 }
-"""By kind of element and name. A heading is that which the robot was told, as it obeys at once;
-``yaw`` is its angle, ``qz`` and ``qw`` its quaternion, ``sent`` the speed that it was told, forged
-ones too."""
+"""By kind of element and name. The heading is the commanded one; ``yaw`` is its angle, ``qz`` and
+``qw`` its quaternion. ``sent`` is the last commanded speed, also if forged."""
 
 SPOKEN = (Field.POSITION, Field.SPEED, Field.ENERGY, Field.COUNT)
-"""Properties of which a world speaks in every tick; a position only while the robot knows it."""
+"""Properties that a world sends in every tick; a position only while the robot has one."""
 
-Given: TypeAlias = Mapping[str, float]  # what a message commands, by name
+Given: TypeAlias = Mapping[str, float]  # commanded values of a message, by name
 
 COMMANDS: Mapping[str, Mapping[str, str]] = {
     "robot": {
@@ -98,11 +97,11 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     },
     "sensor": {"active": "whether it is on"},
 }
-"""What a node can command, by kind of element."""
+"""Commands of a node, by kind of element."""
 
 
 def command_robot(ci: State, index: int, given: Given) -> None:
-    """Have a robot of a belief commanded; what a message says replaces what came before."""
+    """Apply a message to the commands of a robot; it replaces earlier values."""
     robot, command = ci.robots[index], ci.commands[index]
     if "heading_x" in given:
         _turn(ci, index, given["heading_x"], given["heading_y"])
@@ -124,14 +123,14 @@ def command_robot(ci: State, index: int, given: Given) -> None:
 
 
 def command_sensor(ci: State, index: int, given: Given) -> None:
-    """Have a sensor of a belief switched."""
+    """Apply a message to the switch of a sensor."""
     switch = ci.switches[index]
     switch.claimed = 1
     switch.active = int(given["active"] != 0)
 
 
 def _turn(ci: State, index: int, x: float, y: float) -> None:
-    """Command a heading; one that is hardly any is ignored, and a unit vector stays as it is."""
+    """Command a heading; a vector of nearly no length is ignored, a unit vector unchanged."""
     command = ci.commands[index]
     length = math.sqrt(x * x + y * y)
     if length <= TOLERANCE:
@@ -143,7 +142,7 @@ def _turn(ci: State, index: int, x: float, y: float) -> None:
 
 
 Path: TypeAlias = tuple[str | int, ...]
-"""Where a number is in a message: names of fields, and places in arrays."""
+"""The place of a number in a message: names of fields, and indices of arrays."""
 
 Table: TypeAlias = Mapping[str, Any]
 
@@ -167,7 +166,7 @@ GENERATED: Table = {
         _each("/{robot}/{sensor}/command/active", "std_msgs/Bool", data="active"),
     ],
 }
-"""Of a node that speaks the topics of docs/bus.md, as generated code does."""
+"""Of a node that uses the topics of docs/bus.md, as generated code does."""
 
 _ANSWER = Topic("/mission/answer", "std_msgs/Int64MultiArray")
 _RESET = Service("/mission/reset", "std_srvs/Trigger")
@@ -177,7 +176,7 @@ _KIND = re.compile(r"\{(\w*)\}")
 
 
 class Entry(NamedTuple):
-    """What a field holds: ``offset + scale × of``, or always the same ``value``."""
+    """Content of a field: ``offset + scale × of``, or the constant ``value``."""
 
     of: str
     scale: float = 1.0
@@ -186,9 +185,9 @@ class Entry(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """A topic, or one of each element that it names, and what its fields hold.
+    """A topic, or one of each element that it names, and the content of its fields.
 
-    One without fields is passed on to a topic of the ``world``.
+    Without fields, messages are relayed to a topic of the ``world``.
     """
 
     topic: Topic
@@ -202,7 +201,7 @@ class Rule(NamedTuple):
 
 
 class Element(NamedTuple):
-    """An element of the mission: its kind, its place in the model, what it is called on topics."""
+    """An element of the mission: its kind, its index in the model, its name on topics."""
 
     kind: str
     place: int
@@ -211,10 +210,10 @@ class Element(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class NodeMapping:
-    """What a node hears and says; ``table`` is what it was made of.
+    """The topics of a node, made of ``table``.
 
-    ``answer`` is the topic by whose message it says that it has answered a tick; ``reset`` the
-    service that brings it back to before tick 0. ``types`` are folders with definitions.
+    A message on ``answer`` ends its answer to a tick; the service ``reset`` returns it to before
+    tick 0. ``types`` are folders with definitions.
     """
 
     table: Table = field(default_factory=lambda: GENERATED)
@@ -227,9 +226,9 @@ class NodeMapping:
 
     @classmethod
     def of(cls, table: Table | None, source: str = "[node]") -> "NodeMapping":
-        """Return the mapping that a table describes; without any, that of generated topics.
+        """Return the mapping that a table describes; the default has the generated topics.
 
-        What makes no sense is a ``UsageError`` that begins with the source.
+        An invalid table is a ``UsageError`` that begins with the source.
         """
         table = GENERATED if table is None else table
         for name in table:
@@ -248,28 +247,28 @@ class NodeMapping:
         )
 
     def elements(self, mission: Mission) -> tuple[Element, ...]:
-        """Return the robots, sensors and obstacles of a mission, by the names of the node."""
+        """Return the robots, sensors and obstacles of a mission, with the node's names."""
         listed = {
             "robot": [each.id for each in mission.robots],
             "sensor": [each.id for each in mission.sensors],
             "obstacle": [each.id for each in mission.obstacles],
         }
-        found = [
+        elements = [
             Element(kind, place, plain_name(name))
             for kind, names in listed.items()
             for place, name in enumerate(names)
         ]
-        known = [each.name for each in found]
+        known = [each.name for each in elements]
         for name in self.names:
             if name not in known:
                 raise UsageError(f"[node] names: found '{name}'; {expected(name, known)}")
-        return tuple(each._replace(name=self.names.get(each.name, each.name)) for each in found)
+        return tuple(each._replace(name=self.names.get(each.name, each.name)) for each in elements)
 
 
 def spread(
     rule: Rule, elements: Sequence[Element], mission: Mission
 ) -> Iterator[tuple[Callable[[str], str], Element | None]]:
-    """Yield each element that a rule stands for, or ``None``, and what fills its name in."""
+    """Yield the function that fills in a topic name, and its element, for each of a rule."""
     kinds = rule.kinds
     if not kinds:
         yield str, None
@@ -350,7 +349,7 @@ def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:
 
 
 def _checked(rule: Rule, known: Mapping[str, Mapping[str, Any]], place: str) -> Rule:
-    """Return a rule whose fields hold what there is of the elements that its topic names."""
+    """Return a rule after checks that its fields exist for the elements of its topic."""
     kinds = rule.kinds
     for kind in kinds:
         if kind not in known:
@@ -372,7 +371,7 @@ def _checked(rule: Rule, known: Mapping[str, Mapping[str, Any]], place: str) -> 
 
 
 def _require_pairs(named: Sequence[str], place: str) -> None:
-    """Refuse half of what makes sense together only."""
+    """Refuse one coordinate without the other."""
     for of in named:
         element, _, name = of.rpartition(".")
         for pair in (("heading_x", "heading_y"), ("vx", "vy"), ("to_x", "to_y")):

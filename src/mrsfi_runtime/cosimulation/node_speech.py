@@ -1,13 +1,13 @@
-"""What a team's own node hears and says in one mission, and which faults reach it.
+"""The messages of an external node in one mission, and the faults that reach it.
 
-``Speech`` makes a ``Saying`` of each topic that the node receives, and a ``Hearing`` of each on
-which it commands, from the rules of a mapping. What a mapping cannot mean is a ``UsageError``, a
-message that does not fit a ``ProtocolError``.
+From the rules of a mapping, ``Speech`` makes a ``Saying`` of each topic that the node receives, and
+a ``Hearing`` of each on which it commands. An impossible mapping is a ``UsageError``, a
+message that does not fit is a ``ProtocolError``.
 
-A ``Relay`` passes on commands that are no heading and speed, to the team's world and as they came.
+A ``Relay`` passes commands other than heading and speed unchanged to an external world.
 Faults that delay or block a message of a server to a robot hold them back (``Held``). Other
-commands are forged behind the node, which need not know. ``out_of_reach`` lists the faults of a
-pool that touch neither what the node receives nor what its robots are commanded.
+commands are forged after the node has sent them. ``out_of_reach`` lists the faults of a
+pool that affect neither received values nor commands.
 
 Begin with ``Speech``.
 """
@@ -51,10 +51,10 @@ if TYPE_CHECKING:
 
 
 class Saying(NamedTuple):
-    """A topic of which a node is told, and what is said there.
+    """A topic that a node receives, and its content.
 
-    ``targets`` are the properties that it carries; ``spoken`` those of them of which a world speaks
-    in every tick. ``values`` are read of a belief, ``payload`` makes a message of them.
+    ``targets`` are the properties that it carries; ``spoken`` those that a world sends
+    in every tick. ``values`` are read from a belief, ``payload`` makes a message of them.
     """
 
     topic: Topic
@@ -65,14 +65,14 @@ class Saying(NamedTuple):
 
 
 class Hearing(NamedTuple):
-    """A topic on which a node commands, and what to do with a message."""
+    """A topic on which a node commands, and the function that applies a message."""
 
     topic: Topic
     obey: Callable[[State, Payload], None]
 
 
 class Relayed(NamedTuple):
-    """A topic whose messages are passed on to one of the world, for a robot."""
+    """A topic whose messages are relayed to one of the world, for a robot."""
 
     topic: Topic
     world: Topic
@@ -80,7 +80,7 @@ class Relayed(NamedTuple):
 
 
 class Speech:
-    """All that a node is told and says; what its mapping cannot mean is a ``UsageError``."""
+    """All topics of a node; an impossible mapping is a ``UsageError``."""
 
     def __init__(self, mapping: NodeMapping, mission: Mission, types: TypeTable) -> None:
         self.types = types
@@ -115,14 +115,14 @@ class Speech:
 
     @classmethod
     def of(cls, mapping: str, mission: Mission, ros: int = 1) -> Self:
-        """Return what a node speaks by a table as JSON, empty for generated topics."""
+        """Return the topics of a node from a table as JSON, empty for generated topics."""
         table = NodeMapping.of(json.loads(mapping) if mapping else None)
         types = TypeTable([pathlib.Path(folder) for folder in table.types], ros)
         return cls(table, mission, types)
 
     @property
     def received(self) -> frozenset[Target]:
-        """Properties of which the node is told."""
+        """Properties that the node receives."""
         return frozenset(target for each in self.sayings for target in each.targets)
 
     def _saying(self, rule: Rule, name: str, element: Element | None) -> Saying:
@@ -189,7 +189,7 @@ class Speech:
         return of, name
 
     def strangers(self, topics: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-        """Yield topics that command what the mission does not have, its kind, and its name."""
+        """Yield topics, kinds and names of commanded elements that the mission does not have."""
         for pattern, kind in self._patterns:
             for topic in topics:
                 match = pattern.fullmatch(topic)
@@ -197,7 +197,7 @@ class Speech:
                     yield topic, kind, match[kind]
 
     def _kind(self, rule: Rule, path: Path) -> str:
-        """Return the type of a field, which has to be one number or text of its message."""
+        """Return the type of a field, which must be one number or text of its message."""
         place, walked = f"[node] {rule.topic.name}: {rule.topic.type}", path
         try:
             structure: Structure | None = self.types.message(rule.topic.type)
@@ -231,7 +231,7 @@ class Speech:
 def _scaled(
     read: Callable[[State, int], Any], index: int, entry: Entry, kind: str
 ) -> Callable[[State], Any]:
-    """Return what reads a field's value of a belief, in the type of the field."""
+    """Return a function that reads a field's value from a belief, in the type of the field."""
     scale, offset = entry.scale, entry.offset
     if kind in FLOATS:
         if (scale, offset) == (1.0, 0.0):
@@ -265,7 +265,7 @@ def _message(places: list[tuple[Path, int | None, Any]], values: tuple[Any, ...]
 
 
 def _number(topic: str, message: Mapping[str, Any], path: Path, kind: str) -> float:
-    """Return the number at a place of a message that came."""
+    """Return the number at a path of a received message."""
     value: Any = message
     try:
         for step in path:
@@ -294,9 +294,9 @@ def _pattern(rule: Rule) -> re.Pattern[str]:
 
 
 class Held(NamedTuple):
-    """A timed fault that holds back the commands of a robot: ``delay`` ticks, or for good at 0.
+    """A timed fault that holds back the commands of a robot: ``delay`` ticks, or forever if 0.
 
-    One with a ``trigger``, by its place in the pool, does so at ``most`` ticks of its window.
+    One with a ``trigger``, an index in the pool, is active for at most ``most`` ticks.
     """
 
     fault: int
@@ -308,7 +308,7 @@ class Held(NamedTuple):
     most: int
 
     def window(self, plan: Plan) -> tuple[int, int]:
-        """Return when it is active, as far as a flight has come."""
+        """Return its first and last active tick, as known at this point of a flight."""
         if self.trigger < 0:
             return self.start, min(self.finish, self.start + self.most - 1)
         trigger = plan.triggers[self.trigger]
@@ -317,7 +317,7 @@ class Held(NamedTuple):
 
 
 def robot_held(mission: Mission, pool: FaultPool, fault: str) -> int | None:
-    """Return the robot whose commands a fault of a pool holds back, if it does."""
+    """Return the robot whose commands a fault of a pool holds back, if there is one."""
     known = pool[fault]
     if known.kind.mode not in {Mode.DELAY, Mode.BLOCK}:
         return None
@@ -344,10 +344,9 @@ def held_commands(
 
 
 class Relay:
-    """Passes on what a node said in a tick, the newest of each topic, when it has answered.
+    """Relays the newest command of each topic once the node has answered a tick.
 
-    ``publishers`` are those of the world by the node's topic, with the robot of each. ``held`` are
-    the faults of the flight.
+    ``publishers`` are those of the world by the node's topic, with the robot of each.
     """
 
     def __init__(self, publishers: Mapping[str, tuple[int, Publisher]]) -> None:
@@ -355,7 +354,7 @@ class Relay:
         self.begin(())
 
     def begin(self, held: Sequence[Held]) -> None:
-        """Begin a flight."""
+        """Begin a flight with faults that hold commands back."""
         self._held = held
         self._commands: dict[str, Payload] = {}
         self._under_way: list[tuple[int, str, Payload]] = []
@@ -365,7 +364,7 @@ class Relay:
         self._commands[topic] = message
 
     def pass_on(self, plan: Plan, tick: int) -> None:
-        """Publish what is due in a tick, and hold back what faults do."""
+        """Publish the commands due in a tick, except those that faults hold back."""
         due = {name: message for when, name, message in self._under_way if when == tick}
         self._under_way = [each for each in self._under_way if each[0] > tick]
         commands, self._commands = self._commands, {}
@@ -384,7 +383,7 @@ class Relay:
 
 
 def out_of_reach(mission: Mission, pool: FaultPool, speech: Speech) -> dict[str, str]:
-    """Return the faults of a pool that cannot be injected, by ID, and what each touches."""
+    """Return the faults of a pool that cannot be injected, by ID, and the targets of each."""
     received, passed_on = speech.received, {each.robot for each in speech.relayed}
     unreachable = {}
     for fault in pool:

@@ -1,16 +1,16 @@
 """The two transports over a rosbridge server: through roslibpy, or in the server's own process.
 
-roslibpy runs all callbacks in one background thread, logs and drops what goes wrong there, and
-reconnects on its own, so that messages are lost in silence. A ``ListenedTransport`` prevents
-that: an error in a callback and a lost connection reach its listener, and it never reconnects.
+roslibpy runs all callbacks in one background thread. It only logs their errors, and it reconnects
+on its own, so messages can be lost silently. A ``ListenedTransport`` passes errors in callbacks
+and lost connections to its listener, and never reconnects.
 
 A ``RosbridgeTransport`` is one connection to a server. An ``EmbeddedTransport`` joins a server
-that runs in this process, in the server's thread and without a socket: what it publishes within
-one callback leaves in one write. Errors of the server become errors of the runtime (``as_ours``)
+in this process, in the server's thread and without a socket: messages published within
+one callback leave in one write. Errors of the server become errors of the runtime (``as_ours``)
 with the same message and exit code.
 
-Begin with ``RosbridgeTransport``. ``wire`` is a module of its own, since it binds the process to
-asyncio as soon as it is imported, and roslibpy's Twisted client could not be used any more.
+Begin with ``RosbridgeTransport``. ``wire`` is a separate module because importing it binds the
+process to asyncio, after which roslibpy's Twisted client is unusable.
 
 References
 ----------
@@ -59,9 +59,9 @@ T = TypeVar("T")
 
 
 class ListenedTransport:
-    """A transport that tells a listener what goes wrong in its callbacks, or with its connection.
+    """A transport that reports errors in its callbacks and of its connection to a listener.
 
-    ``lost`` is why it moves nothing any more, once it does not.
+    ``lost`` is the reason why the connection ended, or ``None`` while it is open.
     """
 
     def __init__(self) -> None:
@@ -69,7 +69,7 @@ class ListenedTransport:
         self._listener: FailureListener | None = None
 
     def watch(self, listener: FailureListener) -> None:
-        """Have a function told of a lost connection, and of errors in callbacks."""
+        """Report a lost connection and errors in callbacks to a function."""
         self._listener = listener
         if self.lost is not None:
             listener(self.lost)
@@ -80,12 +80,12 @@ class ListenedTransport:
             raise self.lost
 
     def report(self, error: Exception) -> None:
-        """Tell the listener, if there is one."""
+        """Pass an error to the listener, if there is one."""
         if self._listener is not None:
             self._listener(error)
 
     def reporting(self, callback: Callable[P, R]) -> Callable[P, R]:
-        """Return a callback whose errors reach the listener before they reach the caller."""
+        """Return a callback that reports its errors to the listener, then raises them."""
 
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
             try:
@@ -113,9 +113,9 @@ def as_ours(error: bridge_errors.BridgeError) -> MrsfiError:
 
 
 class EmbeddedTransport(ListenedTransport):
-    """A client of an embedded bridge that has started; its callbacks run in the bridge's thread.
+    """A client of a started embedded bridge; its callbacks run in the bridge's thread.
 
-    Closing the transport leaves the bridge open for others.
+    Closing the transport does not close the bridge.
     """
 
     def __init__(self, bridge: EmbeddedBridge) -> None:
@@ -155,15 +155,15 @@ class EmbeddedTransport(ListenedTransport):
         self._run(lambda: self._client.call(service.name, request, self.reporting(reply)))
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
-        """Call a function after a time, as callbacks are."""
+        """Call a function after a time, in the thread of the callbacks."""
         self._run(lambda: self._bridge.call_later(seconds, self.reporting(function)))
 
     def barrier(self, then: Callable[[], None]) -> None:
-        """Call a function when all clients of the server have answered what they were told."""
+        """Call a function when all clients of the server have answered all their messages."""
         self._run(lambda: self._bridge.barrier(self.reporting(then)))
 
     def on_refusal(self, listener: Callable[[str, str], None]) -> None:
-        """Have a function told the topic and the reason of what clients say and nobody hears."""
+        """Call a function with topic and reason of each operation that the server drops."""
         self._run(lambda: self._bridge.on_refusal(self.reporting(listener)))
 
     def close(self) -> None:
@@ -185,7 +185,7 @@ class EmbeddedTransport(ListenedTransport):
         def run() -> None:
             try:
                 done.set_result(function())
-            except Exception as error:  # noqa: BLE001 - raised where it was asked for
+            except Exception as error:  # noqa: BLE001 - raised in the caller's thread
                 done.set_exception(error)
 
         self._bridge.call_soon(run)
@@ -194,18 +194,18 @@ class EmbeddedTransport(ListenedTransport):
 
 _PORTS = {"ws": 80, "wss": 443}
 
-for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
+for _name in ("autobahn", "roslibpy", "twisted"):  # errors reach the listener instead
     logging.getLogger(_name).addHandler(logging.NullHandler())
 
 
 class RosbridgeTransport(ListenedTransport):
-    """One connection to a rosbridge server; ``url`` is kept without the token.
+    """One connection to a rosbridge server; the attribute ``url`` has no token.
 
-    It is ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` where the server asks for
-    one, which has ``timeout`` seconds to accept, and ``ros`` the version of ROS that it speaks. A
-    URL that makes no sense, or a process that already uses the other kind of client, is a
-    ``UsageError``; nobody who listens there, or no rosbridge server, is ``TransportClosed``; no
-    answer in time is ``TransportTimeout``.
+    The argument is ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` if the server
+    requires a token. The server must accept within ``timeout`` seconds; ``ros`` is its version of
+    ROS. An invalid URL, or a process that already uses the other kind of client, is a
+    ``UsageError``. If no rosbridge server listens there, it is ``TransportClosed``; without an
+    answer in time, ``TransportTimeout``.
     """
 
     def __init__(
@@ -249,11 +249,11 @@ class RosbridgeTransport(ListenedTransport):
         self._topic(topic).subscribe(self.reporting(callback))
 
     def provide(self, service: Service, provider: Provider) -> None:
-        """Answer the calls of a service; a provider that raises answers with a failure."""
+        """Answer the calls of a service; an error of the provider becomes a failure."""
         provide = self.reporting(provider)
 
         def answer(request: Any, response: Any) -> bool:
-            with suppress(Exception):  # the listener decides
+            with suppress(Exception):  # reported to the listener
                 response.update(provide(dict(request)))
                 return True
             return False
@@ -265,7 +265,7 @@ class RosbridgeTransport(ListenedTransport):
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
-        # the timeout is the server's for the provider; who waits for the answer gives less
+        # the server's time-out for the provider; callers here have shorter ones
         fields = {"service": service.name, "args": dict(request), "timeout": 3600.0}
         identifier = f"call_service:{service.name}:{self._ros.id_counter}"
         self._ros.call_async_service(
@@ -322,7 +322,7 @@ class RosbridgeTransport(ListenedTransport):
         self._closed.set()
 
     def _stop_reconnecting(self) -> None:
-        """Have a lost connection stay lost; called in roslibpy's thread."""
+        """Prevent roslibpy from reconnecting; called in its thread."""
         if self._client == "twisted":
             self._ros.factory.stopTrying()
         else:
@@ -338,7 +338,7 @@ def _ros(url: str, client: Client) -> Any:
 
 
 def _require_listener(url: str, timeout: float) -> None:
-    """Refuse a URL at which nobody listens at once: roslibpy would try for an hour."""
+    """Refuse a URL at which no server listens, since roslibpy would retry for an hour."""
     parts = urlsplit(url)
     if parts.scheme not in _PORTS or not parts.hostname:
         raise UsageError(f"--url: found '{url}'; expected ws://HOST:PORT")

@@ -1,15 +1,14 @@
 """Topics, services, what every transport offers, and the two transports that need no server.
 
-A transport moves messages between the two sides of a mission. ``PubSub`` is what generated code
-needs of it, ``Transport`` adds services and errors, ``NodeTransport`` a clock. Messages of a
-publisher arrive in their order, and callbacks of one transport run one after the other. An error
-in a callback reaches a listener or the publisher; no transport logs and drops it.
+A transport moves messages between the two sides of a mission. Generated code uses ``PubSub``;
+``Transport`` adds services and errors, ``NodeTransport`` a clock. Messages of a
+publisher arrive in order, and callbacks of one transport run one after the other. An error
+in a callback reaches a listener or the publisher; no transport only logs it.
 
-A ``LocalBus`` delivers by plain calls, in the process that flies both sides. A
-``PrefixedTransport`` gives another one's topics a prefix, so that two sides of a mission share a
-server. ROS 1 and ROS 2 write type names and times in two ways; ``type_name``, ``time_of`` and
-``seconds_of`` know both. Engines, records and the command line import this module, so it imports
-no client of rosbridge.
+A ``LocalBus`` delivers by plain calls within one process. A ``PrefixedTransport`` adds a prefix
+to the topics of another transport, so that several worlds share a server. ROS 1 and ROS 2 differ
+in type names and times; ``type_name``, ``time_of`` and ``seconds_of`` handle both. Engines,
+records and the command line import this module, so it imports no client of rosbridge.
 
 Begin with ``Transport``; ``rosbridge`` has the transports over a server.
 
@@ -42,7 +41,7 @@ class Service(NamedTuple):
 
 
 class Reply(NamedTuple):
-    """What came back from a service: its values, or the problem if it failed."""
+    """The answer of a service: its values, or the problem if it failed."""
 
     values: Payload
     problem: str = ""
@@ -52,11 +51,11 @@ Provider: TypeAlias = Callable[[Payload], Payload]
 """Answers the calls of a service: request to response."""
 
 FailureListener: TypeAlias = Callable[[Exception], None]
-"""Told of an error that nobody else would see."""
+"""Receives an error that would otherwise be lost."""
 
 
 class PubSub(Protocol):
-    """What generated code needs of a transport: topics to publish on, and to subscribe to.
+    """The part of a transport that generated code uses: to publish and to subscribe.
 
     Callbacks of one transport run one after the other, in one thread that may be another than
     the caller's; they must not block. The messages of a publisher arrive in their order.
@@ -81,9 +80,9 @@ class Transport(PubSub, Protocol):
         """Call a service; ``on_reply`` gets the reply later, in the thread of the callbacks."""
 
     def watch(self, listener: FailureListener) -> None:
-        """Have a function told of a lost connection, and of errors in callbacks.
+        """Report a lost connection and errors in callbacks to a function.
 
-        One listener at a time; one that comes after the connection was lost is told at once.
+        There is one listener at a time. If the connection is already lost, it is called at once.
         """
 
     def close(self) -> None:
@@ -117,7 +116,7 @@ def seconds_of(time: Payload) -> int:
 
 
 Client: TypeAlias = Literal["wire", "asyncio", "twisted"]
-"""Kind of connection: ours, or one of roslibpy's; ``twisted`` goes with none other in a process."""
+"""Kind of connection: mrsfi's or one of roslibpy's; a process with ``twisted`` can use no other."""
 
 CLIENTS: tuple[Client, ...] = ("wire", "asyncio", "twisted")
 
@@ -130,8 +129,8 @@ def without_token(url: str) -> str:
 class LocalBus:
     """Delivers messages by plain calls, in the order in which subscribers came.
 
-    A payload is handed on as it is: neither side may change it afterwards. An error in a
-    callback stops the publisher, so nothing goes wrong unseen.
+    A payload is not copied: neither side may change it afterwards. An error in a
+    callback is raised in the publisher.
     """
 
     ros = 1
@@ -190,7 +189,7 @@ _OF_SERVER = "/rosapi/"
 
 
 class PrefixedTransport:
-    """A transport whose topics and services begin with a prefix; those of the server do not."""
+    """A transport with a prefix on all topics and services except those of the server."""
 
     def __init__(self, transport: NodeTransport, prefix: str) -> None:
         self._transport = transport
@@ -212,7 +211,7 @@ class PrefixedTransport:
         self._transport.provide(service._replace(name=self._named(service.name)), provider)
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
-        """Call a service; what the server says of topics is told without the prefix."""
+        """Call a service; topic names in a server's answer lose the prefix."""
 
         def reply(answer: Reply) -> None:
             if "topics" in answer.values:
@@ -226,7 +225,7 @@ class PrefixedTransport:
         self._transport.call(service._replace(name=self._named(service.name)), request, reply)
 
     def unnamed(self, name: str) -> str:
-        """Return what a topic of the server is called here."""
+        """Return the name of a topic without the prefix."""
         return name.removeprefix(self._prefix)
 
     def _named(self, name: str) -> str:

@@ -1,6 +1,6 @@
-"""roslibpy's classes over a connection of our own, at the speed of the wire.
+"""roslibpy's classes over a faster connection, the default of ``--client``.
 
-What a callback sends leaves in one write, and what comes is acknowledged at once.
+Messages sent by one callback leave in one write, and received data is acknowledged at once.
 """
 
 import asyncio
@@ -35,17 +35,17 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
         self._is_due = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin to shake hands."""
+        """Begin the handshake."""
         self._transport = cast("asyncio.Transport", transport)
         self._socket = transport.get_extra_info("socket")
         self._flush()
 
     def get_buffer(self, _: int) -> memoryview:
-        """Return where asyncio may put what comes; it would make a buffer for each read."""
+        """Return a buffer for received data; by default asyncio makes one for each read."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Take what came."""
+        """Process received data."""
         for event in self._stream.receive(self._buffer[:nbytes]):
             if isinstance(event, Message):
                 self._take(event.content)
@@ -64,25 +64,25 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
         return False
 
     def connection_lost(self, _: Exception | None) -> None:
-        """Tell those who listen."""
+        """Notify the factory."""
         self.factory.connection_lost(self)
 
     def send_ros_message(self, message: Any) -> None:
         """Send a message of roslibpy."""
         content = to_json(message.data)
-        if b"null" in content:  # which may stand for NaN; a genuine server wants it said
+        if b"null" in content:  # it may stand for NaN, which a genuine server wants as such
             content = _ENCODER.encode(message.data).encode()
         self.send_message(content)
 
     def send_message(self, payload: bytes) -> None:
-        """Send what was encoded."""
+        """Send encoded data."""
         if get_ident() == self._thread:
             self._send(payload)
         else:
             self._loop.call_soon_threadsafe(self._send, payload)
 
     def send_close(self) -> None:
-        """Take leave of the server."""
+        """Close the connection."""
         self._manual_disconnect = True
         self._loop.call_soon_threadsafe(self._close)
 
@@ -93,7 +93,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
                 self.factory.emit(message["topic"], message["msg"])
             else:
                 self._message_handlers[message["op"]](message)
-        except Exception:  # noqa: BLE001 - as roslibpy does; the listener of callbacks was told
+        except Exception:  # noqa: BLE001 - as roslibpy does; callbacks report to their listener
             LOGGER.exception("Error in a callback, or an invalid message; the message is skipped.")
 
     def _send(self, payload: bytes) -> None:
@@ -109,7 +109,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
             self._flush()
 
     def _flush(self) -> bool:
-        """Write what waits, in one go; return whether anything did."""
+        """Write all pending data at once; return whether there was any."""
         self._is_due = False
         data = self._stream.data_to_send()
         if data and not self._transport.is_closing():
@@ -120,9 +120,9 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
 
 
 class WireFactory(AsyncioRosBridgeClientFactory):  # type: ignore[misc]
-    """roslibpy's factory of asyncio, which makes connections of ours.
+    """roslibpy's asyncio factory, for connections of ``WireProtocol``.
 
-    ``status`` is that of HTTP by which the server refused the last one.
+    ``status`` is the HTTP status with which the server refused the last one.
     """
 
     status: int | None = None
@@ -133,7 +133,7 @@ class WireFactory(AsyncioRosBridgeClientFactory):  # type: ignore[misc]
 
 
 class WireRos(roslibpy.Ros):  # type: ignore[misc]
-    """roslibpy's ``Ros`` over a connection of ours."""
+    """roslibpy's ``Ros`` over a ``WireProtocol``."""
 
     def __init__(self, url: str) -> None:
         self._id_counter = 0
