@@ -269,7 +269,7 @@ def changes(
             other = others.get((way.goal, way.faults))
             old_one, new_one = (way, other) if is_before else (None, way)
             cause = cause_in_words(mission, pool, way)
-            name = mission.label_of(mission.goals[mission.goal_ids.index(way.goal)])
+            name = mission.label_of(way.goal)
             told.append(Change(name, cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))

@@ -39,7 +39,6 @@ from mrsfi_runtime.analysis.summary import Draw, Drawing, DrawingProcess, Summar
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import (
     failure_modes,
-    goal_in_words,
     modes_as_csv,
     modes_as_markdown,
 )
@@ -382,7 +381,7 @@ def write_map(
     if path.suffix == ".csv":
         content = as_csv([shrinking.Tried._fields, *tried])
     else:
-        goal = goal_in_words(campaign.mission, way.goal)
+        goal = campaign.mission.label_of(way.goal)
         title = f"{goal} under {' and '.join(way.faults)}"
         content = drawn(Drawing("tried_map", (title, tried)))[path.suffix]
     with whole_file(path) as file:

@@ -20,7 +20,7 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
-from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words, matrix_table, way_table
+from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, way_table
 from mrsfi_runtime.causes.mildest import Way, least
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -161,7 +161,7 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
         level=3,
     )
     for way in least(summary.ways):
-        title = f"{goal_in_words(mission, way.goal)}, weakness {way.number}"
+        title = f"{mission.label_of(way.goal)}, weakness {way.number}"
         outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
         goals, by = tables.goal_table(title, mission, outcome), broken_by(way, mission.units)
         yield from _section(goals, f"{by} {tables.COUNTS} First mission seed only.", level=3)

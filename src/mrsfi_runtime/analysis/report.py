@@ -205,7 +205,7 @@ def flown_of(
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
         said.append(sentence(mission, fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
-    title, since = weaknesses.goal_in_words(mission, way.goal), way.shown.since or 0
+    title, since = mission.label_of(way.goal), way.shown.since or 0
     return Flown(title, faults, flight, others, way.goal, since), tuple(said)
 
 
@@ -455,7 +455,7 @@ def _fly(
         except MrsfiError as error:
             flown, sentences = str(error), ()
         told = PageEntry(
-            title=weaknesses.goal_in_words(mission, way.goal),
+            title=mission.label_of(way.goal),
             sentence=weaknesses.broken_by(way, mission.units),
             faults=named_faults(mission, pool, way.shown.witness),
             sentences=sentences,

@@ -1,11 +1,10 @@
-"""Put weaknesses into words and tables: which faults break which goal, and who detects it.
+"""Describe weaknesses in tables and sentences: which faults break which goal, and who detects it.
 
-Names come before identifiers. A goal *fails* if its purpose is certainly not met, is *violated* if
-it breaks in truth, and has a *false alarm* if it breaks only in what the collective intelligence
-believes.
+Names come before IDs. A goal *fails* when it can no longer be met. It is *violated* at a tick, in
+truth. It has a *false alarm* if only the belief of the collective intelligence shows a violation.
 
-The tables come first, then failure modes (FMEA). ``verdicts`` returns a ``GoalVerdict``, a
-sentence with its evidence, for each goal; ``deed`` puts a fault into words.
+The tables come first, then failure modes (FMEA). ``verdicts`` returns a ``GoalVerdict`` for each
+goal: a sentence with its evidence. ``deed`` describes a fault.
 """
 
 import math
@@ -36,14 +35,14 @@ _DOES = {
     "true": ("violates it", "truly violate it"),
     "missed": ("makes it fail", "make it fail"),
 }
-"""What one fault, and what several specifications do to a goal, by measure."""
+"""What one fault does to a goal, and what several specifications do, by measure."""
 
 
 def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> Table:
-    """Return a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
+    """Return a row for each fault of a weakness: the fault, its type, goals, what it touches.
 
-    A cell has the share of forms that break the goal alone, by the gravest measure; or says that
-    the fault does so jointly with others. Goals that nothing breaks are left out.
+    A cell has the share of the fault's variants that break the goal without other faults, by the
+    gravest measure; or ``joint``. Goals without weaknesses are left out.
     """
     cells: dict[str, dict[str, str]] = {}
     targets: dict[str, str] = {}
@@ -73,7 +72,7 @@ def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -
 
 
 def harmless(pool: FaultPool, weaknesses: Iterable[Way]) -> str:
-    """Return in a sentence which faults of a pool are in none of all ways to break a goal."""
+    """Return in a sentence which faults of a pool are part of no weakness."""
     guilty = {fault for way in weaknesses for fault in way.faults}
     rest = [fault.id for fault in pool if fault.id not in guilty]
     faults = counted(len(pool), "faults")
@@ -84,7 +83,7 @@ def harmless(pool: FaultPool, weaknesses: Iterable[Way]) -> str:
 
 
 def way_table(title: str, mission: Mission, pool: FaultPool, weaknesses: Iterable[Way]) -> Table:
-    """Return a row for each fault of each way, in the form that breaks the goal."""
+    """Return a row for each fault of each weakness, in the variant that breaks the goal."""
     rows = []
     for way in weaknesses:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
@@ -104,7 +103,7 @@ def way_table(title: str, mission: Mission, pool: FaultPool, weaknesses: Iterabl
 
 
 def not_found(known: Known, goal: str) -> str:
-    """Return in a sentence how seldom a goal may break in a way that is not known."""
+    """Return in a sentence the bounds on specifications that break a goal by no known set."""
 
     def part(measure: str) -> str:
         column, does = Column(goal, measure), _DOES[measure][1]
@@ -119,11 +118,6 @@ def not_found(known: Known, goal: str) -> str:
     )
 
 
-def goal_in_words(mission: Mission, goal: str) -> str:
-    """Return the name of a goal, if it has one, before its ID."""
-    return with_id(mission.goals[mission.goal_ids.index(goal)])
-
-
 def detection(way: Way, units: Units) -> str:
     """Return in a sentence whether the CI detects what breaks a goal."""
     if way.shown.column.kind == MEASURES[0]:
@@ -133,35 +127,32 @@ def detection(way: Way, units: Units) -> str:
 
 
 def evidence(way: Way) -> str:
-    """Return in a sentence in how many variants and mission seeds a way breaks its goal."""
+    """Return in sentences in how many variants and mission seeds a weakness holds."""
     shown = way.shown
-    variants, do = counted(shown.n_tried, "tried variants"), "does" if shown.n_tried == 1 else "do"
+    breaks = "violate it in belief" if shown.column.kind == MEASURES[0] else "break it"
     return (
-        f"{100 * shown.share:.0f} % of {variants} {do} so; this variant does so in {shown.n_held} "
-        f"of {counted(shown.n_seeds, 'mission seeds')}"
+        f"Of {counted(shown.n_tried, 'tried variants')}, {100 * shown.share:.0f} % {breaks}. "
+        f"This one does in {shown.n_held} of {counted(shown.n_seeds, 'mission seeds')}"
     )
 
 
 def broken_by(way: Way, units: Units) -> str:
-    """Return in sentences by what a goal is broken, and from what on if that is known."""
-    faults = f"{' and '.join(way.faults)} {'alone' if len(way.faults) == 1 else 'together'}"
-    kind = way.shown.column.kind
-    does, many = _DOES[kind]
-    if len(way.faults) > 1:
-        does = many.replace("truly ", "")
-    said = [f"{faults} {does}", evidence(way), *([way.mildest.sentence] if way.mildest else [])]
-    if kind != MEASURES[0]:
-        said.insert(1, detection(way, units))
-    return "".join(f"{each}. " for each in said).rstrip()
+    """Return in sentences which faults break a goal, its detection, and the mildest variant."""
+    kind, faults = way.shown.column.kind, " and ".join(way.faults)
+    alone, together = _DOES[kind]
+    does = f"alone {alone}" if len(way.faults) == 1 else f"together {together}"
+    sentences = [f"{faults} {does}", "" if kind == MEASURES[0] else detection(way, units)]
+    sentences += [evidence(way), way.mildest.sentence if way.mildest else ""]
+    return " ".join(f"{each}." for each in filter(None, sentences))
 
 
 class FailureMode(NamedTuple):
-    """A row of the table, of the form that breaks the goal by the gravest measure.
+    """A row of the table: a weakness, in a variant that breaks the goal by the gravest measure.
 
-    ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
-    listed; ``measures`` and ``ticks`` say for how long the goal is broken by this form, by each
-    measure and by the one that counts most, and ``detected`` how many variants are. ``occurrence``
-    is the chance of all the faults, 0 … 1, as if none hung on another, if it is known.
+    ``form`` says whether the variant is the mildest one or the listed one. ``measures`` has the
+    ticks at which it breaks the goal by each measure, ``ticks`` the most of these. ``detected`` is
+    about all variants. ``occurrence`` is the chance that all faults occur, 0 … 1, as if they were
+    independent; ``None`` if not recorded.
     """
 
     number: int
@@ -181,9 +172,9 @@ class FailureMode(NamedTuple):
 def failure_modes(
     mission: Mission, pool: FaultPool, weaknesses: Sequence[Way], record: Record
 ) -> list[FailureMode]:
-    """Return what weaknesses come to, by occurrence where it is known, then by severity.
+    """Return the failure modes of weaknesses, by occurrence if recorded, then by severity.
 
-    Severest is what lets a goal be missed, then what breaks it for longest.
+    Goals that fail come first, then those that are broken for longest.
     """
     fly, units = lru_cache(4)(record), mission.units
 
@@ -210,7 +201,7 @@ def failure_modes(
             item="; ".join(dict.fromkeys(each.target for each in faults)),
             failure_mode="; ".join(map(happens, faults)),
             local_effect=effect,
-            end_effect=goal_in_words(mission, way.goal),
+            end_effect=mission.label_of(way.goal),
             measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
             detected=detection(way, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
@@ -238,7 +229,7 @@ def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
 
 
 class State(IntEnum):
-    """What may become of a goal, the gravest first."""
+    """Result for a goal, the gravest first."""
 
     FAILS = 0
     VIOLATED = 1
@@ -255,7 +246,7 @@ _WORDS = (
     "is violated in belief only (a false alarm)",
     "has no known weakness",
 )
-"""What stands for each state in a sentence."""
+"""Predicate of each state in a sentence."""
 
 _DEEDS: Mapping[Mode, tuple[str, str]] = {
     Mode.DELAY: ("delayed by {first}", "late"),
@@ -273,17 +264,17 @@ _DEEDS: Mapping[Mode, tuple[str, str]] = {
     Mode.ACTIVATE: ("switched on", "on"),
     Mode.OWN: ("altered by {own}", ""),
 }
-"""What is done by a fault of each mode, after ``is``, and in a word or two."""
+"""Effect of a fault of each mode: as it follows ``is`` in a sentence, and in a word or two."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalVerdict:
-    """What is known of a goal: its state, the way that is told of, and how many others there are.
+    """Verdict on a goal: its state, one weakness, and the number of other weaknesses.
 
-    ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
-    ``detection`` whether the CI detects it; ``strength`` in how many mission seeds and forms,
-    ``unknown`` how seldom it may break otherwise, ``nearest`` how near a goal ever came to it that
-    never truly breaks; each is empty where there is nothing to say.
+    ``label`` is the name before the ID. ``cause`` says when the goal breaks, ``detection`` whether
+    the CI detects it, ``strength`` in how many mission seeds and variants, ``bound`` how many other
+    specifications may break it. ``nearest`` is the closest approach of a goal that was not truly
+    broken. Texts may be empty.
     """
 
     goal: str
@@ -310,13 +301,13 @@ class GoalVerdict:
 
     @property
     def because(self) -> str:
-        """By what it breaks, and whether that is detected, as a sentence goes on."""
+        """The rest of the sentence: its cause, and whether the CI detects it."""
         cause = f" {self.cause}" if self.cause else ""
         return f"{cause}. {self.detection}" if self.detection else cause
 
     @property
     def evidence(self) -> tuple[str, ...]:
-        """The faults, how sure it is, what else breaks the goal, and what is unknown."""
+        """The weakness, its strength, other weaknesses, and the bound on what was not found."""
         near = (self.nearest,) if self.nearest else ()
         if self.way is None:
             return (self.bound, *near)
@@ -325,12 +316,12 @@ class GoalVerdict:
 
     @property
     def others(self) -> str:
-        """How many other weaknesses it has; empty if none."""
+        """The number of other weaknesses in words; empty if none."""
         return counted(self.n_others, "other weaknesses") if self.n_others else ""
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
-    """Return what is known of each goal of a mission, the gravest first."""
+    """Return the verdict on each goal of a mission, the gravest first."""
     least_of = {way.goal: way for way in least(known.ways)}
     found = (_verdict(mission, pool, known, goal, least_of.get(goal.id)) for goal in mission.goals)
     return tuple(
@@ -350,7 +341,7 @@ def _verdict(
         state = State.BROKEN_ANYWAY
     cause = detected = ""
     strength: tuple[str, ...] = ()
-    if state is State.BROKEN_ANYWAY:  # not by what it would break
+    if state is State.BROKEN_ANYWAY:  # not because of the weakness
         cause = starvation(mission, goal)
     elif way is not None:
         cause = f"if {cause_in_words(mission, pool, way)}"
@@ -363,7 +354,7 @@ def _verdict(
     return GoalVerdict(
         goal=goal.id,
         name=mission.name_of(goal),
-        label=mission.label_of(goal),
+        label=mission.label_of(goal.id),
         state=state,
         way=way,
         n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
@@ -389,7 +380,7 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
-    """Say what has to happen for a way to break its goal."""
+    """Return the conditions under which a weakness breaks its goal."""
     faults = named_faults(mission, pool, way.shown.witness)
     off = way.mildest.off if way.is_mildest and way.mildest else ()
     pairs = zip(faults, off or [None] * len(faults), strict=True)
@@ -397,15 +388,14 @@ def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
 
 
 def sentence(mission: Mission, pool: FaultPool, way: Way) -> str:
-    """Return in one or two sentences what a way does, to which goal, and who detects it."""
-    goal = mission.label_of(mission.goals[mission.goal_ids.index(way.goal)])
-    state = _STATES[way.shown.column.kind]
-    said = f"{goal} {_WORDS[state]} if {cause_in_words(mission, pool, way)}"
-    return said if state is State.FALSE_ALARM else f"{said}. {detection(way, mission.units)}"
+    """Return in one or two sentences which goal a weakness breaks, when, and who detects it."""
+    state, cause = _STATES[way.shown.column.kind], cause_in_words(mission, pool, way)
+    breaks = f"{mission.label_of(way.goal)} {_WORDS[state]} if {cause}"
+    return breaks if state is State.FALSE_ALARM else f"{breaks}. {detection(way, mission.units)}"
 
 
 def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
-    """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
+    """Return what a fault does and for how long; ``off`` is the error of a fixed value."""
     kind, values, units = fault.fault.kind, fault.timed.values, fault.units
     is_frozen = kind.mode is Mode.FIXED
     subject, are = _subject(mission, fault.fault, "reported " * is_frozen)
@@ -427,7 +417,7 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
 
 
 def _apart(mission: Mission, fault: Fault, off: str) -> str:
-    """Say how far a fixed value is off."""
+    """Return how far a fixed value is from the true one."""
     if not fault.kind.is_place:
         return f"{off} from the true value when the fault begins"
     owner, _ = _owned(mission, touched(mission, fault)[0])
@@ -436,7 +426,7 @@ def _apart(mission: Mission, fault: Fault, off: str) -> str:
 
 
 def _subject(mission: Mission, fault: Fault, reported: str = "") -> tuple[str, str]:
-    """Return what a fault strikes, in names, and ``is`` or ``are``, which goes with it."""
+    """Return the names of what a fault touches, and ``is`` or ``are``."""
     targets = touched(mission, fault)
     if not targets:
         return f"{fault.kind.struck.value} {fault.target}", "is"
@@ -453,7 +443,7 @@ def _subject(mission: Mission, fault: Fault, reported: str = "") -> tuple[str, s
 
 
 def _owned(mission: Mission, target: Target) -> tuple[str, str]:
-    """Return in names who has a property, and what it is called; nothing for a robot as a whole."""
+    """Return the name of a property's owner, and of the property; no text for a whole robot."""
     affected, index = target
     if affected is Field.OBSTACLE:
         return f"obstacle {mission.obstacles[index].id}", "place on the map"
@@ -467,9 +457,9 @@ def _owned(mission: Mission, target: Target) -> tuple[str, str]:
 
 
 def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
-    """Return whom a fault strikes, by place and in names, and in two or three words what it does.
+    """Return the robot that a fault touches, as sort key and label, and its effect in few words.
 
-    Robots come in the mission's order, then what is of none.
+    Robots have the mission's order; faults that touch no robot come last.
     """
     targets = touched(mission, fault)
     does = _DEEDS[fault.kind.mode][1] or fault.kind.name
@@ -484,7 +474,7 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
 
 
 def headline(goals: Sequence[GoalVerdict]) -> str:
-    """Say in a sentence how many goals break, and under how many faults."""
+    """Return in a sentence how many goals break, and under how many faults."""
     broken = [each for each in goals if each.state <= State.VIOLATED]
     if not broken:
         return "No faults were found that break a goal"
@@ -505,10 +495,10 @@ def headline(goals: Sequence[GoalVerdict]) -> str:
 def facts(
     mission: Mission, pool: FaultPool, goals: Sequence[GoalVerdict], ways: Sequence[Way]
 ) -> Iterator[str]:
-    """Yield what stands out, in sentences: what is not detected, what is worth protecting first."""
-    unseen = [each.label for each in goals if each.way is not None and each.way.is_undetected]
-    if unseen:
-        yield f"Undetected in at least one variant: {', '.join(unseen)}"
+    """Yield sentences: undetected weaknesses, false alarms, and the element to protect first."""
+    undetected = [each.label for each in goals if each.way is not None and each.way.is_undetected]
+    if undetected:
+        yield f"Undetected in at least one variant: {', '.join(undetected)}"
     alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"False alarms only: {', '.join(alarms)}"
@@ -524,7 +514,7 @@ def facts(
 
 
 def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
-    """Return a row for each goal: what becomes of it, by what, with the evidence."""
+    """Return a row for each goal: its verdict and the evidence."""
     found = verdicts(mission, pool, known)
     rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
     columns = ("goal", "evidence")

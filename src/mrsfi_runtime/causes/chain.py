@@ -287,7 +287,7 @@ def _value(value: tuple[float, ...]) -> str:
 
 
 def _verdict(mission: Mission, first: FirstVerdicts) -> Iterator[str]:
-    goal = mission.label_of(mission.goals[mission.goal_ids.index(first.goal)])
+    goal = mission.label_of(first.goal)
     words = (
         ("was violated in belief", "was not violated in belief"),
         ("was truly violated", "was not truly violated"),

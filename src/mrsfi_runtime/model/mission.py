@@ -305,10 +305,10 @@ class Mission:
         robots = (self.robots[self.robot_index[each]] for each in goal.members)
         return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
 
-    def label_of(self, goal: Goal) -> str:
-        """Return the name of a goal before its ID, which stands alone if it has no other name."""
-        name = self.name_of(goal)
-        return name if name == goal.id else f"{name} ({goal.id})"
+    def label_of(self, goal_id: str) -> str:
+        """Return the name of a goal before its ID: ``AvoidCollision (g1)``."""
+        goal = self.goals[self.goal_ids.index(goal_id)]
+        return with_id(replace(goal, name=self.name_of(goal)))
 
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:
@@ -342,7 +342,7 @@ def starvation(mission: Mission, goal: Goal) -> str:
         if holder.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
             kept = [each.name or each.id for each in _robots(mission, holder) if each in wanted]
             if kept:
-                told = f"{mission.label_of(holder)}, which reacts first, keeps"
+                told = f"{mission.label_of(holder.id)}, which reacts first, keeps"
                 held.append(f"{told} {' and '.join(kept)} in area {area.id}")
     return f"as {' and '.join(held)}" if held else ""
 
