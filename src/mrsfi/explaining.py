@@ -1,9 +1,9 @@
 """Explain a campaign: causes of one specification, all weaknesses, and its report.
 
 ``explained`` flies parts of a specification and finds which faults break which goal; cause sets
-are written as models. ``harvested`` reads what a campaign found to break its goals, ``harvest``
-searches for it, and the ``write_`` functions make files of it. ``report`` and ``show`` write
-tables, figures, models and a page. What a campaign flew is flown on its own copy of the code.
+are written as models. ``harvest`` searches for weaknesses, ``harvested`` reads them, and the
+``write_`` functions write files of them. ``report`` and ``show`` write tables, figures, models and
+a page. Flights of a campaign use its own copy of the code.
 """
 
 import math
@@ -72,14 +72,14 @@ from mrsfi_runtime.record.store import Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
 CAUSE_SET, SIMPLEST = "cause set", "simplest variant"
-"""What specifications are that come of an explanation."""
+"""Kinds of specifications that an explanation writes."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedSpecification:
-    """A specification that is to be explained, and what a campaign found under it, if it is of one.
+    """A specification to explain, with its evaluation if it is of a campaign.
 
-    The name is the stem of what is written about it; the title says what it is, for people.
+    ``name`` is the stem of the files about it, ``title`` describes it to people.
     """
 
     name: str
@@ -95,10 +95,10 @@ class NamedSpecification:
 
 @dataclass(frozen=True, slots=True)
 class Explainer:
-    """All that specifications are explained with.
+    """Everything that is needed to explain specifications.
 
-    The code has the pool of the specifications; counts of all mission seeds are summed; ``write``
-    writes faults as a model, into ``folder``; ``source`` is the file, or the campaign.
+    ``code`` has their pool. Counts are summed over the mission seeds. ``write`` writes faults as a
+    model into ``folder``. ``source`` is the file or the campaign.
     """
 
     code: MissionCode
@@ -111,7 +111,7 @@ class Explainer:
     def write_sets(
         self, subject: NamedSpecification, found: Explanation | None
     ) -> Mapping[str, Path]:
-        """Write cause sets and the simplest form as XMI; return the files by what they are."""
+        """Write cause sets and the simplest variant as XMI; return the files by kind."""
         if found is None:
             return {}
         cause, whole = found.cause, subject.specification
@@ -139,7 +139,7 @@ class Explainer:
 
 
 def of_goal(goal: str) -> str:
-    """Return what the cause set of one goal is called."""
+    """Return the kind of the cause set of one goal."""
     return f"{CAUSE_SET} of {goal}"
 
 
@@ -151,10 +151,10 @@ def explainer_of_file(
     out: Path | None,
     tell: Tell,
 ) -> tuple[Explainer, NamedSpecification]:
-    """Return a written specification, and what it is explained with; tell what is odd about it.
+    """Return a written specification and its explainer; ``tell`` gets warnings about it.
 
-    Believed violations are counted if no other kind is named, in mission seed 1 if none is. Cause
-    sets go beside the file if no folder is named, but never among kept weaknesses.
+    By default, believed violations are counted, in mission seed 1, and cause sets are written
+    beside the file, but never among kept weaknesses.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
         found = (
@@ -178,7 +178,7 @@ def explainer_of_file(
 def explainer_of_campaign(
     campaign: FlyableCampaign, kind: str | None = None, out: Path | None = None
 ) -> Explainer:
-    """Return what evaluations of a campaign are explained with; by default it counts the same."""
+    """Return the explainer of a campaign's evaluations; by default with the same measure."""
     settings = campaign.store.settings
     measure = Measure.of(settings, campaign.mission)
     return Explainer(
@@ -213,9 +213,9 @@ def explained(
     keep: float,
     tell: Tell = silent,
 ) -> Iterator[tuple[NamedSpecification, Explanation | None]]:
-    """Yield specifications, each with all about why it breaks goals; ``None`` if it breaks none.
+    """Yield specifications with their explanations; ``None`` if a specification breaks no goal.
 
-    One that does not fly as it is recorded is a ``ReplayMismatch``.
+    A flight that differs from its record is a ``ReplayMismatch``.
     """
     workers.require_sense(engine)
     code, seed = explainer.code, explainer.mission_seeds[0]
@@ -232,7 +232,7 @@ def explained(
 
 
 def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
-    """Refuse what somebody else flies if the same specification flies differently."""
+    """Refuse an external simulator or node if the same specification gives two results."""
     first, second = (engine.evaluate(subject.specification) for _ in range(2))
     if first != second:
         raise ReplayMismatch(
@@ -247,21 +247,21 @@ FMEA = MappingProxyType({".csv": modes_as_csv, ".md": modes_as_markdown})
 FAULT_TREES = MappingProxyType(
     {".xml": documents.as_open_psa, ".txt": documents.as_pfta, ".pft": documents.as_pfta}
 )
-"""What files are written as, by what their names end in."""
+"""Writers by suffix of the file."""
 
 MAPS = (".csv", ".png", ".svg")
-"""What the name of a map may end in."""
+"""Suffixes of maps."""
 
 
 def require_format(path: Path, known: Collection[str]) -> None:
-    """Refuse a file whose name does not end in one of what is known."""
+    """Refuse a file with another suffix than the known ones."""
     if path.suffix not in known:
         wanted = f"a name that ends in {' or '.join(known)}"
         raise UsageError(f"{path}: found the ending '{path.suffix}'; expected {wanted}")
 
 
 def harvested(campaign: OpenCampaign) -> Harvest:
-    """Return all the ways in which goals break, as far as a campaign has found them."""
+    """Return the weaknesses that a campaign has found."""
     found = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
     if found is None:
         path = campaign.folder.path
@@ -271,7 +271,7 @@ def harvested(campaign: OpenCampaign) -> Harvest:
 
 
 def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
-    """Return the way of a number among those of a campaign; one that is not is a ``UsageError``."""
+    """Return a campaign's weakness by its number; an unknown number is a ``UsageError``."""
     for way in found:
         if way.number == number:
             return way
@@ -280,7 +280,7 @@ def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
 
 
 def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
-    """Return the faults that no specification had, and the pairs that none had together."""
+    """Return the faults, and the pairs of faults, that no specification contained."""
     flown = {faults_of(each.specification) for each in campaign.store.flights()}
     flown.update(campaign.store.fault_sets())
     known = {some for each in flown for n in (1, 2) for some in combinations(sorted(each), n)}
@@ -293,7 +293,7 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 def flying_again(
     run: Path, engine: Given, workers: Workers, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
-    """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
+    """Yield a campaign, an evaluator of its specifications, and an engine of this process."""
     with open_to_fly(run, tell) as campaign:
         settings = again(engine, campaign.store.manifest.engine)
         workers.require_sense(settings)
@@ -304,7 +304,7 @@ def flying_again(
 
 
 def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
-    """Find and record all the ways in which goals break, unless the campaign knows them."""
+    """Search for all weaknesses of a campaign and record them, unless it has."""
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
     n_before, began, noted = len(store.flights()), monotonic(), -math.inf
 
@@ -343,37 +343,37 @@ def refined(
     *,
     is_mildest: bool,
 ) -> list[Way]:
-    """Return ways, each with its mildest form if asked for, in as many mission seeds as asked.
+    """Return weaknesses, with their mildest variants if asked for, in ``n_seeds`` mission seeds.
 
-    To seek the mildest form, by the gravest measure, takes some 30 flights for each, which count
-    for its detection, too.
+    The mildest variant, by the gravest measure, takes some 30 flights each. These count for its
+    detection, too.
     """
     seed = campaign.store.settings.mission_seed
     prober = Prober[Evaluated](evaluator.evaluate_many, lambda _, __, flown: flown)
-    told = [one for way in found for one in way.by]
+    judged = [one for way in found for one in way.by]
     if is_mildest:
         space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
         shown, seeds = [way.shown for way in found], following(seed, shrinking.N_SEEDS)
         least = shrinking.mildest(space, known, shown, prober, record, seeds)
-        told = [one.weakness for one in least]
+        judged = [one.weakness for one in least]
     if n_seeds is not None:
         seeds = following(seed, n_seeds)
-        told = [*in_seeds(campaign.mission, told, prober, seeds)]
+        judged = [*in_seeds(campaign.mission, judged, prober, seeds)]
     if is_mildest:
         flown = (RecordedFlight(seed, each, found) for (each, seed), found in prober.known.items())
-        again = iter(detected(campaign.mission, campaign.store, told, flown))
-        forms = (replace(each, weakness=next(again)) for each in least)
-        return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]
-    again = iter(told)
+        again = iter(detected(campaign.mission, campaign.store, judged, flown))
+        mild = (replace(each, weakness=next(again)) for each in least)
+        return [replace(way, mildest=each) for way, each in zip(found, mild, strict=True)]
+    again = iter(judged)
     return [replace(way, by=tuple(islice(again, len(way.by)))) for way in found]
 
 
 def write_map(
     campaign: FlyableCampaign, evaluator: Evaluator, record: Record, way: Way, path: Path
 ) -> None:
-    """Fly milder forms of a way to break a goal, and write which do, as one of ``MAPS``.
+    """Fly milder variants of a weakness, and write which break the goal, as one of ``MAPS``.
 
-    All are flown in the campaign's mission seed, and judged by the gravest measure.
+    They are flown in the campaign's mission seed, and judged by the gravest measure.
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     deviation, seed = shrinking.Deviation(space, record(())), campaign.store.settings.mission_seed
@@ -412,8 +412,8 @@ def report(
 ) -> None:
     """Write the report of a campaign into its folder.
 
-    ``show`` is told what was found, before figures are drawn, by ``draw`` or a process begun for
-    it. With ``latex``, it is written for a paper, too.
+    ``show`` gets the results before the figures are drawn, by ``draw`` or a process of its own.
+    With ``latex``, the report is written for a paper, too.
     """
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
@@ -431,10 +431,7 @@ def report(
 
 
 def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
-    """Draw a way to break a goal by its number, or the least that breaks each, and yield them.
-
-    What is drawn already is not drawn again.
-    """
+    """Draw a weakness by its number, or one of each goal, and yield it; keep figures that exist."""
     path, found = campaign.folder.path, harvested(campaign).ways
     wanted = least(found) if number is None else (way_of(path, found, number).at_least,)
     with _flying(campaign) as record:
@@ -444,7 +441,7 @@ def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
 
 @contextmanager
 def _flying(campaign: OpenCampaign) -> Iterator[Record]:
-    """Yield what flies specifications again, or says why nothing does, each time the same."""
+    """Yield a function that flies specifications again, or raises the reason why it cannot."""
     with ExitStack() as stack:
 
         @cache

@@ -1,18 +1,18 @@
-"""Find the faults of a specification without which its violations would not be.
+"""Find the faults of a specification without which its violations would not occur.
 
-A set of faults is *kept* if it alone leaves a stated share of every count. The cause set is
-1-minimal: without any one of its faults it is not kept. No specification is flown twice in a
-mission seed: a ``Prober`` remembers what it found.
+A set of faults is *sufficient* if it alone keeps a stated share of every count. The cause set is
+1-minimal: without any one of its faults it is not sufficient. A ``Prober`` remembers its flights,
+so no specification is flown twice in a mission seed.
 
-Begin with ``Prober`` and ``Flights``, which fly and count. ``Question`` asks which faults are
+Begin with ``Prober`` and ``Flights``, which fly and count. A ``Question`` asks which faults are
 needed; ``reduction`` is its algorithm.
 
 References
 ----------
 A. Zeller and R. Hildebrandt, "Simplifying and Isolating Failure-Inducing Input", IEEE Transactions
-on Software Engineering 28(2), 2002: the algorithm ddmin, and what 1-minimal means. R. Hodován and
-Á. Kiss, "Practical Improvements to the Minimizing Delta Debugging Algorithm", ICSOFT 2016: that it
-stays 1-minimal, and takes fewer trials, without trying parts alone.
+on Software Engineering 28(2), 2002: the algorithm ddmin, and 1-minimality. R. Hodován and Á. Kiss,
+"Practical Improvements to the Minimizing Delta Debugging Algorithm", ICSOFT 2016: testing only
+complements of parts takes fewer trials, and the result stays 1-minimal.
 """
 
 import math
@@ -34,7 +34,7 @@ EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evalua
 
 
 class Column(NamedTuple):
-    """What is counted in ticks: violations of a goal, by its ID, as one of ``VIOLATIONS``."""
+    """A count in ticks: violations of a goal, by its ID, of one of the ``VIOLATIONS``."""
 
     goal: str
     kind: str
@@ -46,14 +46,14 @@ Counts: TypeAlias = tuple[int, ...]
 Finding = TypeVar("Finding")
 
 ALL_OR_NONE = "all faults, and none"
-"""What flights are for until it is said."""
+"""Purpose of flights if no other is given."""
 
 
 class Prober(Generic[Finding]):
-    """Flies fault specifications, each once in a mission seed, and remembers what was found.
+    """Flies fault specifications, each once in a mission seed, and remembers the findings.
 
-    ``known`` has what ``judge`` finds in each flight, by specification and mission seed; it may
-    begin with some. ``n_flown`` has the number of flights until now, by what they were for.
+    ``known`` has what ``judge`` returns for each flight, by specification and mission seed; it may
+    be filled in advance. ``n_flown`` counts flights by their purpose.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Prober(Generic[Finding]):
         self._purpose = ALL_OR_NONE
 
     def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Finding]:
-        """Return what is found in flights with a mission seed; those not known fly all at once."""
+        """Return the findings of flights with a mission seed; new ones are flown in one batch."""
         new = [each for each in dict.fromkeys(specifications) if (each, seed) not in self.known]
         if new:
             self.spend(len(new))
@@ -76,7 +76,7 @@ class Prober(Generic[Finding]):
 
     @contextmanager
     def on(self, purpose: str) -> Iterator[None]:
-        """Count what is flown in the body as flown for a purpose."""
+        """Count the flights of the body under a purpose."""
         before, self._purpose = self._purpose, purpose
         try:
             yield
@@ -91,8 +91,8 @@ class Prober(Generic[Finding]):
 class Flights(Prober[Outcome]):
     """Counts the violations of a mission's goals under fault specifications.
 
-    ``columns`` are for each goal first its violations in the measure, then the true ones; counts
-    are over all ``mission_seeds``. A flight that fails is an error.
+    ``columns`` has for each goal its violations in the measure, then the true ones. Counts are sums
+    over all ``mission_seeds``. A flight that fails is an error.
     """
 
     def __init__(
@@ -105,17 +105,17 @@ class Flights(Prober[Outcome]):
         self._cells = [(measure.goals.index(goal), kind) for goal, kind in self.columns]
 
     def fly(self, specifications: Iterable[Specification]) -> None:
-        """Fly what is not known yet with all mission seeds, all at once with each."""
+        """Fly new specifications with all mission seeds, in one batch for each."""
         wanted = tuple(specifications)
         for seed in self.mission_seeds:
             self(wanted, seed)
 
     def outcome(self, specification: Specification) -> Outcome:
-        """Return what flying a specification finds in the first mission seed."""
+        """Return the outcome of a specification in the first mission seed."""
         return self([specification], self.mission_seeds[0])[0]
 
     def counts(self, specification: Specification, seed: int | None = None) -> Counts:
-        """Return the violations under a specification, shape ``(n_columns,)``, with one or all."""
+        """Return the violations under a specification, shape ``(n_columns,)``, in a seed or all."""
         seeds = self.mission_seeds if seed is None else (seed,)
         outcomes = [found for one in seeds for found in self([specification], one)]
         return tuple(
@@ -132,42 +132,42 @@ def _unfailed(specification: Specification, _seed: int, flown: Evaluated) -> Out
 
 
 KEEP = 0.95
-"""Share of its violations that a cause set keeps of every goal."""
+"""Share of every goal's violations that a cause set keeps."""
 
 N_ORDERS = 5
-"""Shuffled orders in which other minima are looked for."""
+"""Shuffled orders in which other minima are searched."""
 
 Places: TypeAlias = tuple[int, ...]
 """Faults of a specification, by their places in it, ascending."""
 
 Floor: TypeAlias = Mapping[int, int]
-"""The least that has to be left of counts, by column."""
+"""The lowest count that has to remain, by column."""
 
 
 def floor(counts: Counts, keep: float, columns: Iterable[int]) -> Floor:
-    """Return what a set of faults has to keep of counts; columns without violations ask nothing."""
-    share = Fraction(str(keep))  # as written: 0.95 of 20 is 19, not a little more
+    """Return the counts that a sufficient set of faults keeps; columns at 0 require nothing."""
+    share = Fraction(str(keep))  # exact: 0.95 of 20 is 19, not slightly more
     return {k: math.ceil(share * counts[k]) for k in columns if counts[k]}
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Which faults of a specification some counts are due to, of which a floor has to be left."""
+    """Which faults of a specification are needed to keep its counts above a floor."""
 
     flights: Flights
     specification: Specification
     floor: Floor
 
     def is_kept_by(self, places: Iterable[int]) -> bool:
-        """Return whether these faults, flown without the others, keep enough of every count."""
+        """Return whether these faults alone are sufficient."""
         counts = self.flights.counts(chosen(self.specification, places))
         return all(counts[k] >= least for k, least in self.floor.items())
 
     def minimum(self, order: Iterable[int] | None = None) -> Places:
         """Return a 1-minimal set: without any one of its faults, some count is too low.
 
-        What can go is looked for in the order of the specification, or in another one, which may
-        lead to another set.
+        Faults are left out in the order of the specification, or in another, which may lead to
+        another set.
         """
         places = range(len(self.specification)) if order is None else order
         trials = reduction(tuple(places))
@@ -179,7 +179,7 @@ class Question:
                 return tuple(sorted(end.value))
 
     def minima(self) -> tuple[Places, ...]:
-        """Return the different minima that shuffled orders lead to, as often ``N_ORDERS`` says."""
+        """Return the different minima that ``N_ORDERS`` shuffled orders lead to."""
         random = Random(1)
         places = range(len(self.specification))
         orders = [random.sample(places, len(places)) for _ in range(N_ORDERS)]
@@ -197,10 +197,10 @@ def without(specification: Specification, place: int) -> Specification:
 
 
 def reduction(order: tuple[int, ...]) -> Generator[tuple[int, ...], bool, tuple[int, ...]]:
-    """Yield parts of an order, be told which are kept, and return a 1-minimal one of those.
+    """Yield parts of an order, receive whether each is sufficient, and return a 1-minimal one.
 
-    Parts are left out, first halves, at last single faults, from the back to the front, so that
-    of faults that do the same the earlier stay, until no single one can be.
+    First halves are left out, at last single faults, until no single one can be. Trials go from
+    back to front, so that of equivalent faults the earlier ones stay.
     """
     if (yield ()):
         return ()

@@ -1,17 +1,18 @@
-"""Trace how the faults of a cause set come to break goals.
+"""Trace how each fault of a cause set leads to broken goals.
 
 A flight is compared with its twin without one fault. Both have the same mission seed, so every
 difference comes from that fault. A ``Chain`` has the first differences in belief, commands, truth
 and verdicts.
 
-``chain`` compares two recordings, ``sentence`` puts the result into words, and ``find_cause``
-joins cause set, chains and counts over several mission seeds.
+``chain`` compares two recordings and ``sentence`` describes the result. ``find_cause`` joins cause
+set, chains and counts in several mission seeds.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import itemgetter
 from statistics import median
 from typing import Any, NamedTuple, TypeAlias
 
@@ -28,7 +29,7 @@ from mrsfi_runtime.record.settings import following
 POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
 
 Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
-"""Fields of a record, by what they say together."""
+"""Fields of a record by the quantity that they form."""
 
 KNOWN: Mapping[str, Quantities] = {
     "robots": {POSITION: ("x", "y", "z"), "speed": ("speed",), "energy": ("energy",)},
@@ -46,10 +47,10 @@ KNOWN: Mapping[str, Quantities] = {
 
 
 class Change(NamedTuple):
-    """A quantity of a robot, sensor, obstacle or goal that differs, with the fault and without.
+    """A quantity of a robot, sensor, obstacle or goal: its value with the fault, and without.
 
     Positions are in distance units, headings in degrees, activation is 0 or 1, ``memory[k]`` is a
-    number that a goal remembers.
+    number in a goal's memory.
     """
 
     owner: str
@@ -59,7 +60,7 @@ class Change(NamedTuple):
 
     @property
     def size(self) -> float:
-        """How far both are apart, in the quantity's unit; headings at most 180."""
+        """Distance of both values, in the quantity's unit; of headings at most 180."""
         if self.quantity == HEADING:
             turned = abs(self.found[0] - self.otherwise[0])
             return min(turned, 360.0 - turned)
@@ -67,21 +68,21 @@ class Change(NamedTuple):
 
 
 class First(NamedTuple):
-    """The first tick at which something differs, and all that differs there."""
+    """The first tick with a difference, and all differences at it."""
 
     tick: int
     changes: tuple[Change, ...]
 
 
 class FirstVerdict(NamedTuple):
-    """The first tick at which a verdict differs, and what it is there with the fault."""
+    """The first tick at which a verdict differs, and the verdict with the fault."""
 
     tick: int
     is_so: bool
 
 
 class FirstVerdicts(NamedTuple):
-    """The first verdicts on a goal that differ: whether violated or missed; ``None`` for none."""
+    """The first differences of the verdicts on a goal; ``None`` for no difference."""
 
     goal: str
     believed: FirstVerdict | None
@@ -91,7 +92,7 @@ class FirstVerdicts(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """The first differences in belief, commands, truth and verdicts on goals; ``None`` for none."""
+    """The first differences in belief, commands, truth and verdicts; ``None`` for no difference."""
 
     belief: First | None
     command: First | None
@@ -122,14 +123,14 @@ def chain_as_json(chain: Chain) -> dict[str, Any]:
 
 
 def chains(record: Record, mission: Mission, specification: Specification) -> tuple[Chain, ...]:
-    """Return the chain of each fault of a specification, against all of it but the fault."""
+    """Return the chain of each fault: the whole specification against it without the fault."""
     whole = record(specification)
     twins = (record(cause_set.without(specification, place)) for place in range(len(specification)))
     return tuple(chain(mission, whole, twin) for twin in twins)
 
 
 def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
-    """Return the first differences between a flight and that without one of its faults."""
+    """Return the first differences between a flight and its twin without one fault."""
     lists = ("robots", "sensors", "obstacles", "goals")
     owners = {name: [each.id for each in getattr(mission, name)] for name in lists}
     owners |= {"commands": owners["robots"], "switches": owners["sensors"]}
@@ -139,7 +140,7 @@ def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
     sent = (
         (*truths, {"commands": moved}),
         (*beliefs, {"switches": {"activation": switched}}),
-        (*truths, {"sensors": {"activation": switched}}),  # all that shows of a forged one
+        (*truths, {"sensors": {"activation": switched}}),  # the only trace of a forged activation
     )
     return Chain(
         belief=_first(owners, (*beliefs, KNOWN)),
@@ -171,7 +172,7 @@ def _first_tick(found: Records, otherwise: Records) -> int | None:
 def _first(
     owners: Mapping[str, Sequence[str]], *compared: tuple[Part, Part, Mapping[str, Quantities]]
 ) -> First | None:
-    """Return the first differences of the quantities of some lists, in parts of both flights."""
+    """Return the first differences of quantities, in parts of both flights."""
     pairs = [
         (name, quantities, found[name], otherwise[name])
         for found, otherwise, lists in compared
@@ -246,9 +247,9 @@ def _of(mission: Mission, owner: str, quantity: str) -> str:
 
 
 def local_effect(mission: Mission, chain: Chain) -> str:
-    """Say what a fault changed first of what is believed or sent; empty if it changed neither."""
-    told = [*_differences(mission, replace(chain, truth=None))]
-    return min(told, key=lambda each: each[0])[1] if told else ""
+    """Return the first change of belief or commands in words; empty if a fault changed neither."""
+    differences = _differences(mission, replace(chain, truth=None))
+    return min(differences, key=itemgetter(0), default=(0, ""))[1]
 
 
 def _differences(mission: Mission, chain: Chain) -> Iterator[tuple[int, str]]:
@@ -302,11 +303,11 @@ def _verdict(mission: Mission, first: FirstVerdicts) -> Iterator[str]:
 
 
 N_SEEDS = 20
-"""Mission seeds in which a cause set is flown, from its own on."""
+"""Mission seeds in which a cause set is flown, the campaign's first among them."""
 
 
 class Robustness(NamedTuple):
-    """What a count is in several mission seeds, and in how many of them above 0."""
+    """A count in several mission seeds, and the number of seeds in which it is above 0."""
 
     median: float
     least: int
@@ -316,12 +317,12 @@ class Robustness(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """What a specification's violations are due to.
+    """The cause of a specification's violations.
 
-    ``places`` are the cause set: the faults without which the violations would not be. ``counts``
-    are under all faults, ``fault_free`` under none, ``kept`` under the set, all by ``columns``. Of
-    the set are ``outcome`` and ``chains``, in the first mission seed, and ``robustness``, in
-    ``N_SEEDS`` of them.
+    ``places`` are the cause set: the faults without which the violations would not occur.
+    ``counts`` are under all faults, ``fault_free`` under none, ``kept`` under the set, all by
+    ``columns``. ``outcome`` and ``chains`` are of the set in the first mission seed,
+    ``robustness`` is of the set in ``N_SEEDS`` mission seeds.
     """
 
     specification: Specification
@@ -340,7 +341,7 @@ class Cause:
         return cause_set.chosen(self.specification, self.places)
 
     def sentences(self, mission: Mission, faults: Sequence[NamedFault]) -> tuple[str, ...]:
-        """Return what each fault of it did, in words; ``faults`` are all of the specification."""
+        """Return what each fault of the set did, in words; ``faults`` are the specification's."""
         chains = zip(self.places, self.chains, strict=True)
         return tuple(sentence(mission, faults[place], chain) for place, chain in chains)
 
@@ -348,11 +349,10 @@ class Cause:
 def find_cause(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Cause | None:
-    """Find out what a specification's violations are due to; ``None`` if there are none.
+    """Find the cause of a specification's violations; ``None`` if there are none.
 
-    An engine records what has to be looked at, in the first of the mission seeds. A cause set keeps
-    a share of every count, above 0, at most 1. If the mission's own code fails, that is an
-    ``EvaluationError``.
+    The engine records flights in the first mission seed. A cause set keeps a share of every count,
+    above 0, at most 1. Code of the mission that fails is an ``EvaluationError``.
     """
     with flights.on(cause_set.ALL_OR_NONE):
         counts, fault_free = flights.counts(specification), flights.counts(())
@@ -383,7 +383,7 @@ def find_cause(
 
 
 def robustness(by_seed: Sequence[Counts]) -> tuple[Robustness, ...]:
-    """Return what each count is over mission seeds, one entry a column."""
+    """Return the robustness of each column, from counts by mission seed."""
     return tuple(
         Robustness(median(counts), min(counts), max(counts), sum(map(bool, counts)))
         for counts in zip(*by_seed, strict=True)

@@ -1,7 +1,7 @@
 """Explain one specification: cause sets, labels, shares and the simplest variant.
 
-``explain`` names the parts in the order in which they are flown; each part is a function below
-it. All parts ask the same ``Flights``, which fly no specification twice.
+``explain`` calls the parts in the order in which they are flown; each is a function below it. All
+parts share the same ``Flights``, which fly no specification twice.
 
 References
 ----------
@@ -26,22 +26,22 @@ from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFau
 from mrsfi_runtime.model.mission import Mission, Outcome
 
 N_EXACT = 10
-"""Faults up to which every subset is flown: 1,024 of them."""
+"""Number of faults up to which every subset is flown: 1,024 subsets."""
 
 N_PERMUTATIONS = 100
-"""Orders in which faults join where there are more."""
+"""Orders in which more faults than that join."""
 
 BYSTANDER = "bystander"
 
 
 @dataclass(frozen=True, slots=True)
 class GoalCauses:
-    """What a goal's violations are due to: its cause set, and a label for every fault.
+    """The cause of a goal's violations: its cause set, and a label for every fault.
 
-    A fault of the set is ``sole`` if it is enough alone, or else ``joint``. Of the others, a
-    ``redundant`` one is able to take the place of a member; without a ``masking`` one, a count of
-    the goal is higher; a ``lesser`` one breaks the goal alone, though others break it more, or hide
-    it; what does none of these is a ``bystander``.
+    A fault of the set is ``sole`` if it is sufficient alone, else ``joint``. Of the other faults, a
+    ``redundant`` one can replace a member; without a ``masking`` one, a count of the goal is
+    higher; a ``lesser`` one breaks the goal alone, but other faults break it more or hide it. All
+    others are ``bystander`` faults.
     """
 
     goal: str
@@ -53,8 +53,8 @@ class GoalCauses:
 class Attribution:
     """Shares of faults in counts, in ticks, shape ``(n_faults, n_columns)``.
 
-    Each column of ``shares`` sums to what the faults together add to the count without faults.
-    ``margins`` are half of the 95 % confidence intervals; ``None`` if shares are exact.
+    Each column of ``shares`` sums to the difference of the counts with all faults and with none.
+    ``margins`` are half-widths of the 95 % confidence intervals; ``None`` if shares are exact.
     """
 
     shares: tuple[tuple[Fraction, ...], ...]
@@ -65,9 +65,9 @@ class Attribution:
 class Explanation:
     """Why a specification breaks goals.
 
-    ``simplest`` is the simplest form of the cause set, flown in the first mission seed; ``minima``
-    are the different sets that shuffled orders gave; ``alone`` and ``left_out`` are counts under
-    each fault alone, and under all but it; ``n_flown`` are the flights that each part took.
+    ``simplest`` is the simplest variant of the cause set, flown in the first mission seed.
+    ``minima`` are the different sets that shuffled orders gave. ``alone`` and ``left_out`` are
+    counts under each fault alone, and under all others. ``n_flown`` counts flights by part.
     """
 
     cause: Cause
@@ -85,7 +85,7 @@ class Explanation:
 def explain(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Explanation | None:
-    """Find out why a specification breaks goals; ``None`` and errors are as of ``find_cause``."""
+    """Explain why a specification breaks goals; ``None`` and errors are as of ``find_cause``."""
     cause = find_cause(flights, engine, specification, keep)
     if cause is None:
         return None
@@ -120,10 +120,10 @@ def explain(
 
 
 def goal_causes(question: Question, goal: str) -> GoalCauses:
-    """Return the cause set of one goal, by its counts alone, and what every fault is to it.
+    """Return the cause set of one goal, by its counts alone, and a label for every fault.
 
-    Where it is not violated, that is for nothing: then only a fault that hides violations, or
-    would cause some alone, is more than a bystander.
+    The set of a goal without violations is empty. Then only a fault that hides violations, or would
+    cause some alone, is more than a bystander.
     """
     whole = question.specification
     everyone = range(len(whole))
@@ -152,7 +152,7 @@ def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
 def _rises(
     question: Question, goal: str, first: Specification, second: Specification, by: Fraction
 ) -> bool:
-    """Return whether a count of a goal is higher in the second flight, by more than a factor."""
+    """Return whether a count of a goal is higher in the second flight by more than a factor."""
     flights = question.flights
     found = zip(flights.columns, flights.counts(first), flights.counts(second), strict=True)
     return any(after > by * count for column, count, after in found if column.goal == goal)
@@ -161,11 +161,11 @@ def _rises(
 def simplest(
     flights: Flights, mission: Mission, pool: FaultPool, specification: Specification
 ) -> Specification:
-    """Return a cause set with shorter windows and plainer values that keeps its counts.
+    """Return a cause set with shorter windows and simpler values that keeps its counts.
 
-    Fault by fault, what can go is cut from the start of the window, then from its finish, in steps
-    that begin with half of it; then each value becomes the first of the pool's own, a bound, and
-    the number itself in one, two or three digits with which enough is kept.
+    For each fault, the window is cut from its start, then from its finish, in steps that begin with
+    half of it. Then each value becomes the first of these that keeps the counts: the pool's value,
+    a bound, the value in one, two or three digits.
     """
     columns = range(len(flights.columns))
     least = floor(flights.counts(specification), 0.99, columns)
@@ -212,11 +212,11 @@ def _plain(
 
 
 def attribute(flights: Flights, specification: Specification) -> Attribution:
-    """Return how much of each count is due to each fault of a specification.
+    """Return how much of each count is due to each fault of a specification: Shapley values.
 
-    A share is the mean of what the fault adds when it joins those before it, over all orders in
-    which the faults can join; beyond ``N_EXACT`` faults over ``N_PERMUTATIONS`` drawn ones, the
-    same in every call.
+    A share is the mean increase of the count when the fault joins those before it, over all orders
+    of joining. Beyond ``N_EXACT`` faults, it is over ``N_PERMUTATIONS`` random orders, the same in
+    every call.
     """
     joined = [
         [(n, chosen(specification, some), chosen(specification, (*some, k))) for n, some in before]
@@ -237,7 +237,7 @@ def attribute(flights: Flights, specification: Specification) -> Attribution:
 
 
 def _joined(n: int) -> list[list[tuple[int, Places]]]:
-    """Return for each of ``n`` faults those before it when it joins, in how many orders each."""
+    """Return for each of ``n`` faults the sets before it when it joins, with their weights."""
     everyone = range(n)
     if n > N_EXACT:
         random = Random(1)

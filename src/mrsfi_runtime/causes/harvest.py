@@ -39,17 +39,17 @@ if TYPE_CHECKING:
     from mrsfi_runtime.search.loop import GenerationSummary
 
 N_ALONE = 10
-"""Forms in which each fault is flown alone before several are flown together."""
+"""Variants in which each fault is flown alone before several are flown together."""
 
-_N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
+_N_TRIES = 100  # draws of known specifications until there seem to be no new ones
 
 
 class Probing:
-    """Asks for flights, turn by turn, and learns from what they break.
+    """Proposes flights, turn by turn, and learns what they break.
 
-    In each of ``n_alone`` first turns every fault is alone in another form; then one specification
-    of at most ``n_faults`` faults for each column, random or ``given``, and half as many faults
-    alone.
+    Each of the first ``n_alone`` turns has every fault alone, in a new variant. Later turns have
+    one specification of at most ``n_faults`` faults for each column, random or ``given``, and half
+    as many faults alone.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Probing:
         self._alone = self._faults_in_turn()
 
     def turn(self) -> list[Specification]:
-        """Return what is to be flown next, each form once; nothing if there seems to be no more."""
+        """Return the specifications to fly next; none if no new ones could be drawn."""
         for _ in range(self._n_first + 1):
             self._n_turns += 1
             if new := {weakness.form(each): each for each in self._wanted()}:
@@ -100,7 +100,7 @@ class Probing:
                 yield timed
 
     def _wish(self, column: Column) -> Specification | None:
-        """Return what one column wants flown; ``None`` if it knows all that it draws."""
+        """Return the specification that one column needs; ``None`` if all its draws are known."""
         probe = self._probes[column]
         wish = self._wishes.get(column)
         for _ in range(_N_TRIES):
@@ -129,7 +129,7 @@ class Probing:
     def _reduced(
         self, column: Column, broken: Specification
     ) -> Generator[Specification, Broken, None]:
-        """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
+        """Reduce a specification that breaks a column to a minimal set, unless one is known."""
         faults = tuple(dict.fromkeys(timed.fault for timed in broken))
         trials = reduction(tuple(range(len(faults))))
         trial = next(trials)
@@ -145,10 +145,10 @@ class Probing:
 
 
 class Cover:
-    """The algorithm: see the module; ``known`` is what it has learnt until now.
+    """The search algorithm of the module; ``known`` has its results.
 
-    It ends after as many evaluations as the settings say, when all bounds are as low as they say,
-    or where there is nothing left to try.
+    It ends after the evaluations that the settings allow, when all bounds are as low as they
+    require, or when no new specification could be drawn.
     """
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
@@ -164,7 +164,7 @@ class Cover:
 
     @property
     def is_finished(self) -> bool:
-        """Whether all evaluations are used up, or all is known."""
+        """Whether the search has ended."""
         return not self._next
 
     def ask(self) -> list[Specification]:
@@ -172,7 +172,7 @@ class Cover:
         return self._next
 
     def tell(self, scores: Sequence[Score]) -> "GenerationSummary":
-        """Learn what they break, and end the turn."""
+        """Learn what the specifications break, and end the turn."""
         from mrsfi_runtime.search.loop import GenerationSummary  # noqa: PLC0415 - brings DEAP
 
         for specification, score in zip(self._next, scores, strict=True):
@@ -198,9 +198,9 @@ class Cover:
 def covered(
     space: SearchSpace, settings: CampaignSettings, outcomes: Mapping[Specification, Outcome | None]
 ) -> Known:
-    """Return what a search knew after it was told the outcomes of a record; ``None`` is a failure.
+    """Return the results of a search from recorded outcomes; ``None`` is a failed evaluation.
 
-    It may have been ended in the midst of a turn.
+    The search may have ended within a turn.
     """
     search = Cover(space, settings)
     while not search.is_finished and all(each in outcomes for each in search.ask()):
@@ -209,26 +209,26 @@ def covered(
 
 
 N_SEEDS = 5
-"""Mission seeds, the campaign's first among them, in which a weakness is looked at."""
+"""Mission seeds, the campaign's first among them, in which a weakness is flown."""
 
 MOST = 1000
 """Flights that a harvest takes at most, however many its search took."""
 
 KEPT = "weaknesses"
-"""Key of what a record keeps of weaknesses."""
+"""Key under which a record keeps weaknesses."""
 
 Progress: TypeAlias = Callable[[str, int, int, Known], None]
 """Receives a unit, how many are done and how many there are at most: first flights, then mildest
 variants. And what is known by then."""
 
-_N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is known to
+_N_EVALUATIONS = 20  # most evaluations to reduce of a column without weaknesses
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
 
 class Nearest(NamedTuple):
-    """How near a goal ever came to being truly violated, and in which evaluation.
+    """The closest approach of a goal to a true violation, and its evaluation.
 
-    A goal that was violated may have no margin: nothing then tells by how much.
+    ``margin`` is ``None`` if the goal was violated and has no margin.
     """
 
     margin: Margin | None
@@ -237,11 +237,12 @@ class Nearest(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Harvest:
-    """What is known of a campaign, of its first mission seed.
+    """The weaknesses of a campaign, found in its first mission seed.
 
-    ``n_flights`` were taken for ``weaknesses`` after the search, beside those for the ``mildest``
-    form of the least that breaks each goal. ``outcomes`` are of what did not fail; ``yardstick`` is
-    ``None`` if nothing is known yet. ``nearest`` tells how near goals came that never truly broke.
+    ``n_flights`` were flown for ``weaknesses`` after the search; flights for ``mildest`` variants,
+    of one weakness of each goal, are not counted. ``outcomes`` leaves out failed flights.
+    ``yardstick`` is ``None`` before the flight without faults. ``nearest`` has the closest approach
+    of each goal that no weakness truly breaks.
     """
 
     known: Known
@@ -258,16 +259,16 @@ class Harvest:
         return ways(self.weaknesses, self.mildest)
 
     def with_seeds_of(self, found: Iterable[Way]) -> Self:
-        """Return it with the weaknesses of some ways as these have them, in other mission seeds."""
-        told = {(one.column, one.faults): one for way in found for one in way.by}
-        some = (told.get((one.column, one.faults), one) for one in self.weaknesses)
-        return replace(self, weaknesses=tuple(some))
+        """Return it with weaknesses replaced by those that were flown in more mission seeds."""
+        flown = {(one.column, one.faults): one for way in found for one in way.by}
+        replaced = (flown.get((one.column, one.faults), one) for one in self.weaknesses)
+        return replace(self, weaknesses=tuple(replaced))
 
 
 def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
-    """Return what a campaign knows already; ``None`` if nobody looked, or only at a part of it.
+    """Return the recorded weaknesses of a campaign; ``None`` before a finished harvest of it.
 
-    One that covers knows all but other mission seeds by itself.
+    A search by ``cover`` needs no harvest, but for other mission seeds.
     """
     mission, seed = space.gate.mission, store.settings.mission_seed
     kept, flights = store.kept(KEPT, partial(_Kept.of, mission)), store.flights()
@@ -284,10 +285,10 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     for specification, outcome in outcomes.items():
         known.learn(specification, yardstick.broken(outcome))
     known.restore(kept.weaknesses, kept.n_kept)
-    some = (*kept.weaknesses, *(each.weakness for each in kept.mildest))
-    told = iter(weakness.detected(mission, store, some))
-    found = tuple(islice(told, len(kept.weaknesses)))
-    mild = tuple(replace(each, weakness=next(told)) for each in kept.mildest)
+    recorded = (*kept.weaknesses, *(each.weakness for each in kept.mildest))
+    judged = iter(weakness.detected(mission, store, recorded))
+    found = tuple(islice(judged, len(kept.weaknesses)))
+    mild = tuple(replace(each, weakness=next(judged)) for each in kept.mildest)
     near = _nearest(mission, store, found)
     return Harvest(known, found, kept.n_flights, flown, yardstick, mild, near)
 
@@ -299,10 +300,10 @@ def harvest(
     record: Record,
     on_progress: Progress = lambda *_: None,
 ) -> Harvest:
-    """Find all the ways in which goals break, with flights that are recorded as they come.
+    """Search for all weaknesses, and record each flight.
 
-    Of a campaign that was interrupted here, only what is missing is flown. If the mission's own
-    code fails without faults, that is an ``EvaluationError``.
+    An interrupted harvest flies only what is missing. Code of the mission that fails without
+    faults is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
@@ -373,7 +374,7 @@ class _Kept(NamedTuple):
 
     @classmethod
     def of(cls, mission: Mission, text: str) -> Self:
-        """Return what a record says; a ValueError or TypeError if it makes no sense."""
+        """Return the content of a record; a ValueError or TypeError if it is invalid."""
         content = database.object_from_text(text)
         try:
             ((n_evaluations, n_flights),) = database.integers([content["numbers"]])
@@ -381,15 +382,15 @@ class _Kept(NamedTuple):
             found = tuple(map(Weakness.from_json, content["weaknesses"]))
             mild = tuple(map(Mildest.from_json, content["mildest"]))
         except KeyError as error:
-            raise ValueError(f"found {text[:60]}; expected what is known of weaknesses") from error
-        told = {*n_kept, *(each.column for each in found)}
-        if unknown := told.difference(weakness.columns(mission)):
-            raise ValueError(f"found what breaks {min(unknown)}; expected a goal of the mission")
+            raise ValueError(f"found {text[:60]}; expected the record of weaknesses") from error
+        recorded = {*n_kept, *(each.column for each in found)}
+        if unknown := recorded.difference(weakness.columns(mission)):
+            raise ValueError(f"found a weakness of goal {min(unknown).goal!r}; expected a goal of the mission")
         return cls(n_evaluations, n_flights, n_kept, found, mild)
 
 
 def _searched(store: CampaignStore) -> dict[Specification, Outcome | None]:
-    """Return what a search by ``cover`` has flown, with nothing for what failed."""
+    """Return the flights of a search by ``cover``; ``None`` stands for a failed one."""
     if store.settings.algorithm != COVERING:
         return {}
     failed: dict[Specification, Outcome | None] = {
@@ -407,14 +408,14 @@ def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None
     found = weakness.detected(space.gate.mission, store, known.weaknesses())
-    told = _nearest(space.gate.mission, store, found)
-    return Harvest(known, found, 0, flown, yardstick, nearest=told)
+    nearest = _nearest(space.gate.mission, store, found)
+    return Harvest(known, found, 0, flown, yardstick, nearest=nearest)
 
 
 def _nearest(
     mission: Mission, store: CampaignStore, weaknesses: Sequence[Weakness]
 ) -> Mapping[str, Nearest]:
-    """Return how near goals ever came that nothing truly breaks, in the search."""
+    """Return the closest approach, in the search, of goals that no weakness truly breaks."""
     broken = {each.column.goal for each in weaknesses if each.column.kind != MEASURES[0]}
     places = [place for place, goal in enumerate(mission.goal_ids) if goal not in broken]
     least, found = [math.inf] * len(mission.goal_ids), {}
@@ -429,7 +430,7 @@ def _nearest(
 
 
 def _affordable(known: Known, left: int) -> int:
-    """Return how many flights may be next: what they find is to be flown in other seeds, too."""
+    """Return how many flights may be next, if their findings are to be flown in other seeds."""
     n_others = N_SEEDS - 1
     spare = left - n_others * (len(weakness.flown_with(known.weaknesses())) + _N_PAIR)
     return max(0, spare) // N_SEEDS
@@ -438,7 +439,7 @@ def _affordable(known: Known, left: int) -> int:
 def _probing(
     space: SearchSpace, store: CampaignStore, known: Known, yardstick: Yardstick, most: int
 ) -> Probing:
-    """Return what asks for flights: first what explains a column of which nothing is known."""
+    """Return what proposes flights, first those that explain columns without weaknesses."""
     left = {column: deque[int](maxlen=_N_EVALUATIONS) for column in known.sets}
     for each in store.flown(1):
         for column in yardstick.broken(each.outcome):
@@ -449,13 +450,13 @@ def _probing(
             return None
         return store.evaluation(left[column].pop()).specification
 
-    share = 0.4 * most / len(space.candidates)  # of the flights, for what single faults do
+    share = 0.4 * most / len(space.candidates)  # of the flights, for single faults
     n_alone, rng = max(1, min(N_ALONE, int(share))), Random(store.settings.seed)
     return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 
 def _recorded(store: CampaignStore, evaluate_many: EvaluateIn) -> Prober[Evaluated]:
-    """Return what flies what is not recorded, and records it."""
+    """Return a prober that records its flights, and knows the recorded ones."""
 
     def fly(missing: Sequence[Specification], seed: int) -> list[Evaluated]:
         flown: list[RecordedFlight] = []

@@ -1,12 +1,12 @@
 """Shrink weaknesses to their mildest variants, and number the weaknesses of each goal.
 
-A variant is mild whose values are near to what is true, and whose windows are short. Values and
-windows are bisected one after the other, while the goal breaks in several mission seeds at once.
-Bisection assumes that a variant milder than one that keeps the goal keeps it too. This need not
+A mild variant has values near the true ones, and short windows. Values and windows are bisected
+one after the other, while the goal breaks in several mission seeds at once. Bisection assumes that
+a variant milder than one that does not break the goal does not break it either. This need not
 hold, so the result is the mildest variant that was found.
 
-``Deviation`` measures variants, ``mildest`` shrinks them, and ``Way`` numbers a goal with a set
-of faults that breaks it.
+``Deviation`` measures variants, ``mildest`` shrinks them. A ``Way`` is a numbered weakness: a goal
+and a set of faults that breaks it, by up to three measures.
 """
 
 import math
@@ -35,14 +35,14 @@ from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks, t
 from mrsfi_runtime.search.space import SearchSpace
 
 N_SEEDS = 3
-"""Mission seeds, the campaign's first among them, in which a form has to break the goal."""
+"""Mission seeds, the campaign's first among them, in which a variant must break the goal."""
 
 N_STEPS = 14
 """Steps of values, and of windows, of a map."""
 
-_N_STARTS = 5  # forms that were flown already, of which one is sought that holds in all seeds
-_FINE = 16  # what differs by no more than this part need not be told apart
-_LEAST = 0.001  # share of a value or window below which none is sought
+_N_STARTS = 5  # flown variants among which to look for one that holds in all seeds
+_FINE = 16  # bisection ends when its ends differ by no more than this part
+_LEAST = 0.001  # or by this share of the first error or window
 _BROKEN = {
     "believed": ("is violated in belief", "violated it in belief", "violate it in belief"),
     "true": ("is violated", "violated it", "violate it"),
@@ -52,11 +52,11 @@ _BROKEN = {
 
 @dataclass(frozen=True, slots=True)
 class Mildest:
-    """The mildest form that was found of a weakness, and the seeds with which it was sought.
+    """The mildest variant of a weakness that was found.
 
-    ``sentence`` says from what on the goal breaks, and the strongest form tried that did not break
-    it, ``off`` of each fault how far its values are off. ``n_flights`` leaves out those without
-    faults and those that are recorded; one that serves several weaknesses counts for the first.
+    ``sentence`` describes it, and the strongest variant tried that did not break the goal; ``off``
+    has the error of each fault's values. ``n_flights`` counts new flights with faults; a flight for
+    several weaknesses counts for the first.
     """
 
     weakness: Weakness
@@ -71,14 +71,14 @@ class Mildest:
 
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
-        """Return that of plain values; errors as of a weakness."""
+        """Return the one that plain values describe; errors as of a weakness."""
         weakness, off = Weakness.from_json(row), tuple(map(str, row["off"]))
         return cls(weakness, str(row["sentence"]), int(row["flights"]), off)
 
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """Measures forms by what is true without faults, as a recorded flight has it."""
+    """Measures variants by their distance from the truth in a recorded flight without faults."""
 
     space: SearchSpace
     recording: Recording
@@ -86,8 +86,8 @@ class Deviation:
     def harmless(self, timed: TimedFault) -> tuple[float, ...]:
         """Return the values with which a fault would change nothing when it begins.
 
-        What stands in the place of a true value is harmless where it is that; every other one, a
-        delay, a difference or a percentage, at 0.
+        A fixed value is harmless if it is the true one. A delay, a difference or a percentage is
+        harmless at 0.
         """
         fault, world = self.space.gate.pool[timed.fault], self.recording["world"]
         targets = touched(self.space.gate.mission, fault)
@@ -100,14 +100,14 @@ class Deviation:
         return true + timed.values[len(true) :]
 
     def share(self, timed: TimedFault) -> float:
-        """Return how far values are off, the farthest as a share of its range, to four digits."""
+        """Return the largest error of the values, as a share of its range, to four digits."""
         bounds = self.space.candidates[timed.fault].bounds
-        told = zip(timed.values, self.harmless(timed), bounds, strict=True)
-        shares = (abs(value - true) / (b - a) for value, true, (a, b) in told if a < b)
+        bounded = zip(timed.values, self.harmless(timed), bounds, strict=True)
+        shares = (abs(value - true) / (b - a) for value, true, (a, b) in bounded if a < b)
         return round(max(shares, default=0.0), 4)
 
     def size(self, specification: Specification) -> float:
-        """Return how strong a form is: how far off, and for which share of the mission at work."""
+        """Return how strong a variant is: its errors, and the share of the mission it is active."""
         duration = self.space.duration
         off = reduce(add, map(self.share, specification), 0.0)  # ``sum`` depends on the Python
         return off + fault_ticks(specification, duration) / duration
@@ -115,20 +115,20 @@ class Deviation:
     def milder(
         self, timed: TimedFault, off: float = 1.0, before: float = 1.0, after: float = 1.0
     ) -> TimedFault:
-        """Return a fault as far off by a share, in the last or the first share of its window."""
+        """Return a fault with a share of its error, in the last or first share of its window."""
         length = timed.finish - timed.start
         start, finish = timed.finish - round(before * length), timed.start + round(after * length)
         there = timed._replace(start=start, finish=finish)
         candidate, values = self.space.candidates[timed.fault], []
-        told = zip(timed.values, self.harmless(timed), self.harmless(there), strict=True)
+        harmless = zip(timed.values, self.harmless(timed), self.harmless(there), strict=True)
         limits = zip(candidate.is_integer, candidate.bounds, strict=True)
-        for (value, true, then), (is_whole, (low, high)) in zip(told, limits, strict=True):
+        for (value, true, then), (is_whole, (low, high)) in zip(harmless, limits, strict=True):
             near = then + (value - true) * off
             values.append(min(max(float(round(near) if is_whole else f"{near:.6g}"), low), high))
         return there._replace(values=tuple(values))
 
     def in_words(self, timed: TimedFault) -> str:
-        """Return how far values are off: ``41 off``, ``3 energy units off``, ``DELAY 9 ticks``."""
+        """Return the error of the values: ``41 off``, ``3 energy units off``, ``DELAY 9 ticks``."""
         kind, units = self.space.gate.pool[timed.fault].kind, self.space.gate.mission.units
         if kind.mode is not Mode.FIXED:
             return kind.in_words(timed.values, units)
@@ -136,7 +136,7 @@ class Deviation:
         return f"{units.quantity(apart, kind.parameters[0].range)} off"
 
     def error_in_words(self, timed: TimedFault) -> str:
-        """Return the same as a sentence goes on: ``an error of 41 units``, ``DELAY 9 ticks``."""
+        """Return the same inside a sentence: ``an error of 41 units``, ``DELAY 9 ticks``."""
         kind, mission = self.space.gate.pool[timed.fault].kind, self.space.gate.mission
         if kind.mode is not Mode.FIXED:
             return kind.in_words(timed.values, mission.units, 4)
@@ -152,11 +152,11 @@ def mildest(
     record: Record,
     seeds: Sequence[int],
 ) -> tuple[Mildest, ...]:
-    """Return the mildest form of each of some weaknesses, in their order.
+    """Return the mildest variant of each weakness, in their order.
 
-    A form has to break the goal in all ``seeds``, while no part of it does; where none of those
-    tried first does, in as many of the first seeds as one does. ``known`` and ``record`` are of the
-    first.
+    A variant must break the goal in all ``seeds``, while no part of it does. If no starting variant
+    does, it must do so in as many of the first seeds as the best one. ``known`` and ``record`` are
+    of the first seed.
     """
     deviation = Deviation(space, record(()))
     flown = Breaking(space.gate.mission, evaluate, seeds)
@@ -167,7 +167,7 @@ def mildest(
 
 
 class Tried(NamedTuple):
-    """A point of a map: how far values are off, the ticks at work, whether the goal breaks."""
+    """A point of a map: the error of the values, the active ticks, whether the goal breaks."""
 
     off: float
     ticks: int
@@ -177,9 +177,9 @@ class Tried(NamedTuple):
 def tried_map(
     deviation: Deviation, weakness: Weakness, evaluate: EvaluateIn, seed: int
 ) -> tuple[Tried, ...]:
-    """Fly the witness of a weakness as far off, and for as long, as it is and in shares of that.
+    """Fly the witness of a weakness with shares of its error, and of its duration.
 
-    ``off`` is the farthest value of the faults, in shares of its range; 0 of faults without values.
+    ``off`` is the largest error of the faults, in shares of its range; 0 for faults without values.
     """
     steps = [step / N_STEPS for step in range(1, N_STEPS + 1)]
     forms = [
@@ -199,7 +199,7 @@ def tried_map(
 
 
 def _n_held(flown: Breaking, column: Column, tried: Specification) -> int:
-    """Return in how many seeds, one after the other, a form breaks it, and no part does."""
+    """Return in how many seeds, one after the other, a variant breaks it, and no part does."""
     whole = [form(tried), *map(form, parts(tried))]
     return len([*takewhile(lambda seed: flown.isolates(column, whole, seed), flown.seeds)])
 
@@ -207,7 +207,7 @@ def _n_held(flown: Breaking, column: Column, tried: Specification) -> int:
 def _shrunk(
     deviation: Deviation, starts: Iterable[Specification], column: Column, flown: Breaking
 ) -> Specification:
-    """Return the mildest variant that the best of some starts leads to."""
+    """Return the mildest variant that is reached from the best of some starts."""
     found = max(starts, key=lambda each: _n_held(flown, column, each))
     n_held = _n_held(flown, column, found)
     for place in range(len(found)) if n_held else ():
@@ -248,9 +248,9 @@ def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: Brea
 
 
 def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specification, bool]) -> str:
-    """Say from what on a goal breaks, and what the strongest form is up to which it never did.
+    """Describe a weakness, and the strongest variant below it that did not break the goal.
 
-    What counts is how far off the values of a single fault are; or else for how long faults last.
+    Variants of a single fault are ordered by the error of its values, others by active ticks.
     """
     found, (goal, kind) = weakness.witness, weakness.column
     is_off = len(found) == 1 and deviation.share(found[0]) > 0.0
@@ -284,10 +284,10 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A way to break a goal: a least set of the pool's faults that does, numbered from 1.
+    """A numbered weakness, from 1: a goal, and a minimal set of the pool's faults that breaks it.
 
-    ``by`` has a weakness for each measure by which they break it, in the order of ``MEASURES``;
-    ``mildest`` is the mildest form, by the gravest measure, where one was looked for.
+    ``by`` has a ``Weakness`` for each measure by which they break it, in the order of ``MEASURES``;
+    ``mildest`` is the mildest variant by the gravest measure, if one was sought.
     """
 
     number: int
@@ -298,33 +298,33 @@ class Way:
 
     @property
     def shown(self) -> Weakness:
-        """That of the gravest measure: missed before true, true before believed."""
+        """The weakness by the gravest measure: missed before true, true before believed."""
         return self.by[-1]
 
     @property
     def is_undetected(self) -> bool:
-        """Whether the collective intelligence does not detect at least one of the variants."""
+        """Whether the collective intelligence fails to detect at least one variant."""
         return self.shown.detection is not None and self.shown.detection.n_never > 0
 
     @property
     def is_mildest(self) -> bool:
-        """Whether the mildest form is the one that is shown."""
+        """Whether the mildest variant is the one that is shown."""
         return self.mildest is not None and self.mildest.weakness == self.shown
 
     @property
     def at_least(self) -> Self:
-        """The same in its mildest form, if one is known."""
+        """The same in its mildest variant, if one is known."""
         if self.mildest is None:
             return self
         return replace(self, by=(*self.by[:-1], self.mildest.weakness))
 
     def as_json(self) -> list[dict[str, Any]]:
-        """Return the weaknesses as plain values."""
+        """Return the weakness by each measure as plain values."""
         return [{"number": self.number, **each.as_json()} for each in self.by]
 
 
 def ways(weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
-    """Return weaknesses, in the order in which they are known, as ways to break goals."""
+    """Return weaknesses by goal and set of faults, numbered in the order in which they come."""
 
     def broken(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
         return weakness.column.goal, weakness.faults
@@ -337,7 +337,7 @@ def ways(weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tup
 
 
 def least(weaknesses: Iterable[Way]) -> tuple[Way, ...]:
-    """Return a way for each goal: of fewest faults, in truth, in most mission seeds and forms."""
+    """Return one for each goal: fewest faults, in truth, in most mission seeds and variants."""
 
     def size(each: Way) -> tuple[int, bool, int, float]:
         shown = each.shown

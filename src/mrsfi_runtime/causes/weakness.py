@@ -1,12 +1,12 @@
-"""Weaknesses: the minimal sets of a pool's faults that break a goal, and what is known of them.
+"""Weaknesses: the minimal sets of a pool's faults that break a goal.
 
 A goal is judged by three measures; one goal by one measure is a ``Column``. A flight *breaks* a
-column if its count is above 0. Where the flight without faults has a count already, it has to be
-above that by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if none of
-its parts is known to break the same column.
+column if its count is above 0. If the flight without faults has a count, too, the flight's count
+must exceed it by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if no
+part of it is known to break the same column.
 
-``Yardstick`` judges a flight. ``Known`` learns from flights and lists ``Weakness`` values, which
-the functions after it extend by mission seeds, dates and detection.
+``Yardstick`` judges a flight. ``Known`` learns from flights and lists ``Weakness`` values. The
+functions after it add mission seeds, first ticks and detection.
 """
 
 import math
@@ -27,10 +27,10 @@ from mrsfi_runtime.record import database
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 
 MEASURES = ("believed", "true", "missed")
-"""Counts of an outcome by which a goal may be broken; masked and phantom follow from two."""
+"""Counts of an outcome that judge a goal; masked and phantom follow from two of them."""
 
 MARGIN = 0.05
-"""Share of a mission's ticks by which a count has to exceed that of the flight without faults."""
+"""Share of a mission's ticks by which a count must exceed that of the flight without faults."""
 
 FaultSet: TypeAlias = frozenset[str]
 """IDs of faults of a pool."""
@@ -40,15 +40,15 @@ Broken: TypeAlias = frozenset[Column]
 
 
 def columns(mission: Mission) -> tuple[Column, ...]:
-    """Return what can be broken in a mission: every goal by every measure, in model order."""
+    """Return every goal of a mission by every measure, in model order."""
     return tuple(Column(goal, measure) for goal in mission.goal_ids for measure in MEASURES)
 
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """Tells what a flight breaks in one mission seed, by the flight without faults there.
+    """Judges flights in one mission seed, by the flight without faults.
 
-    ``most`` has for each column, in the order of ``columns``, the count up to which it is kept.
+    ``most`` has for each of the ``columns`` the count above which it is broken.
     """
 
     columns: tuple[Column, ...]
@@ -56,20 +56,20 @@ class Yardstick:
 
     @classmethod
     def of(cls, mission: Mission, fault_free: Outcome) -> Self:
-        """Return that of a mission whose flight without faults came to an outcome."""
+        """Return the yardstick that follows from the outcome without faults."""
         margin = MARGIN * mission.duration
         most = tuple(count + (margin if count else 0.0) for count in _counts(fault_free))
         return cls(columns(mission), most)
 
     def broken(self, flown: Evaluated | None) -> Broken:
-        """Return the columns that a flight breaks, nothing if it failed."""
+        """Return the columns that a flight breaks; none if the evaluation ended with an error."""
         if not isinstance(flown, Outcome):
             return frozenset()
         judged = zip(self.columns, _counts(flown), self.most, strict=True)
         return frozenset(column for column, count, most in judged if count > most)
 
     def late(self, flown: Outcome) -> Iterator[tuple[str, float]]:
-        """Yield the goals that a flight truly breaks, and how many ticks late that is detected."""
+        """Yield the goals that a flight truly breaks, and by how many ticks detection is late."""
         truly = {goal for goal, kind in self.broken(flown) if kind != MEASURES[0]}
         goals = self.columns[:: len(MEASURES)]
         for (goal, _), (n_broken, n_late) in zip(goals, flown.detection or (), strict=False):
@@ -77,7 +77,7 @@ class Yardstick:
                 yield goal, n_late if n_late < n_broken else math.inf
 
     def since(self, flight: Recording) -> dict[Column, int]:
-        """Return the first tick at which a flight has broken each of the columns that it breaks."""
+        """Return the tick from which on each broken column is broken."""
         found = {}
         for place, (column, most) in enumerate(zip(self.columns, self.most, strict=True)):
             is_over = flight[column.kind][:, place // len(MEASURES)] > most
@@ -98,22 +98,22 @@ def faults_of(specification: Specification) -> FaultSet:
 
 
 def parts(specification: Specification) -> tuple[Specification, ...]:
-    """Return what is left of a specification without each of its pool faults."""
+    """Return the specification without each of its pool faults in turn."""
     faults = dict.fromkeys(timed.fault for timed in specification)
     return tuple(tuple(t for t in specification if t.fault != fault) for fault in faults)
 
 
 def form(specification: Specification) -> Specification:
-    """Return a specification in an order that every other one with the same timed faults has."""
+    """Return a specification in canonical order: equal timed faults give equal results."""
     return tuple(sorted(specification))
 
 
 class Known:
-    """What flights in one mission seed have shown: minimal sets by column, and every form tried.
+    """Results of flights in one mission seed: minimal sets by column, and all variants tried.
 
-    Sets stand in the order in which they were found; ``flown`` has what each form breaks.
-    ``n_kept`` random specifications without a set that is known to break a column have kept it, one
-    after the other, since the last such set was found.
+    Sets have the order in which they were found; ``flown`` has the columns that each variant
+    breaks. ``n_kept`` counts, since the last set of a column was found, the random specifications
+    that contain none of its sets and did not break it.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -123,7 +123,7 @@ class Known:
         self._forms: defaultdict[FaultSet, list[Specification]] = defaultdict(list)
 
     def learn(self, specification: Specification, broken: Broken) -> None:
-        """Take what a flight breaks; if of a single fault, that is a minimal set of each column."""
+        """Record what a flight breaks; a single fault is a minimal set of each broken column."""
         tried = form(specification)
         if tried in self.flown:
             return
@@ -135,38 +135,37 @@ class Known:
                 self.add(column, faults)
 
     def add(self, column: Column, faults: FaultSet) -> None:
-        """Take a set that breaks a column while none of its parts is known to."""
+        """Add a set that breaks a column, unless a part of it is known to break it."""
         if not self.has_part_of(column, faults):
             kept = (known for known in self.sets[column] if not faults <= known)
             self.sets[column] = [*kept, faults]
             self.n_kept[column] = 0
 
     def restore(self, found: "Iterable[Weakness]", n_kept: Mapping[Column, int]) -> None:
-        """Take what was known when all that is flown had been learnt in its order."""
+        """Restore recorded sets and counts, after the recorded flights have been learnt."""
         self.sets = {column: [] for column in self.sets}
         for each in found:
             self.sets[each.column].append(frozenset(each.faults))
         self.n_kept.update(n_kept)
 
     def bound(self, column: Column) -> float:
-        """Return the chance, 0 … 1, that such a random specification breaks a column, at most.
+        """Return the upper bound, 0 … 1, on the chance that such a specification breaks a column.
 
-        It is an upper bound at a confidence of 95 %: of zero in ``n_kept``, after Clopper and
-        Pearson.
+        Confidence is 95 %, for zero events in ``n_kept`` trials (Clopper and Pearson).
         """
         n = self.n_kept[column]
         return 1.0 - 0.05 ** (1.0 / n) if n else 1.0
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
-        """Return whether a set that breaks a column is among some faults."""
+        """Return whether some faults contain a set that breaks a column."""
         return any(known <= faults for known in self.sets[column])
 
     def breaking(self, column: Column, faults: FaultSet) -> Iterator[Specification]:
-        """Yield the forms of just these faults that broke a column, in the order of the tries."""
+        """Yield the variants of exactly these faults that broke a column, in order of trial."""
         return (each for each in self._forms[faults] if column in self.flown[form(each)])
 
     def weaknesses(self) -> "tuple[Weakness, ...]":
-        """Return what is known to break each goal: small sets first, each by all its measures."""
+        """Return the weaknesses by goal, small sets first, each by all its measures."""
         broken_by: defaultdict[FaultSet, list[Column]] = defaultdict(list)
         for column, sets in self.sets.items():
             for faults in sets:
@@ -187,9 +186,9 @@ class Known:
     def _witnesses(
         self, faults: FaultSet, broken: Iterable[Column]
     ) -> Iterator[tuple[Column, Specification]]:
-        """Yield a form for each column that a minimal set breaks: few, and long at work.
+        """Yield a variant for each column that a minimal set breaks: few variants, active for long.
 
-        What is long at work breaks a goal with any seed, if any form of its faults does.
+        A variant that is active for long is the likeliest to break the goal in other seeds, too.
         """
 
         def shortness(each: Specification) -> tuple[int, Specification]:
@@ -199,14 +198,14 @@ class Known:
         shown = {each: left & self._isolated(each) for each in self._forms[faults]}
         while left:
             witness = min(shown, key=lambda each: (-len(shown[each] & left), shortness(each)))
-            if not shown[witness] & left:  # told of a set, and never of its parts
+            if not shown[witness] & left:  # the set is known, but its parts were not flown
                 shown = {each: left & self.flown[form(each)] for each in shown}
                 continue
             yield from ((column, witness) for column in shown[witness] & left)
             left -= shown[witness]
 
     def _isolated(self, flown: Specification) -> Broken:
-        """Return what a form breaks though each of its parts, flown too, does not."""
+        """Return the columns that a variant breaks and that no flown part of it breaks."""
         broken = self.flown[form(flown)]
         known = (self.flown.get(form(part), broken) for part in parts(flown) if part)
         return broken.difference(*known)
@@ -216,13 +215,13 @@ class Known:
 class Detection:
     """Whether, and when, the collective intelligence detects that a set of faults breaks a goal.
 
-    It is over all variants: specifications with just these faults of the pool that the campaign
-    flew at any time, in any mission seed, and that truly break the goal there, as its ``Yardstick``
-    has it of true and missed ticks. Of a variant, the worst mission seed counts.
+    A variant is a specification of exactly these pool faults that the campaign flew, in any mission
+    seed, and that truly broke the goal there (by true or missed ticks of its ``Yardstick``). The
+    worst mission seed of a variant counts.
 
-    At the first tick at which the goal is truly violated (or missed, if without) the belief shows a
-    violation, too, which is in time; or so many ticks late; or never. What it showed before was a
-    false alarm. ``latest`` are the most ticks late.
+    Detection is in time if the belief shows a violation at the tick at which the goal is first
+    truly violated, or missed if it never is. Else it is late or never happens. A violation shown
+    before that tick is a false alarm. ``latest`` is the longest delay, in ticks.
     """
 
     worst: str
@@ -233,14 +232,14 @@ class Detection:
 
     @classmethod
     def of(cls, late: Mapping[Specification, float]) -> Self | None:
-        """Return that of variants by how many ticks late each is detected, infinite for never."""
+        """Return the detection of variants by the delay of each in ticks; infinite for never."""
         ticks = [int(each) for each in late.values() if 0 < each < math.inf]
         n_never = [*late.values()].count(math.inf)
         worst = "never" if n_never else "late" if ticks else "in time"
         return cls(worst, len(late), n_never, len(ticks), max(ticks, default=0)) if late else None
 
     def in_words(self, units: Units) -> str:
-        """Return in a sentence the worst, and in how many variants it is so."""
+        """Return the worst case in a sentence, with the number of variants."""
         of = f"of {counted(self.n_variants, 'variants')}"
         if self.n_never:
             return f"The CI does not detect it in {self.n_never} {of}"
@@ -254,12 +253,12 @@ class Detection:
 class Weakness:
     """A goal, a measure, and a minimal set of faults, by sorted IDs, that breaks it.
 
-    ``witness`` is a form that does: of those that break the most goals and measures for which its
-    faults are minimal, the one at work for the most ticks; under it the goal is broken from tick
-    ``since`` on, if that is known. ``n_tried`` forms of just these faults were flown, of which
-    ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks
-    it and no part of the witness does. All weaknesses of a goal and a set have one ``detection``:
-    none if it does not truly break, or if it is not recorded.
+    ``witness`` is a variant that breaks it. Of the variants that break the most goals and measures
+    for which their faults are minimal, it is active for the most ticks. Under it the goal is broken
+    from tick ``since`` on, if recorded. ``n_tried`` variants of exactly these faults were flown;
+    ``n_broken`` of them broke it. In ``n_held`` of the ``n_seeds`` that were flown, the witness
+    breaks it and no part of the witness does. All weaknesses of a goal and a set share one
+    ``detection``, ``None`` for false alarms or if not recorded.
     """
 
     column: Column
@@ -274,12 +273,12 @@ class Weakness:
 
     @property
     def share(self) -> float:
-        """Share of the forms tried that broke it, above 0, at most 1."""
+        """Share of the tried variants that broke it, above 0, at most 1."""
         return self.n_broken / self.n_tried
 
     @property
     def label(self) -> str:
-        """``firm`` if it holds in all of several mission seeds, or else ``of this seed``."""
+        """``firm`` if it holds in all of several mission seeds, else ``of this seed``."""
         return "firm" if self.n_held == self.n_seeds > 1 else "of this seed"
 
     def as_json(self) -> dict[str, Any]:
@@ -299,7 +298,7 @@ class Weakness:
 
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
-        """Return that of plain values; a Value-, Type- or KeyError if they make no sense."""
+        """Return the weakness that plain values describe; invalid: Value-, Type- or KeyError."""
         wanted = itemgetter(*TimedFault._fields)
         n_tried, seeds = int(row["tried"]), row["seeds"]
         return cls(
@@ -321,7 +320,7 @@ def _as_json(timed: TimedFault) -> dict[str, Any]:
 
 
 def flown_with(weaknesses: Iterable[Weakness]) -> tuple[Specification, ...]:
-    """Return what tells in a mission seed whether weaknesses hold: no fault, witnesses, parts."""
+    """Return the specifications that judge weaknesses in a seed: none, witnesses, their parts."""
     witnesses = dict.fromkeys(each.witness for each in weaknesses)
     return tuple(dict.fromkeys([(), *witnesses, *chain.from_iterable(map(parts, witnesses))]))
 
@@ -347,7 +346,7 @@ def in_seeds(
 def dated(
     yardstick: Yardstick, weaknesses: Sequence[Weakness], record: Record
 ) -> tuple[Weakness, ...]:
-    """Return weaknesses with the ticks since which goals break; all are flown."""
+    """Return weaknesses with the ticks from which on goals are broken; each witness is flown."""
     witnesses = dict.fromkeys(each.witness for each in weaknesses)
     since = {each: yardstick.since(record(each)) for each in witnesses}
     return tuple(replace(each, since=since[each.witness].get(each.column)) for each in weaknesses)
@@ -359,7 +358,7 @@ def detected(
     weaknesses: Sequence[Weakness],
     more: Iterable[RecordedFlight] = (),
 ) -> tuple[Weakness, ...]:
-    """Return weaknesses with their detection in all that a campaign flew, and in more flights."""
+    """Return weaknesses with their detection in all flights of a campaign, and in ``more``."""
     flights = [*store.flown_with({frozenset(each.faults) for each in weaknesses}), *more]
     yardsticks: dict[int, Yardstick] = {}
     late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
@@ -380,16 +379,16 @@ def detected(
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:
-    """Return what goals are judged by in a mission seed; what fails without faults is an error."""
+    """Return the yardstick of a mission seed; a flight without faults that fails is an error."""
     if isinstance(fault_free, FailedFlight):
         raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
     return Yardstick.of(mission, fault_free)
 
 
 class Breaking(Prober[Broken]):
-    """Finds what specifications break in each of some ``seeds``; what fails breaks nothing.
+    """Finds the columns that specifications break in mission ``seeds``; failed flights break none.
 
-    A yardstick judges in each by a flight without faults, which is not counted.
+    The flight without faults that the yardstick of each seed needs is not counted.
     """
 
     def __init__(self, mission: Mission, evaluate: EvaluateIn, seeds: Sequence[int]) -> None:
@@ -403,6 +402,6 @@ class Breaking(Prober[Broken]):
         self.known |= {((), seed): frozenset() for seed in seeds}
 
     def isolates(self, column: Column, whole: Sequence[Specification], seed: int) -> bool:
-        """Return whether a specification, the first of some, breaks it and no part of it does."""
+        """Return whether a specification breaks a column and the others, its parts, do not."""
         broken, *alone = self(whole, seed)
         return column in broken.difference(*alone)
