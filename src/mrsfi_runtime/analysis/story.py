@@ -1,4 +1,4 @@
-"""Tell a recorded flight in space and time, for figures, tables and the page.
+"""Describe a recorded flight in space and time, for figures, tables and the page.
 
 A ``Story`` has true and believed positions, windows in which faults were active and goals were
 violated, and collisions; ``story_of`` makes one. ``flight_content`` packs a flight for the page:
@@ -28,7 +28,7 @@ Places: TypeAlias = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """When a goal was violated, as windows, and from which tick on its purpose was missed."""
+    """The windows in which a goal was violated, and the tick from which on it was missed."""
 
     believed: Sequence[Window]
     true: Sequence[Window]
@@ -37,7 +37,7 @@ class Judged:
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """Two that overlapped, the first of which is a robot, by its place, and when."""
+    """Two IDs that overlapped, the index of the robot that is the first, and the window."""
 
     names: str
     robot: int
@@ -46,11 +46,11 @@ class Collision:
 
 @dataclass(frozen=True, slots=True)
 class Story:
-    """What figures tell of a flight.
+    """A flight as figures show it.
 
-    The ``window`` of a fault is that in which it was active, also if it waited for a trigger.
-    Goals stand in model order; ``collisions`` are true ones; ``true`` and ``believed`` say where
-    robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
+    The ``window`` of a fault is the one in which it was active, also after a trigger. Goals are in
+    model order. ``collisions`` are true ones. ``true`` and ``believed`` are positions of robots,
+    shape ``(n_ticks, n_robots, 2)``.
     """
 
     title: str
@@ -63,14 +63,14 @@ class Story:
 
     @property
     def struck(self) -> frozenset[int]:
-        """The places of the robots that its faults strike."""
+        """The indices of the robots that its faults touch."""
         return frozenset(robot for fault in self.faults for robot in fault.robots)
 
 
 def story_of(
     title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording
 ) -> Story:
-    """Return what figures tell of a recorded flight."""
+    """Return the story of a recorded flight."""
     true, believed = (
         np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
         for side in SIDES
@@ -84,7 +84,7 @@ def story_of(
 
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
-    """Yield which robots overlapped each other or an obstacle, as windows."""
+    """Yield the windows in which robots overlapped each other or an obstacle."""
     near = _near(true)
     discs = [each.area for each in mission.obstacles]
     centres = np.array([(disc.center.x, disc.center.y) for disc in discs]).reshape(-1, 1, 2)
@@ -101,8 +101,8 @@ def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
 
 
 def _near(true: Places) -> Callable[[int], Iterable[int]]:
-    """Return what tells which robots before one may have met it, by the boxes around their ways."""
-    begins = np.arange(0, len(true), 32)  # ticks, around whose part of a way a box is put
+    """Return a function of a robot's index that returns earlier ones whose boxes come near."""
+    begins = np.arange(0, len(true), 32)  # first ticks of the parts of a path that have a box
     low, high = (reach.reduceat(true, begins) for reach in (np.fmin, np.fmax))
     reach = 2.001 * ROBOT_RADIUS
 
@@ -114,7 +114,7 @@ def _near(true: Places) -> Callable[[int], Iterable[int]]:
 
 
 def judged(recording: Recording) -> tuple[Judged, ...]:
-    """Return what was said of each goal of a flight, in model order."""
+    """Return the verdicts on each goal of a flight, in model order."""
     verdicts = (recording[name].T for name in ("is_believed", "is_true", "missed"))
     return tuple(
         Judged(runs(believed), runs(true), first(missed > 0))
@@ -148,7 +148,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
 
 
 def window_around(mission: Mission, places: Places) -> tuple[float, float, float]:
-    """Return the same of the square around these and around places, shape ``(…, 2)``."""
+    """Return x, y and half width of a square that also includes places, shape ``(…, 2)``."""
     x, y, half = working_window(mission)
     reach = float(np.abs(places - (x, y)).max())
     return x, y, max(half, reach * 1.05)
@@ -160,23 +160,23 @@ def timeline_table(story: Story) -> Table:
 
 
 def windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
-    """Yield what was so for a while: its kind, whose it was, what, first and last tick."""
+    """Yield states that last: kind, owner, state, first and last tick."""
     for fault in story.faults:
         if fault.window is not None:
             yield "fault", fault.name, fault.words, *fault.window
     last = story.mission.duration - 1
-    for goal, said in zip(story.mission.goals, story.goals, strict=True):
-        for what, times in (("violated in belief", said.believed), ("truly violated", said.true)):
+    for goal, each in zip(story.mission.goals, story.goals, strict=True):
+        for what, times in (("violated in belief", each.believed), ("truly violated", each.true)):
             for window in times:
                 yield "goal", goal.id, what, *window
-        if said.missed is not None:
-            yield "goal", goal.id, "failed", said.missed, last
-    for each in story.collisions:
-        yield "collision", each.names, "truly", *each.window
+        if each.missed is not None:
+            yield "goal", goal.id, "failed", each.missed, last
+    for collision in story.collisions:
+        yield "collision", collision.names, "truly", *collision.window
 
 
 def places_table(story: Story) -> Table:
-    """Return where robots were and were believed to be, at every tick or at each so many-th."""
+    """Return true and believed positions of robots, at every tick or at every n-th."""
     robots, duration = story.mission.robots, story.mission.duration
     step = every(duration * len(robots), 20_000)  # rows, at most
     rows = [
@@ -188,14 +188,14 @@ def places_table(story: Story) -> Table:
 
 
 MOST_VALUES = 6_000_000
-"""Numbers of all series of a page, at most; where there were more, ticks between are left out."""
+"""Numbers of all series of a page, at most; longer series leave out ticks."""
 
 _SERIES = ("x", "y", "speed", "energy")
 
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """A flight about a goal, if about one, and those without one of its faults, by its place."""
+    """A flight, about a goal or none, and the flights without one fault, by the fault's index."""
 
     title: str
     faults: Sequence[NamedFault]
@@ -206,7 +206,7 @@ class Flown:
 
 
 def mission_content(mission: Mission) -> dict[str, Any]:
-    """Return what the page shows of a mission before anything flies."""
+    """Return what the page shows of a mission without a flight."""
     area, units = mission.area, mission.units
     obstacles = ((each.id, each.area.center, each.area.radius) for each in mission.obstacles)
     length, speed = units.distance, units.of(Range.SPEED) if units.distance else ""
@@ -233,7 +233,7 @@ def mission_content(mission: Mission) -> dict[str, Any]:
 
 
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
-    """Return what the page shows of a flight, of motion every so many-th tick (``stride``)."""
+    """Return what the page shows of a flight, with motion at every ``stride``-th tick."""
     world = flown.recording["world"]["robots"]
     story = story_of(flown.title, mission, flown.faults, flown.recording)
     belief = flown.recording["belief"]["robots"]
@@ -273,7 +273,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
 
 
 def stride(mission: Mission, n_flights: int) -> int:
-    """Return the distance of the ticks that a page with so many flights keeps of each."""
+    """Return the distance of the ticks that a page with ``n_flights`` keeps."""
     n_values = n_flights * mission.duration * len(mission.robots) * 2 * len(_SERIES)
     return every(n_values, MOST_VALUES)
 
@@ -295,14 +295,14 @@ def _flight(
         "steps": steps | {f"believed_{name}": step for name, step in steps.items()},
         "digits": {name: _digits(step) for name, step in steps.items()},
         "packed": packed,
-        "goals": [asdict(said) for said in judged(recording)],
+        "goals": [asdict(each) for each in judged(recording)],
     }
 
 
 def _packed(values: npt.NDArray[np.int32]) -> str:
-    """Return numbers, shape ``(n_ticks, n)``, as text: zlib of the bytes of their differences.
+    """Return numbers, shape ``(n_ticks, n)``, as text: zlib of their differences between ticks.
 
-    The lowest bytes of all differences from tick to tick come first, then the second, and so on.
+    The lowest bytes of all differences come first, then the second, and so on.
     """
     differences = np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.int32))
     planes = np.ascontiguousarray(differences.astype("<i4")).view(np.uint8).reshape(-1, 4).T
@@ -310,18 +310,18 @@ def _packed(values: npt.NDArray[np.int32]) -> str:
 
 
 def _step(*values: npt.NDArray[Any]) -> float:
-    """Return the power of ten that leaves the largest of values six digits."""
+    """Return the power of ten that gives the largest value six digits."""
     largest = max(float(np.abs(each).max(initial=1.0)) for each in values)
     return float(10.0 ** (floor(log10(max(largest, 1.0))) - 5))
 
 
 def _digits(step: float) -> int:
-    """Return how many digits behind the point tell numbers apart that differ by a step."""
+    """Return the number of decimals that distinguish numbers one step apart."""
     return max(0, -floor(log10(step)))
 
 
 def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ...]]:
-    """Yield where obstacles were believed to be elsewhere: window, place, ID and radius."""
+    """Yield wrong beliefs about obstacles: window, believed place, ID and radius."""
     true, believed = (
         np.stack([recording[side]["obstacles"][axis] for axis in "xy"]) for side in SIDES
     )
@@ -340,7 +340,7 @@ def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ..
 def _samples(
     mission: Mission, recording: Recording, digits: int
 ) -> Iterator[tuple[int, str, float, float]]:
-    """Yield the samples that truly counted: tick, ID of the goal, and where."""
+    """Yield the samples that truly counted: tick, goal ID and place."""
     goals = recording["world"]["goals"]
     count, *places = (goals[name] for name in ("count", "sampled_x", "sampled_y"))
     for k, goal in enumerate(mission.goals):

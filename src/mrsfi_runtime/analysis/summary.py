@@ -1,12 +1,12 @@
 """Summarise a campaign as one value, and list and draw its figures.
 
-``summarise`` collects what a campaign found, ``as_json`` writes it for scripts. ``illustrate``,
-at the end, lists the figures that the campaign has numbers for. A ``Drawing`` names a function of
-``plots`` or ``mission_plots`` and its arguments.
+``summarise`` collects the results of a campaign, ``as_json`` returns them for scripts.
+``illustrate``, at the end, lists the figures for which the campaign has numbers. A ``Drawing``
+names a function of ``plots`` or ``mission_plots`` and its arguments.
 
-matplotlib takes as long to import, and to draw three figures, as a search of compiled evaluations.
-``DrawingProcess`` therefore draws in a process of its own while this one searches; this module is
-that process's program.
+To import matplotlib and draw three figures takes as long as a search of compiled evaluations.
+``DrawingProcess`` therefore draws in another process during the search. That process runs this
+module.
 
 References
 ----------
@@ -46,15 +46,16 @@ from mrsfi_runtime.search.space import SearchSpace
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What a campaign found.
+    """The results of a campaign.
 
-    ``name`` is that of the mission, ``place`` where it lies in its project. ``top`` are the most
-    critical distinct specifications, at most ten, the worst first, with the ``faults`` of each and
-    the ways that it ``contained``. ``harvest`` is ``None`` if nobody looked for ``ways``; ``said``
-    is the headline of ``verdicts`` and what stands out; ``sentences`` say by number what each fault
-    of some ways did. ``front`` is ``None`` if it is over fewer than two. ``patterns`` are fault
-    types in the top, ``guilty`` those in the ways. ``unrepeated`` says how an external simulation
-    or node was seen not to repeat itself, and nothing if it was not.
+    ``name`` is the mission's, ``place`` its place in the project. ``top`` has the most critical
+    distinct specifications, at most ten, the worst first, with the ``faults`` of each and the
+    weaknesses that it ``contained``. ``ways`` are the weaknesses; ``harvest`` is ``None`` without a
+    search for them. ``highlights`` are the headline of ``verdicts`` and the facts below it.
+    ``sentences`` describe by number what the faults of some weaknesses did. ``front`` is ``None``
+    if it has fewer than two aims. ``patterns`` are fault types in the top, ``guilty`` those in the
+    weaknesses. ``unrepeated`` describes how an external simulation or node gave different results
+    for the same faults, if it did.
     """
 
     folder: Path
@@ -88,13 +89,13 @@ class Summary:
 
     @property
     def counted(self) -> str:
-        """How many evaluations were made, and of how many if the search made fewer than wanted."""
+        """The number of evaluations, and of how many if the search made fewer than it should."""
         if self.settings.is_short(self.n_evaluations + self.n_failures):
             return f"{self.n_evaluations} of {self.settings.evaluations} evaluations"
         return counted(self.n_evaluations, "evaluations")
 
     def outcome(self, way: Way) -> Outcome:
-        """Return what flying the form of a way finds."""
+        """Return the outcome of the variant of a weakness that is shown."""
         assert self.harvest is not None
         return self.harvest.outcomes[way.shown.witness]
 
@@ -113,7 +114,7 @@ def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) ->
 def summarise(
     folder: Path, store: CampaignStore, mission: Mission, pool: FaultPool, ratio: str | None
 ) -> tuple[Summary, Columns]:
-    """Return what the campaign in a folder found so far, and its evaluations."""
+    """Return the results so far of the campaign in a folder, and its evaluations."""
     measure = Measure.of(store.settings, mission)
     wanted = None if ratio is None else fronts.parse_ratio(ratio)
     goals = store.settings.goals
@@ -203,7 +204,7 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
             each
             | {
                 "sentences": list(summary.sentences.get(way.number, ())),
-                "mildest": way.mildest and way.mildest.as_json(),  # what the sentences tell of
+                "mildest": way.mildest and way.mildest.as_json(),  # which the sentences describe
             }
             for way in summary.ways
             for each in way.as_json()
@@ -223,13 +224,13 @@ def _ranked(
     summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault], found: Iterable[Way]
 ) -> dict[str, Any]:
     outcome, goals = evaluation.outcome, summary.measure.goals
-    told = outcome.results(summary.measure.duration)
+    results = outcome.results(summary.measure.duration)
     return {
         "evaluation": evaluation.index,
         "generation": evaluation.generation,
         "fitness": evaluation.fitness[0],
         "fault_ticks": evaluation.fault_ticks,
-        **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in told.items()},
+        **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in results.items()},
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
         "weaknesses": [way.number for way in found],
@@ -253,7 +254,7 @@ def _front(front: Front) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure to come: the module of ``analysis`` and its function that draw it, and what from."""
+    """A figure to draw: a function of a module of ``analysis``, and its arguments."""
 
     function: str
     arguments: tuple[Any, ...]
@@ -264,14 +265,14 @@ Drawings: TypeAlias = Sequence[tuple[Drawing, Path]]
 """Drawings with the path of each one's files, without suffix."""
 
 FigureFiles: TypeAlias = Mapping[str, bytes]
-"""What the files of a figure hold, by suffix."""
+"""Contents of the files of a figure, by suffix."""
 
 Draw: TypeAlias = Callable[[Drawings], Callable[[], None]]
-"""Takes figures to be drawn and saved; what it returns waits until all are, or draws them."""
+"""Takes figures to draw and save; returns a function that waits for them, or draws them."""
 
 
 def draw_here(drawings: Drawings) -> Callable[[], None]:
-    """Let figures be drawn by this process."""
+    """Draw figures in this process."""
 
     def finish() -> None:
         for drawing, stem in drawings:
@@ -294,7 +295,7 @@ def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> Figur
 
 
 class DrawingProcess:
-    """A process that draws, first what is ``ahead``; it ends with the ``with`` block."""
+    """A process that draws, first the figures ``ahead``; it ends with the ``with`` block."""
 
     def __init__(self, *ahead: Drawing) -> None:
         self._ahead = ahead
@@ -322,9 +323,9 @@ class DrawingProcess:
                 pass
 
     def draw(self, drawings: Drawings) -> Callable[[], None]:
-        """Begin to draw; what is returned saves all figures, and waits for those that are missing.
+        """Begin to draw; return a function that waits for all figures and saves them.
 
-        It raises the ``OSError`` that saving met, and draws here what the process has not drawn.
+        The function raises an ``OSError`` of saving, and draws here what the process did not.
         """
         begun = [(drawing, self._found(drawing), stem) for drawing, stem in drawings]
 
@@ -339,7 +340,7 @@ class DrawingProcess:
         return next(ready, None) or self._begin(drawing)
 
     def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        # Pickled here: what a mission has looked up grows in this thread meanwhile.
+        # Pickled here, because this thread meanwhile adds to the caches of missions.
         return self._thread.submit(self._drawn_there, pickle.dumps(drawing))
 
     def _drawn_there(self, drawing: bytes) -> FigureFiles | None:
@@ -355,10 +356,10 @@ class DrawingProcess:
 
 
 def main() -> None:
-    """Draw what standard input says, as long as it says anything, and answer with each figure."""
+    """Draw each figure that is read from standard input, and write it to standard output."""
     if hasattr(os, "nice"):
-        os.nice(10)  # what is searched meanwhile comes first
-    gc.disable()  # it takes a tenth of the time, for the 2 MB that some figures leave
+        os.nice(10)  # the search comes first
+    gc.disable()  # which takes a tenth of the time, to free 2 MB
     try:
         while True:
             files = drawn(pickle.load(sys.stdin.buffer))
@@ -366,7 +367,7 @@ def main() -> None:
             sys.stdout.buffer.flush()
     except EOFError:
         return
-    except BrokenPipeError:  # nor is anybody to be told of it when Python ends
+    except BrokenPipeError:  # nor may Python write at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -375,7 +376,7 @@ if __name__ == "__main__":
 
 
 class Illustration(NamedTuple):
-    """A figure and the numbers behind it, with its caption as title, by the stem of their files."""
+    """A figure and its table, whose title is the caption; ``name`` is the stem of their files."""
 
     name: str
     drawing: Drawing
@@ -383,11 +384,10 @@ class Illustration(NamedTuple):
 
 
 def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iterator[Illustration]:
-    """Yield the figures that a campaign has numbers for, in the order of the paper.
+    """Yield the figures for which a campaign has numbers, in the order of the paper.
 
-    A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7, which differ in the
-    fitness only; figures 10 and 11 show the first two goals of its front, whatever is minimised
-    beside them.
+    A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7; they differ only in the
+    fitness. Figures 10 and 11 show the first two goals of its front, whatever else it minimises.
     """
     table = tables.map_table("Mission map", summary.mission)
     yield Illustration("figure_05_mission_map", map_drawing(summary.mission), table)
@@ -414,7 +414,7 @@ def map_drawing(mission: Mission) -> Drawing:
 
 
 def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
-    """Return what the fitness of a campaign measures, for an axis."""
+    """Return the label of an axis for the fitness of a campaign."""
     name = settings.fitness
     goals = " + ".join(settings.goals) or "the chosen goals"
     known = {

@@ -1,12 +1,12 @@
 """Tables as values, their writers, and the tables of flights and campaigns.
 
-A ``Table`` has a title, named columns and rows. Writers make Markdown, CSV, HTML and values for
-the page of it; ``cli/terminal.py`` writes it for terminals. The trend of fitness and the patterns
-of fault types come next, then one function for each table; ``weaknesses.py`` has those of
-weaknesses. This module loads without numpy, because ``mrsfi simulate`` prints some of its tables.
+A ``Table`` has a title, named columns and rows. Writers turn it into Markdown, CSV, HTML and values
+for the page; ``cli/terminal.py`` prints it. The trend of fitness and the patterns of fault types
+come next, then one function for each table; ``weaknesses.py`` has those of weaknesses. This module
+loads without numpy, because ``mrsfi simulate`` prints some of its tables.
 
-A fault type that search met often is popular, not guilty. Its count is shown beside the count
-that a random draw from the pool would give, and that its share in the campaign would give.
+A fault type that a search drew often need not be harmful. Its count is therefore shown beside the
+counts that its share in the pool, and its share in the campaign, would give.
 
 References
 ----------
@@ -50,11 +50,11 @@ Cell: TypeAlias = str | int | float | None
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows under named columns: of words, of texts, which may wrap, and all others of numbers.
+    """Rows under named columns of ``words``, of ``texts``, which may wrap, and of numbers.
 
-    A cell may have several lines, and is ``None`` where there is nothing. A compact table has
-    little room between its columns. On a terminal that is too narrow, ``spare`` columns are left
-    out first; then those that are ``folded``, which stand side by side, become one of that name.
+    A cell may have several lines; an empty one is ``None``. A compact table has little space
+    between columns. On a narrow terminal, ``spare`` columns are left out first. Then the adjacent
+    columns that are ``folded`` become one of that name.
     """
 
     title: str
@@ -73,7 +73,7 @@ class Table:
         yield from self.rows
 
     def narrower(self) -> "Iterator[Table]":
-        """Yield the table as it is, then with less: without spare columns, with folded ones."""
+        """Yield the table, then narrower ones: without spare columns, with folded ones."""
         yield self
         table = self
         if self.spare:
@@ -93,7 +93,7 @@ class Table:
             yield replace(table, columns=columns, rows=rows, texts=texts, folded=("", ()))
 
     def _in_one(self, cells: Sequence[Cell]) -> str:
-        """Return folded cells as one: numbers behind their names, each text on its own line."""
+        """Return folded cells as one: numbers after their names, each text on its own line."""
 
         def part(name: str, cell: str) -> str:
             if cell in {"", NONE}:
@@ -107,19 +107,19 @@ class Table:
 
 
 def every(n: int, most: int) -> int:
-    """Return how far apart those are that stay if at most so many of ``n`` may: 1 if all do."""
+    """Return the step with which at most ``most`` of ``n`` items are kept; 1 keeps all."""
     return max(1, -(-n // most))
 
 
 def in_words(cell: Cell) -> str:
-    """Return a cell as people read it."""
+    """Return a cell as text for people."""
     if isinstance(cell, float):
         return f"{cell:.2f}" if abs(cell) >= 1 else f"{cell:.3g}"
     return NONE if cell is None else str(cell)
 
 
 def to_markdown(table: Table) -> str:
-    """Return a table without its title; lines of a cell stand behind each other."""
+    """Return a table without its title; lines of a cell are joined by slashes."""
     first, *others = (
         f"| {' | '.join(plain(in_words(cell).replace(chr(10), ' / ')) for cell in line)} |"
         for line in table.lines
@@ -133,7 +133,7 @@ def to_page(table: Table) -> dict[str, Any]:
 
 
 def to_html(table: Table) -> str:
-    """Return a table with its title as HTML in which nothing of a cell becomes markup."""
+    """Return a table with its title as HTML; cells are escaped."""
 
     def line(tag: str, cells: Sequence[Cell]) -> str:
         return "".join(f"<{tag}>{escape(printable(in_words(cell)))}</{tag}>" for cell in cells)
@@ -154,9 +154,9 @@ def as_csv(lines: Iterable[Sequence[Cell]]) -> bytes:
 
 
 def write_csv(file: TextIO, lines: Iterable[Sequence[Cell]]) -> None:
-    """Write lines as CSV into a file that leaves line feeds as they are, one after the other."""
+    """Write lines as CSV, one after the other, into a file that keeps line feeds."""
 
-    def inert(cell: Cell) -> Cell:  # a name may begin like what spreadsheets take for a formula
+    def inert(cell: Cell) -> Cell:  # a name may look like a formula to spreadsheets
         is_formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
         return f"'{cell}" if is_formula else cell
 
@@ -164,12 +164,12 @@ def write_csv(file: TextIO, lines: Iterable[Sequence[Cell]]) -> None:
 
 
 def plain(text: str) -> str:
-    """Return text that cannot break out of its line or cell, nor steer a terminal."""
+    """Return text that stays in its line and cell of Markdown, without control characters."""
     return printable(text).replace("|", "\\|").replace("<", "&lt;")
 
 
 def printable(text: str) -> str:
-    """Return text in one line, of characters that are seen."""
+    """Return text in one line of printable characters."""
     line = " ".join(text.split())
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)
 
@@ -187,10 +187,10 @@ class GenerationFitness:
 
 @dataclass(frozen=True, slots=True)
 class Trend:
-    """Fitness over the generations, and the line of least squares through their means.
+    """Fitness over the generations, and the least-squares line through their means.
 
-    It describes one run. There is no p-value, because generations of one search depend on each
-    other; whether an algorithm does better is tested over many seeds (``study.comparison``).
+    It describes one run. There is no p-value, because generations of one search are dependent;
+    ``study.comparison`` tests algorithms over many seeds.
     """
 
     generations: tuple[GenerationFitness, ...]
@@ -211,11 +211,11 @@ def find_trend(generations: Iterable[Generation]) -> Trend:
 
 @dataclass(frozen=True, slots=True)
 class TypePattern:
-    """How often one fault type occurs in the top: timed faults, and specifications with one.
+    """Occurrences of one fault type in the top: timed faults, and specifications with one.
 
     ``share`` is of the top's timed faults, ``pool_share`` of the pool's faults, ``campaign_share``
-    of all specifications' timed faults, each in [0, 1]; the top would have as many as
-    ``…_expected`` if its shares were those.
+    of all specifications' timed faults, each in [0, 1]. ``…_expected`` are the occurrences that the
+    top would have with these shares.
     """
 
     type: str
@@ -233,7 +233,7 @@ def find_patterns(
 ) -> tuple[TypePattern, ...]:
     """Count every fault type of the pool in the top, most occurrences first, then by name.
 
-    ``tried`` says how often each fault, by its ID, stands in the campaign's specifications.
+    ``tried`` has the number of each fault, by ID, in the campaign's specifications.
     """
     types = [[pool[timed.fault].type for timed in each] for each in top]
     in_top, in_pool = Counter(chain(*types)), Counter(fault.type for fault in pool)
@@ -254,7 +254,7 @@ COUNTS = (
     "Ticks at which each goal was violated in belief and in truth. Phantom: in belief only; "
     "masked: in truth only."
 )
-"""What ``goal_table`` shows."""
+"""Explanation of the counts in ``goal_table``."""
 
 MOST_LISTED = 100_000
 """Evaluations that ``evaluations.csv`` lists, at most."""
@@ -263,7 +263,7 @@ _FAILED_FROM = "failed from"
 
 
 def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
-    """Return what happened to each goal, in model order."""
+    """Return the results of each goal, in model order."""
     counted = [name for name in COUNTED if name != "missed"]
     counts = [getattr(outcome, name) for name in counted]
     since = outcome.missed_since(mission.duration)
@@ -274,28 +274,29 @@ def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
 
 
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
-    """Return what ``goal_table`` shows, for scripts."""
-    told = outcome.results(mission.duration) | {"samples": outcome.samples}
+    """Return the content of ``goal_table`` for scripts."""
+    results = outcome.results(mission.duration) | {"samples": outcome.samples}
     margins = outcome.margins or [None] * len(mission.goals)
     least, ticks = zip(*(each or (None, None) for each in margins), strict=True)
-    told |= {"margin": least, "nearest": ticks}
+    results |= {"margin": least, "nearest": ticks}
     return [
-        {"id": goal.id, "task": goal.task.name, **dict(zip(told, counts, strict=True))}
-        for goal, *counts in zip(mission.goals, *told.values(), strict=True)
+        {"id": goal.id, "task": goal.task.name, **dict(zip(results, counts, strict=True))}
+        for goal, *counts in zip(mission.goals, *results.values(), strict=True)
     ]
 
 
 def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
-    """Say of goals that held by how much, and when that was the least; empty if of none."""
+    """Return the closest approaches of goals that did not break; empty without such goals."""
+    about = "Closest approach of unbroken goals to their limits"
     if outcome.margins is None:
-        return "Closest approach of unbroken goals to their limits: not recorded"
+        return f"{about}: not recorded"
     found = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
-    told = [
+    approaches = [
         f"{goal.id} {nearness(mission, goal, margin)} at tick {margin[1]}"
         for goal, margin, *n_broken in found
         if margin is not None and not any(n_broken)
     ]
-    return f"Closest approach of unbroken goals to their limits: {', '.join(told)}" if told else ""
+    return f"{about}: {', '.join(approaches)}" if approaches else ""
 
 
 def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
@@ -309,7 +310,7 @@ def _samples(goal: Goal, n_samples: int) -> str:
 
 
 def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> Table:
-    """Return what each timed fault of a specification is, and at how many ticks it did what."""
+    """Return the timed faults of a specification, with their ticks of activity and change."""
     words, texts = ("fault", "type"), ("target", "values")
     rows: list[tuple[Cell, ...]] = []
     for each, *counts in zip(faults, outcome.applied, outcome.changed, strict=True):
@@ -321,7 +322,7 @@ def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> T
 
 
 def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[str, Any]]:
-    """Return what ``fault_table`` shows, for scripts."""
+    """Return the content of ``fault_table`` for scripts."""
     return [
         {"id": fault.fault.id, **fault.as_json(), "applied": applied, "changed": changed}
         for fault, applied, changed in zip(faults, outcome.applied, outcome.changed, strict=True)
@@ -331,11 +332,10 @@ def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[
 def critical_table(
     measure: Measure, pool: FaultPool, top: Sequence[Evaluation], n_distinct: int
 ) -> Table:
-    """Return the most critical specifications with fitness, what came of each goal, and faults.
+    """Return the most critical specifications with fitness, results of each goal, and faults.
 
-    Each takes a line for violations as the collective intelligence believed them, one for those
-    that were true, and one for the tick from which on a goal was certain to be missed; before these
-    one for the campaign's measure if it is another.
+    Each has a line for believed violations, one for true ones, and one for the tick from which on a
+    goal failed. A measure of the campaign that is none of these has a line before them.
     """
     rows: list[tuple[Cell, ...]] = []
     for rank, each in enumerate(top, 1):
@@ -354,8 +354,8 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
-        told = (ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals)
-        yield (name, *told)
+        counts = (ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals)
+        yield (name, *counts)
     yield ("believed", *map(str, evaluation.outcome.believed))
     yield ("true", *map(str, evaluation.outcome.true))
     since = evaluation.outcome.missed_since(measure.duration)
@@ -363,7 +363,7 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
 
 
 def map_table(title: str, mission: Mission) -> Table:
-    """Return everything with a place in the mission, in distance units."""
+    """Return the areas, robots and obstacles of a mission with their places, in distance units."""
     area, obstacles, discs = mission.area, mission.obstacles, mission.goal_discs
     places: list[tuple[str, str, str, Coordinates | GoalDisc, float]] = [
         ("mission area", area.id, mission.name, area.center, area.radius),
@@ -376,7 +376,7 @@ def map_table(title: str, mission: Mission) -> Table:
 
 
 def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
-    """Return what a mission is made of."""
+    """Return the robots, goals, obstacles and faults of a mission."""
     parts = {
         "robots": map(with_id, mission.robots),
         "goals": map(with_id, mission.goals),
@@ -389,7 +389,7 @@ def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
 
 
 def settings_table(settings: CampaignSettings) -> Table:
-    """Return what the campaign file and the options say, by name."""
+    """Return the settings of the campaign file and the options, by name."""
     rows = (
         (name, " ".join(value) or "none named" if isinstance(value, list) else str(value))
         for name, value in settings.as_json().items()
@@ -399,13 +399,13 @@ def settings_table(settings: CampaignSettings) -> Table:
 
 
 def pattern_table(title: str, patterns: Iterable[TypePattern]) -> Table:
-    """Return how often each type of faults occurs, and how often by chance."""
+    """Return how often each fault type occurs, and how often by chance."""
     columns = [field.name.removeprefix("n_") for field in fields(TypePattern)]
     return Table(title, columns, [*map(astuple, patterns)])
 
 
 def front_table(front: "Front") -> Table:
-    """Return the points of a front, with what it has few of beside many violations last."""
+    """Return the points of a front; a cost that it minimises comes last."""
     columns = ("evaluation", *front.aims)
     rows = [
         (point.evaluation, *point.violations, point.cost)[: len(columns)] for point in front.points
@@ -415,7 +415,7 @@ def front_table(front: "Front") -> Table:
 
 
 def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
-    """Return the front of harm against what is minimised; ``by`` names an evaluation."""
+    """Return the front of harm against a minimised cost; ``by`` is an evaluation."""
     few = str(measure.minimised)
     title = f"Most violations for each limit on {few} ({measure}, {', '.join(measure.chosen)})"
     columns = (few, "goals violated", "goals by", "violations", "violations by")
@@ -423,10 +423,9 @@ def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
 
 
 def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
-    """Return evaluations with what came of each goal; several objectives in one cell.
+    """Return evaluations with the results of each goal; several objectives share one cell.
 
-    The counts are those of the first mission seed. A cell is empty where a goal was not missed
-    since any tick.
+    Counts are of the first mission seed. ``missed_since`` is empty for goals that did not fail.
     """
     counted = (f"{name}_{goal}" for name in RESULTS for goal in measure.goals)
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
@@ -446,7 +445,7 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
 
 
 def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
-    """Return evaluations in ten columns: counts are over all goals; missed ones are named."""
+    """Return evaluations in ten columns, with counts over all goals, and the goals that failed."""
     rows = (
         (
             each.index,

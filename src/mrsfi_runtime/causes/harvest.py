@@ -385,7 +385,9 @@ class _Kept(NamedTuple):
             raise ValueError(f"found {text[:60]}; expected the record of weaknesses") from error
         recorded = {*n_kept, *(each.column for each in found)}
         if unknown := recorded.difference(weakness.columns(mission)):
-            raise ValueError(f"found a weakness of goal {min(unknown).goal!r}; expected a goal of the mission")
+            raise ValueError(
+                f"found a weakness of goal {min(unknown).goal!r}; expected a goal of the mission"
+            )
         return cls(n_evaluations, n_flights, n_kept, found, mild)
 
 
