@@ -1,20 +1,20 @@
-"""What fault types are made of: a mode, the properties that it touches, and parameters.
+"""Fault types: a mode, the properties that it touches, and parameters.
 
-``metamodels/faults.ecore`` defines the fault types, in annotations that use the words of the
+``metamodels/faults.ecore`` defines the fault types in annotations that use the words of the
 enumerations here. A generated fault loader carries those of its pool as ``FaultType`` values.
-``ROLES`` says which parameters a mode takes for which properties, ``WITHIN_REACH`` what a fault can
-touch. ``plain_name`` is what an ID becomes in Python and in topics of ROS.
+``ROLES`` lists the parameters of a mode for each property, ``WITHIN_REACH`` the properties that a
+fault can touch. ``plain_name`` turns an ID into a name for Python and for topics of ROS.
 
-``SEMANTICS`` is the version of the world's rules, which docs/semantics.md describes. Records,
-generated code and the bus carry it. It changes when the same faults in the same mission may lead
-to another flight; what carries another version can be read, but is not flown:
+``SEMANTICS`` is the version of the world's rules (docs/semantics.md). Records, generated code and
+the bus carry it. It changes when the same faults in the same mission may lead to another flight.
+Files of another version can be read, but not flown:
 
 Version 1
-    mrsfi 0.1. Verdicts and reactions are decided to the last bit; belief begins without a speed;
-    a robot obeys commands up to five times its nominal speed.
+    mrsfi 0.1. Verdicts and reactions depend on the last bit; belief begins without a speed; a robot
+    obeys commands up to five times its nominal speed.
 Version 2
-    mrsfi 0.3. Verdicts have a tolerance and reactions a reserve; belief begins with what the model
-    says; a robot obeys commands up to its own greatest speed; an outcome says what was missed.
+    mrsfi 0.3. Verdicts have a tolerance and reactions a reserve; belief begins with the model's
+    values; a robot obeys commands up to its own greatest speed; an outcome has missed goals.
 
 Begin with ``FaultType``.
 
@@ -46,7 +46,7 @@ class Field(IntEnum):
 
 
 class Mode(IntEnum):
-    """What happens to the property while the fault is active."""
+    """Effect on the property while the fault is active."""
 
     DELAY = 0
     BLOCK = 1
@@ -61,11 +61,11 @@ class Mode(IntEnum):
     START = 10
     DEACTIVATE = 11
     ACTIVATE = 12
-    OWN = 13  # what a region of the generated code says
+    OWN = 13  # a user-defined effect, in a region of the generated code
 
 
 class Range(Enum):
-    """What a parameter counts, from which the bounds follow that search keeps to."""
+    """The quantity of a parameter, from which default bounds for search follow."""
 
     TICKS = "ticks"
     PERCENT = "percent"
@@ -82,17 +82,14 @@ class Range(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """The units in which quantities are told to people; each is empty if the model names none.
-
-    ``time`` is what a tick lasts.
-    """
+    """The units of printed quantities, each empty if the model names none; ``time`` is a tick's."""
 
     distance: str = ""
     time: str = ""
     energy: str = ""
 
     def of(self, measured: Range) -> str:
-        """Return the unit of a quantity, in words of ours if need be; shares have none."""
+        """Return the unit of a quantity, by default one of ours; shares have none."""
         per = self.time or "tick"
         named = {
             Range.TICKS: self.time,
@@ -106,17 +103,17 @@ class Units:
         return "" if measured is Range.SHARE else named.get(measured, "") or measured.value
 
     def quantity(self, value: float, measured: Range, digits: int = 4) -> str:
-        """Return a quantity of so many digits with its unit: ``3 energy units``, ``41.2 m``."""
+        """Return a rounded quantity with its unit: ``3 energy units``, ``41.2 m``, ``71000 m``."""
         rounded = float(f"{value:.{digits}g}")
         return f"{rounded:.15g} {self.of(measured)}".rstrip()
 
     def ticks(self, number: int) -> str:
-        """Return how long so many ticks last: ``1 tick``, ``2 ticks``, ``2 s``."""
+        """Return a number of ticks with its unit: ``1 tick``, ``2 ticks``, ``2 s``."""
         return f"{number} {self.time}" if self.time else counted(number, "ticks")
 
 
 class Role(Enum):
-    """What a parameter is to the mode of its type."""
+    """Role of a parameter for the mode of its type."""
 
     VALUE = "value"
     LOWEST = "lowest value"
@@ -141,8 +138,7 @@ class Struck(Enum):
 class Parameter:
     """A parameter of a fault type, spelled as in the metamodel.
 
-    ``evolves`` says whether search may change it; ``is_integer`` whether only whole
-    numbers make sense.
+    Search may change it if it ``evolves``. Its values are whole numbers if it ``is_integer``.
     """
 
     name: str
@@ -155,9 +151,9 @@ class Parameter:
 class FaultType:
     """A kind of disturbance.
 
-    ``properties`` is empty for delays and blocks, which touch whatever their message carries.
-    ``parameters`` fixes the order of a fault's ``values``; it is the order of the roles in
-    which the mode takes them. ``effect`` numbers the effects of a team's own.
+    ``properties`` is empty for delays and blocks, which touch all that their message carries.
+    ``parameters`` have the order of a fault's ``values``, and of the roles of the mode. ``effect``
+    numbers user-defined effects.
     """
 
     name: str
@@ -210,8 +206,8 @@ ROLES: Mapping[Mode, Mapping[Field | None, tuple[Role, ...]]] = {
     Mode.DEACTIVATE: {Field.ACTIVATION: ()},
     Mode.ACTIVATE: {Field.ACTIVATION: ()},
 }
-"""The properties that a mode acts on, and the parameters that it takes there in order; ``None``
-stands for whatever a message carries. A height, ``Role.Z``, may be absent."""
+"""The properties that a mode acts on, with the parameters of each in order. ``None`` stands for all
+that a message carries. A height, ``Role.Z``, may be absent."""
 
 OF_ROBOT = (Field.POSITION, Field.SPEED, Field.ENERGY)
 """Properties of a robot that its messages report."""
@@ -219,12 +215,12 @@ OF_ROBOT = (Field.POSITION, Field.SPEED, Field.ENERGY)
 OF_SENSOR = (Field.COUNT, Field.RATE, Field.COST)  # properties of a sensor that are believed
 
 IN_NO_MESSAGE = (Field.RATE, Field.COST)
-"""Properties that are believed to be what the model says; no message carries them."""
+"""Properties that no message carries; belief has the model's values."""
 
 ELEMENTS = (OF_ROBOT, OF_SENSOR, (Field.OBSTACLE,))
-"""Properties by what they are properties of; an effect of a team's own acts on one of the three."""
+"""Properties by kind of owner; a user-defined effect acts on one of the three."""
 
-N_VALUES = 8  # parameters of a type of a team's own, at most
+N_VALUES = 8  # parameters of a user-defined type, at most
 
 WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
     Struck.MESSAGE: (None, *OF_ROBOT, *OF_SENSOR),
@@ -232,8 +228,8 @@ WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = {
     Struck.SENSOR: (*OF_SENSOR, Field.ACTIVATION),
     Struck.OBSTACLE: (Field.OBSTACLE,),
 }
-"""The properties that a fault can touch, by what it refers to: those of a message's sender, of a
-robot and its sensors, of a sensor, of an obstacle."""
+"""The properties that a fault can touch, by the kind of element it refers to: those of a message's
+sender, of a robot and its sensors, of a sensor, of an obstacle."""
 
 
 def plain_name(text: str) -> str:
@@ -253,7 +249,7 @@ SEMANTICS = 2  # the version that this runtime flies
 
 
 def difference(found: int) -> str:
-    """Return the words of an error about a version that is not flown here."""
+    """Return the error message about a version that cannot be flown."""
     return (
         f"found semantics {found}; expected semantics {SEMANTICS}, which this mrsfi flies "
         "(docs/semantics.md)"

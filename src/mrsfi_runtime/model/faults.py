@@ -1,24 +1,24 @@
-"""Faults, what they touch, and the gate through which each fault specification enters.
+"""Faults, the properties they touch, and the gate that each fault specification passes.
 
-A ``FaultPool`` has the faults that could occur in a mission. Search arranges them into a
-specification: ``TimedFault`` values, each with a window and values of its own. Two faults conflict
-when they touch the same property of the same target (``touched``): one would disable the other.
+A ``FaultPool`` has the faults that could occur in a mission. Search combines them into a
+specification: ``TimedFault`` values, each with its window and values. Two faults conflict when they
+touch the same property of the same target (``touched``), because one would disable the other.
 
-What holds throughout: every specification passes ``Gate.admitted``, whether models, scripts,
-search, users' code or records bring it. In one that passed, conflicting faults never overlap, and
-numbers are Python's own. Windows and whole values are those of an ``EInt``, other values at most
-``MOST``; within these limits the reference and the compiled engine agree to the last bit.
+The invariant: every specification passes ``Gate.admitted``, whether it comes from models, scripts,
+search, users' code or records. After it, conflicting faults never overlap, and numbers are Python's
+own types. Windows and whole values fit an ``EInt``, other values are at most ``MOST``; within these
+limits the reference and the compiled engine agree to the last bit.
 
-``value_bounds`` says between which values search may choose. A bound is what the model says, else a
-default that the mission gives for the parameter's range; the pool's own value always lies inside.
+``value_bounds`` returns the values among which search may choose. The model's bounds come first,
+then defaults for the parameter's range in the mission. The pool's value always lies inside.
 
 Begin with ``Fault``, ``TimedFault`` and ``Gate``.
 
 References
 ----------
-Source paper, sections III-B b), III-C b) and III-E a) to c). On conflicts it says *same message* in
-one place and *same class* in another; the key used here serves the purpose it states. It leaves
-the bounds of values open.
+Source paper, sections III-B b), III-C b) and III-E a) to c). It defines conflicts by *same message*
+in one place and by *same class* in another; the key used here serves the purpose that it states.
+It does not define the bounds of values.
 """
 
 import math
@@ -48,25 +48,25 @@ from mrsfi_runtime.model.fault_types import (
 from mrsfi_runtime.model.mission import Area, Mission, Obstacle, Robot, Sensor
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
-"""Value of a feature that a team has added to a metamodel; a mapping is a part."""
+"""Value of a user-defined feature of a metamodel; a mapping is a contained element."""
 
 
 class Event(IntEnum):
-    """What can set faults off, judged in truth at the end of a tick."""
+    """What can trigger faults, judged in truth at the end of a tick."""
 
     VIOLATED = 0  # a goal is violated
-    REACHED = 1  # a goal has all its samples, or its robots were where they were to go
+    REACHED = 1  # a goal has all its samples, or its robots have reached their destination
     ENTERED = 2  # a robot is in an area
     EFFECT = 3  # a fault has changed something
 
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """An event that sets faults off, when it first happens in a flight.
+    """An event that activates faults when it first happens in a flight.
 
-    ``of`` are the IDs of what it happens to: a goal, a robot that enters the ``area``, or faults,
-    any of which will do. A fault that waits for it acts ``delay`` ticks after the tick that
-    follows, for ``duration`` ticks at most; ``None`` is to the end of its window.
+    ``of`` has IDs: of a goal, of a robot that enters the ``area``, or of faults, any of which
+    suffices. A fault that waits for it is active ``delay`` ticks after the following tick, for
+    ``duration`` ticks at most; ``None`` is to the end of its window.
     """
 
     id: str
@@ -78,13 +78,13 @@ class Trigger:
 
     @property
     def words(self) -> str:
-        """When faults act that wait for it: ``when g4 is reached, 5 ticks later, for 9 ticks``."""
+        """When waiting faults are active: ``when g4 is reached, 5 ticks later, for 9 ticks``."""
         lasts = "" if self.duration is None else f", for {counted(self.duration, 'ticks')}"
         return self.when + lasts
 
     @property
     def when(self) -> str:
-        """When faults begin that wait for it: ``when g4 is reached, 5 ticks later``."""
+        """When waiting faults begin: ``when g4 is reached, 5 ticks later``."""
         area = self.area.id if self.area else "no area"
         happens = ("is violated", "is reached", f"enters {area}", "changes something")[self.event]
         later = f", {counted(self.delay, 'ticks')} later" if self.delay else ""
@@ -96,12 +96,11 @@ class Fault:
     """A fault of the pool.
 
     ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.struck`` says.
-    ``values`` follow ``kind.parameters``. ``bounds`` holds what the model says about the
-    range of an evolving parameter: name to (lowest, highest), ``None`` where it is silent.
-    ``start`` and ``finish``, and the ID of a ``trigger`` that it waits for, are set in a written
-    fault specification, not in a pool.
-    ``likelihood`` is the chance that it occurs in a mission, 0 … 1, ``None`` if nobody knows.
-    ``own`` holds what a team has added to the class of faults, or to that of their type.
+    ``values`` follow ``kind.parameters``. ``bounds`` has the model's bounds of evolving parameters
+    by name: (lowest, highest), ``None`` where the model has none. ``start``, ``finish`` and the ID
+    of a ``trigger`` are set in a written fault specification, not in a pool. ``likelihood`` is the
+    chance that the fault occurs in a mission, 0 … 1, ``None`` if unknown. ``own`` has user-defined
+    features of the class of faults, or of their type.
     """
 
     id: str
@@ -123,15 +122,15 @@ class Fault:
 
     @property
     def words(self) -> str:
-        """Its type, and what it refers to: ``FixedSpeed of m8``."""
+        """Its type and target: ``FixedSpeed of m8``."""
         return f"{self.type} of {self.target}"
 
 
 class TimedFault(NamedTuple):
-    """A pool fault at work: active for ``start <= tick <= finish``.
+    """A pool fault that is active for ``start <= tick <= finish``.
 
-    ``fault`` is the ID of the pool fault; ``values`` replace those of the pool. One with a
-    ``trigger``, by its ID, is active in that window from when its trigger sets it off.
+    ``fault`` is the ID of the pool fault; ``values`` replace those of the pool. With a ``trigger``,
+    given by its ID, the fault is active in that window only after the trigger.
     """
 
     fault: str
@@ -152,13 +151,13 @@ def numbered(faults: Iterable[str]) -> tuple[str, ...]:
 
 
 def original(name: str, faults: Container[str]) -> str:
-    """Return which of some faults a timed one is by its name; with a number, a copy of it."""
+    """Return the fault that a name stands for; a name with a number stands for a copy."""
     base, _, number = name.rpartition(".")
     return base if base and name not in faults and number.isdecimal() else name
 
 
 def fault_ticks(specification: Specification, duration: int) -> int:
-    """Return at how many ticks of a mission faults are active, summed over timed faults."""
+    """Return the ticks of a mission at which faults are active, summed over timed faults."""
     return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)
 
 
@@ -166,15 +165,12 @@ COSTS: Mapping[str, Callable[[Specification, int], int]] = {
     "faults": lambda specification, _: len(specification),
     "fault_ticks": fault_ticks,
 }
-"""What a search can keep few of, of a specification and the duration of its mission in ticks."""
+"""Costs that a search can minimise, of a specification and a mission's duration in ticks."""
 
 
 @dataclass(frozen=True)
 class FaultPool:
-    """The faults that could strike a mission, and what could set them off, both in model order.
-
-    ``own`` is as for a fault.
-    """
+    """The faults that could occur in a mission, and their triggers, in model order."""
 
     id: str
     faults: tuple[Fault, ...]
@@ -212,7 +208,7 @@ class FaultPool:
         return self if len(left) == len(self.faults) else replace(self, faults=left)
 
     def written_specification(self) -> Specification:
-        """Return the faults of a written specification, each of which has to have a window."""
+        """Return the faults of a written specification; each must have a window."""
         timed = []
         for fault in self.faults:
             if fault.start is None or fault.finish is None:
@@ -233,13 +229,13 @@ Target: TypeAlias = tuple[Field, int]
 _OF_ANY_SENSOR = (*OF_SENSOR, Field.ACTIVATION)
 
 _BY_NAME = {affected.name: affected for affected in OF_ROBOT}
-"""What the entries of a message's body stand for; all others are types of sensors."""
+"""Properties by entry of a message's body; all other entries are types of sensors."""
 
 
 def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
-    """Return what a fault touches, each once, in model order; nothing if no message carries it.
+    """Return the properties that a fault touches, in model order; none if no message carries them.
 
-    A fault that refers to an element that the mission does not have is refused.
+    An unknown element is a ``SpecificationError``.
     """
     key = (fault.type, fault.target)
     if key not in mission.touches:
@@ -347,7 +343,7 @@ def plain(timed: TimedFault) -> TimedFault:
 def _is_plain(
     fault: object, start: int, finish: int, values: Sequence[float], trigger: object
 ) -> bool:
-    """Return whether nothing is to be done, quickly: search has timed faults by the million."""
+    """Return quickly whether nothing has to change; search has millions of timed faults."""
     if not (type(start) is type(finish) is int and type(fault) is type(trigger) is str):
         return False
     if type(values) is not tuple:
@@ -359,7 +355,7 @@ def _is_plain(
 
 
 def _are(kind: type[Any], *found: object) -> bool:
-    """Return whether all are numbers of a kind, which truth and text are not."""
+    """Return whether all are numbers of a kind; Booleans and text are not."""
     return all(isinstance(each, kind) and not isinstance(each, bool) for each in found)
 
 
@@ -405,10 +401,10 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
 
 
 class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
-    """Admits fault specifications to one mission and pool; what it finds out, it remembers.
+    """Admits fault specifications to one mission and pool, and caches what it checks.
 
-    By ID of a fault it has its type, the number of its values if no more is asked of them, and what
-    no other may touch at the same time: itself, and its targets. The faults of a written
+    By ID of a fault it has the type, the number of values if only that is checked, and the keys
+    that no other fault may touch at the same time: the fault, and its targets. Faults of a written
     specification may be copies of ``originals``, by ID.
     """
 
@@ -432,9 +428,8 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def admitted(self, specification: Iterable[TimedFault]) -> Specification:
         """Return a specification in Python's own numbers.
 
-        A fault or a trigger that is unknown, or about what the mission has not, a fault whose
-        window or values make no sense, or two that conflict and overlap, are a
-        ``SpecificationError``.
+        Unknown faults, triggers and elements, invalid windows and values, and conflicting faults
+        that overlap are a ``SpecificationError``.
         """
         try:
             asked = tuple(specification)
@@ -460,7 +455,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def conflicts(self) -> Mapping[str, frozenset[str]]:
         """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
 
-        A fault that touches nothing conflicts with itself only: twice at once would be pointless.
+        A fault that touches nothing conflicts only with itself.
         """
         keys = {fault.id: frozenset(self[fault.id][2]) for fault in self.pool}
         return {
@@ -469,7 +464,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         }
 
     def _require_trigger(self, timed: TimedFault) -> None:
-        """Refuse a trigger that the pool does not have, or the mission nothing for."""
+        """Refuse a trigger that is not in the pool, or whose elements are not in the mission."""
         known, mission = self.pool.triggers_by_id, self.mission
         what, found, there = "trigger", timed.trigger, tuple(known)
         if found in known and known[found].event is not Event.EFFECT:
@@ -547,8 +542,8 @@ def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, f
 
 
 def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
-    """Return the robots that a fault strikes: none if a server's message, all if an obstacle."""
-    touched(mission, fault)  # refuses what the mission does not have
+    """Return the robots that a fault touches: none for a server's message, all for an obstacle."""
+    touched(mission, fault)  # refuses unknown elements
     index: int | None
     match fault.kind.struck:
         case Struck.OBSTACLE:
@@ -563,7 +558,7 @@ def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
 
 
 def _sensors(mission: Mission, fault: Fault, robots: tuple[Robot, ...]) -> tuple[Sensor, ...]:
-    """Return the sensors that a fault touches, else all of the robots that it strikes."""
+    """Return the sensors that a fault touches, else all sensors of the robots that it touches."""
     if fault.kind.struck is Struck.SENSOR:
         return (mission.sensors[mission.sensor_index[fault.target]],)
     found = tuple(

@@ -1,11 +1,11 @@
-"""A mission as its model describes it, and what the evaluation of a fault specification counts.
+"""A mission as its model describes it, and the outcome of a fault specification.
 
-A ``Mission`` has robots, obstacles, messages and goals. Nothing of it changes while it runs.
-Lengths are in distance units, times in ticks (one tick is one time interval of the mission),
-energies in energy units. An ``Outcome`` has the counts of one flight, goal by goal.
+A ``Mission`` has robots, obstacles, messages and goals. It never changes. Lengths are in distance
+units, times in ticks (time intervals of the mission), energies in energy units. An ``Outcome`` has
+the counts of one flight, goal by goal.
 
-``starvation`` finds goals that cannot be met since a goal that reacts first keeps their robots
-elsewhere: the first goal that claims the heading of a robot has it (docs/semantics.md, reactions).
+``starvation`` finds goals that cannot be met because an earlier goal keeps their robots elsewhere:
+the first goal that claims the heading of a robot has it (docs/semantics.md, reactions).
 
 Begin with ``Mission`` and ``Outcome``.
 
@@ -27,7 +27,7 @@ ROBOT_RADIUS = 1.0  # robots are discs of this radius, in distance units
 
 @dataclass(frozen=True, slots=True)
 class Coordinates:
-    """A point; ``z`` is carried but plays no part in distances."""
+    """A point; distances ignore ``z``."""
 
     x: float = 0.0
     y: float = 0.0
@@ -100,9 +100,9 @@ class DoubleProperty:
 class Robot:
     """A robot with its nominal speed in distance units per tick.
 
-    ``max_speed`` is the greatest speed that the model names, in the same unit; most name none.
-    ``turn_rate`` is how far it turns in a tick, in degrees; 180 are at once.
-    ``position_noise`` is how far off the position may be that it reports, in distance units.
+    ``max_speed`` is the model's greatest speed, in the same unit; most models have none.
+    ``turn_rate`` is the largest turn in a tick, in degrees; 180 turn at once. ``position_noise`` is
+    the largest error of the reported position, in distance units.
     """
 
     id: str
@@ -121,15 +121,12 @@ class Robot:
 
     @property
     def fastest(self) -> float:
-        """The greatest speed that anybody can command, in distance units per tick.
-
-        It is twice the nominal one where the model names none.
-        """
+        """The greatest speed that can be commanded, by default twice the nominal one."""
         return 2.0 * self.speed if self.max_speed is None else self.max_speed
 
     @property
     def total_energy(self) -> float:
-        """Energy of all batteries at the start; ``sum`` rounds otherwise since Python 3.12."""
+        """Energy of all batteries at the start; ``sum`` rounds differently since Python 3.12."""
         return reduce(add, (battery.total_energy for battery in self.batteries), 0.0)
 
     @property
@@ -178,7 +175,7 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Terms:
-    """What a task is about, in words that all tasks share.
+    """The parameters of a task, under names that all tasks share.
 
     Robots, obstacles and ``sensor``, whose samples it counts, are named by ID; a point is an
     ``area`` of radius 0. ``trajectory`` is a path, ``tolerance`` and ``fixed_distance`` are
@@ -199,10 +196,10 @@ class Terms:
 
 @dataclass(frozen=True, slots=True)
 class GoalTask:
-    """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind.
+    """The task of a goal's members; ``kernel.goal_tasks`` has a subclass for each kind.
 
-    One that ``keeps_robots`` steers them into its area for ever. ``spares`` is what its
-    margin is measured in, by how much a goal is not violated.
+    A task that ``keeps_robots`` steers them into its area forever. ``spares`` is the quantity of
+    its margin, the distance from a violation.
     """
 
     keeps_robots: ClassVar[bool] = False
@@ -214,14 +211,14 @@ class GoalTask:
         return type(self).__name__
 
     def terms(self, goal: "Goal") -> Terms:
-        """Return what the task is about: the goal's members, and what of its own is so named."""
+        """Return the terms of the task: the goal's members, and its attributes of these names."""
         own = {term: getattr(self, term) for term in Terms.__slots__ if hasattr(self, term)}
         return replace(Terms(goal.members), **own)
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A goal: what its members (robot IDs) are to achieve."""
+    """A goal of its members, which are robot IDs."""
 
     id: str
     name: str
@@ -233,13 +230,13 @@ class Goal:
 
     @property
     def terms(self) -> Terms:
-        """What its task is about."""
+        """The terms of its task."""
         return self.task.terms(self)
 
 
 @dataclass(frozen=True, slots=True)
 class GoalDisc:
-    """A disc that a goal is about, in distance units."""
+    """The area of a goal, a disc, in distance units."""
 
     goal: Goal
     x: float
@@ -298,7 +295,7 @@ class Mission:
         return tuple(goal.id for goal in self.goals)
 
     def name_of(self, goal: Goal) -> str:
-        """Return what a goal is called; where several are called so, with its robots."""
+        """Return the name of a goal, with its robots if several goals have the name."""
         name = goal.name or goal.id
         if sum(each.name == goal.name for each in self.goals) < 2 or not goal.name:
             return name
@@ -312,7 +309,7 @@ class Mission:
 
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:
-        """The discs that the goals' tasks read, in model order; not every task reads its area."""
+        """The areas that the goals' tasks use, in model order; some tasks ignore their area."""
         return tuple(
             GoalDisc(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
             for goal in self.goals
@@ -326,14 +323,14 @@ class Mission:
 
     @cached_property
     def touches(self) -> dict[tuple[str, str], tuple[tuple[Field, int], ...]]:
-        """What ``faults.touched`` has found until now, by type and target of the fault."""
+        """Cache of ``faults.touched``, by type and target of the fault."""
         return {}
 
 
 def starvation(mission: Mission, goal: Goal) -> str:
-    """Say, as a sentence goes on, which goals keep robots of one elsewhere, if any do.
+    """Return, inside a sentence, which goals keep robots of a goal elsewhere; else nothing.
 
-    So the tasks react; regions may do otherwise.
+    It assumes the reactions of the tasks; regions may react differently.
     """
     wanted = _robots(mission, goal)
     held = []
@@ -342,13 +339,13 @@ def starvation(mission: Mission, goal: Goal) -> str:
         if holder.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
             kept = [each.name or each.id for each in _robots(mission, holder) if each in wanted]
             if kept:
-                told = f"{mission.label_of(holder.id)}, which reacts first, keeps"
-                held.append(f"{told} {' and '.join(kept)} in area {area.id}")
+                keeps = f"{mission.label_of(holder.id)}, which reacts first, keeps"
+                held.append(f"{keeps} {' and '.join(kept)} in area {area.id}")
     return f"as {' and '.join(held)}" if held else ""
 
 
 def _robots(mission: Mission, goal: Goal) -> list[Robot]:
-    """Return the robots that a goal steers: that of its sensor, or else its members."""
+    """Return the robots that a goal steers: its sensor's, else its members."""
     sensor = goal.terms.sensor
     if sensor is not None:
         return [mission.robots[mission.sensor_robot[mission.sensor_index[sensor]]]]
@@ -366,7 +363,7 @@ def _is_elsewhere(area: Area, terms: Terms) -> bool:
 
 
 Element: TypeAlias = Robot | Sensor | Obstacle | Goal
-"""What has an ID, and may have a name."""
+"""Has an ID, and may have a name."""
 
 
 def with_id(element: Element) -> str:
@@ -376,18 +373,18 @@ def with_id(element: Element) -> str:
 
 
 COUNTED = ("believed", "true", "phantom", "masked", "missed")
-"""What is counted in ticks for each goal, in the order of an outcome's attributes."""
+"""The counts of each goal, in ticks, in the order of an outcome's attributes."""
 
 RESULTS = (*COUNTED, "missed_since")
 """What is listed of each goal: its counts, and the tick from which on it was missed."""
 
 Margin: TypeAlias = tuple[float, int]
-"""By how much a goal was not violated when it was nearest to it, and the tick of that."""
+"""The least distance of a goal from a violation, and its tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Violations per goal, each of shape ``(n_goals,)`` in model order, and what faults did.
+    """Violations per goal, each of shape ``(n_goals,)`` in model order, and effects of faults.
 
     Attributes
     ----------
@@ -401,23 +398,22 @@ class Outcome:
     masked
         True, not believed.
     missed
-        Ticks from the one on at which it was certain, from the truth alone, that the goal's
-        purpose is not met; 0 where it was met.
+        Ticks from the first one on at which the truth made certain that the goal cannot be met;
+        0 if it was met.
     samples
-        Samples counted towards each goal, in truth; 0 for goals that gather none.
+        True samples of each goal; 0 for goals that gather none.
     applied
-        For each timed fault, at how many ticks it was active.
+        For each timed fault, the number of ticks at which it was active.
     changed
-        For each timed fault, at how many ticks it changed at least one value.
+        For each timed fault, the number of ticks at which it changed at least one value.
     digest
         SHA-256 over all of the above and the final true and believed states, as IEEE-754 bits.
     margins
-        How far each goal was from being truly violated when it was nearest to it, in the unit of
-        its task, and the tick of that; ``None`` for a goal of which that cannot be said. ``None``
-        as a whole if not recorded.
+        The closest approach of each goal to a true violation, in the unit of its task, and its
+        tick; ``None`` for a goal without a margin. ``None`` as a whole if not recorded.
     detection
-        Ticks from the first one on at which each goal was truly violated or missed, and how many of
-        these passed before the belief showed a violation. ``None`` as a whole if not recorded.
+        For each goal, the ticks since it was first truly violated or missed, and how many of these
+        passed before the belief showed a violation. ``None`` as a whole if not recorded.
     """
 
     believed: tuple[int, ...]
@@ -433,7 +429,7 @@ class Outcome:
     detection: tuple[tuple[int, int], ...] | None = None
 
     def missed_since(self, duration: int) -> tuple[int | None, ...]:
-        """Return from which tick on each goal was certain to be missed, ``None`` if it was met."""
+        """Return the tick from which on each goal was missed, ``None`` if it was met."""
         return tuple(duration - ticks if ticks else None for ticks in self.missed)
 
     def results(self, duration: int) -> dict[str, tuple[int | None, ...]]:
@@ -444,9 +440,9 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class FailedFlight:
-    """What comes of an evaluation whose mission code failed: the traceback as text."""
+    """The result of an evaluation whose mission code failed: the traceback as text."""
 
     traceback: str
 
 
-Evaluated: TypeAlias = Outcome | FailedFlight  # what comes of an evaluation
+Evaluated: TypeAlias = Outcome | FailedFlight  # the result of an evaluation
