@@ -41,7 +41,7 @@ from m2t.models.write import dumps, dumps_file, unified_difference
 from m2t.read import ModelFiles, Node, Spelling, local_path
 from mrsfi_runtime.errors import ModelError, SpecificationError, expected
 from mrsfi_runtime.files import changing, settle, write_atomically
-from mrsfi_runtime.model.faults import at_work, numbered
+from mrsfi_runtime.model.faults import numbered, timed_fault
 from mrsfi_runtime.project_file import metamodels_chosen
 
 MISSION_XMI = "mission.xmi"
@@ -440,7 +440,7 @@ def write_specification(
         (kind,) = fault_types(fault)
         means = meaning(kind)
         usual = {known.name: getattr(kind, known.name) for known in means.parameters}
-        timed = at_work(fault_id, means, start, finish, {**usual, **given})
+        timed = timed_fault(fault_id, means, start, finish, {**usual, **given})
         fault.ID, fault.start, fault.finish = name, timed.start, timed.finish
         for known, value in zip(means.parameters, timed.values, strict=True):
             if known.name in given:

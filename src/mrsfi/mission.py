@@ -18,7 +18,7 @@ from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate,
 from mrsfi.loading import load_fresh, read_specification
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, at_work
+from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, timed_fault
 from mrsfi_runtime.project_file import choose_metamodels
 from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, EngineSettings, Workers
 from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
@@ -180,7 +180,7 @@ class Mission:
         """
         found = self.pool[fault]
         usual = found.kind.named(found.values)
-        timed = at_work(fault, found.kind, start, finish, usual | values)
+        timed = timed_fault(fault, found.kind, start, finish, usual | values)
         return timed._replace(trigger=trigger)
 
     def fly(

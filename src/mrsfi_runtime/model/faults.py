@@ -363,7 +363,7 @@ def _misfit(fault: str, found: str, wanted: str) -> SpecificationError:
     return SpecificationError(f"fault '{fault}' has {found}; expected {wanted}", (fault,))
 
 
-def at_work(
+def timed_fault(
     fault: str, kind: FaultType, start: int, finish: int, values: Mapping[str, float]
 ) -> TimedFault:
     """Return a timed fault of a type, its values given by parameter; refuse what does not fit."""

@@ -22,7 +22,7 @@ from mrsfi_runtime.model.faults import (
     FaultPool,
     Gate,
     TimedFault,
-    at_work,
+    timed_fault,
     touched,
 )
 from mrsfi_runtime.model.mission import Area, Battery, Coordinates, MotionSource, starvation
@@ -268,11 +268,11 @@ def test_what_is_plain_already_stays_the_same_object():
 def test_values_are_given_by_the_names_of_their_parameters(refused):
     fault = CODE.pool["f9"]
 
-    timed = at_work("f9", fault.kind, 1, 2, {"NEW_Z": 3, "NEW_X": 1, "NEW_Y": 2})
+    timed = timed_fault("f9", fault.kind, 1, 2, {"NEW_Z": 3, "NEW_X": 1, "NEW_Y": 2})
 
     assert timed == TimedFault("f9", 1, 2, PLACE)
     with refused(SpecificationError):
-        at_work("f9", fault.kind, 1, 2, {"NEW_W": 3})
+        timed_fault("f9", fault.kind, 1, 2, {"NEW_W": 3})
 
 
 @pytest.mark.parametrize("row", [["f9", 15.08, 20, []], ["f9", 1, 2, ["3"]], ["f9", 1, 2, [2e12]]])
