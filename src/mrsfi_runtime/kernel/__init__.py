@@ -1,1 +1,1 @@
-"""The world itself, written once, in a subset of Python that also compiles."""
+"""The simulated world, written once, in a subset of Python that also compiles."""

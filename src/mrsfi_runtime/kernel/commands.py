@@ -1,8 +1,8 @@
-"""Commands, and the motion that obeys them.
+"""Commands, and the robot motion that executes them.
 
 Each robot has one command per channel: heading, speed, and each sensor. Goals react in model
-order, and the first to claim a channel in a tick keeps it. ``move`` is what the simulated world
-does in one tick: motion, energy and sampling.
+order, and the first goal to claim a channel in a tick keeps it. ``move`` simulates one tick of
+the world: motion, energy and sampling.
 
 References
 ----------
@@ -19,15 +19,15 @@ from mrsfi_runtime.kernel.state import TOLERANCE, RobotState, State, TraitState,
 
 @kernel
 def feasible(robot: RobotState, speed: float) -> float:
-    """Return the speed nearest to a wanted one that a robot can fly: from 0 to its maximum."""
+    """Return the feasible speed nearest to ``speed``: from 0 to the robot's maximum."""
     return min(max(speed, 0.0), robot.max_speed)
 
 
 @kernel
 def turned(trait: TraitState, x: float, y: float, to_x: float, to_y: float) -> tuple[float, float]:
-    """Return the heading nearest to a wanted one that a robot can turn to from (x, y) in a tick.
+    """Return the heading nearest to (to_x, to_y) that a robot can reach from (x, y) in a tick.
 
-    Where the wanted one is straight behind, to within ``TOLERANCE``, it turns to the left.
+    If the target is straight behind, to within ``TOLERANCE``, the robot turns to the left.
     """
     aside = x * to_y - y * to_x
     ahead = x * to_x + y * to_y
@@ -52,7 +52,7 @@ def release(ci: State) -> None:
 
 @kernel
 def steer(ci: State, index: int, x: float, y: float) -> None:
-    """Command the heading of a robot, unless an earlier goal has.
+    """Command the heading of a robot, unless an earlier goal did.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def steer(ci: State, index: int, x: float, y: float) -> None:
 
 @kernel
 def set_speed(ci: State, index: int, speed: float) -> None:
-    """Command the speed of a robot, as far as it can fly it, unless an earlier goal has."""
+    """Command the feasible speed of a robot, unless an earlier goal did."""
     command = ci.commands[index]
     if command.speed_claimed == 0:
         command.speed_claimed = 1
@@ -81,7 +81,7 @@ def set_speed(ci: State, index: int, speed: float) -> None:
 
 @kernel
 def switch_sensor(ci: State, index: int, active: int) -> None:
-    """Switch a sensor on (1) or off (0), unless an earlier goal has spoken for it."""
+    """Switch a sensor on (1) or off (0), unless an earlier goal did."""
     switch = ci.switches[index]
     if switch.claimed == 0:
         switch.claimed = 1
@@ -92,14 +92,14 @@ def switch_sensor(ci: State, index: int, active: int) -> None:
 def move(world: State, valid: Sequence[int], tick: int) -> None:
     """Move every robot by its commanded speed along its heading, spend energy, take samples.
 
-    ``world`` is the true state after the tick before, whose commands are obeyed; ``valid`` says
-    how many samples of each sensor are valid in this tick, if it is active.
+    ``world`` is the true state after the previous tick, with the commands to execute; ``valid`` is
+    the number of valid samples of each sensor in this tick, if it is active.
 
     Notes
     -----
     A robot spends distance × energy per distance unit and, for each active sensor, samples
-    per tick × energy per sample. One without energy stops, its sensors with it; in the tick
-    in which the energy runs out it still moves. No robot flies faster than it can.
+    per tick × energy per sample. A robot without energy stops, and so do its sensors; in the
+    tick in which the energy runs out it still moves. No robot exceeds its maximum speed.
     """
     world.mission.tick = tick
     for index in range(len(world.robots)):
@@ -133,7 +133,7 @@ def reports_position(world: State, index: int) -> bool:
 
 @kernel
 def reported_place(world: State, index: int) -> tuple[float, float]:
-    """Return where a robot says that it is: as far off as its noise has it in this tick."""
+    """Return the position that a robot reports, with the noise of this tick."""
     robot = world.robots[index]
     noise = world.traits[index].position_noise
     if noise <= 0.0:

@@ -1,14 +1,14 @@
-"""How messages become belief, and what active faults do to it and to commands.
+"""Delivery of messages to the local state, and the effects of active faults on it and on commands.
 
-In each tick ``deliver`` copies what arrived into the local state and holds back what is delayed or
-blocked. Then ``falsify`` applies faults of known modes to the belief, ``disturb`` those of a team's
-own types, by a region of the generated code. ``issue`` forges commands: the collective
-intelligence's own hold again later. ``arm`` notes which events set faults off; they are judged
-in truth, and each happens once in a flight.
+In each tick ``deliver`` copies received messages into the local state and holds back delayed or
+blocked ones. ``falsify`` then applies faults of built-in modes to the local state, and ``disturb``
+user-defined fault types, by a region of the generated code. ``issue`` forges commands; the
+collective intelligence's own commands apply again later. ``arm`` detects the events that trigger
+faults, in the true state, each once in a flight.
 
-What holds throughout: effects read the true value of the tick, so nothing accumulates and nothing
-has to be undone. At ``finish + 1`` the next delivery restores the property. ``note`` counts each
-tick at which a fault was active, and each at which it changed something.
+Invariant: effects read the true value of the tick, so nothing accumulates and nothing has to be
+undone. At ``finish + 1`` the next delivery restores the property. ``note`` counts the ticks at
+which a fault was active, and those at which it changed a value.
 
 Begin with ``deliver``, then ``falsify`` and ``issue``.
 
@@ -46,20 +46,20 @@ from mrsfi_runtime.kernel.state import CommandState, State, SwitchState, kernel
 from mrsfi_runtime.model.faults import Event
 
 Belief: TypeAlias = tuple[float, float, float]
-"""What is believed of a property: a place, or one number and zeros."""
+"""Believed value of a property: a position, or one number and zeros."""
 
 PURPOSES = (8, 6, 4, 12, 7, 5, 10)  # position, speed, energy, count, rate, cost, obstacle
 """Purpose under which a random value of each property is drawn, by the number of its ``Field``.
 
-Of a place it is the distance from the middle; its direction is drawn under the purpose after.
+For a position it draws the distance from the centre; ``purpose + 1`` draws the direction.
 """
 
 
 @kernel
 def falsify(ci: State, plan: Plan) -> None:
-    """Apply every active fault of a known mode that changes a value of the local state.
+    """Apply every active fault of a built-in mode that changes a value of the local state.
 
-    What was just delivered is the true value: conflicting faults are never active at once.
+    The value just delivered is the true one, because conflicting faults are never active at once.
     """
     tick = ci.mission.tick
     for injection in plan.reports:
@@ -76,9 +76,9 @@ def falsify(ci: State, plan: Plan) -> None:
 
 @kernel
 def number(ci: State, injection: InjectionState, true: float) -> float:
-    """Return the number that a fault makes of a true one.
+    """Return the falsified value of a true number.
 
-    Random ones are uniform between the fault's bounds, and whole, but for energies.
+    Random values are uniform between the fault's bounds; they are whole, except energies and costs.
     """
     if injection.is_random == 0:
         return injection.a + injection.b * true
@@ -95,9 +95,9 @@ def number(ci: State, injection: InjectionState, true: float) -> float:
 
 @kernel
 def place(ci: State, injection: InjectionState, z: float) -> Belief:
-    """Return where a fault puts a robot or an obstacle.
+    """Return the falsified position of a robot or an obstacle.
 
-    A random place is anywhere in the mission disc, at height ``z``.
+    A random position is anywhere in the mission disc, at height ``z``.
     """
     if injection.is_random == 0:
         return injection.a, injection.b, injection.c
@@ -109,7 +109,7 @@ def place(ci: State, injection: InjectionState, z: float) -> Belief:
 
 @kernel
 def believed(ci: State, injection: InjectionState) -> Belief:
-    """Return what is believed of an injection's property."""
+    """Return the believed value of an injection's property."""
     target = injection.target
     if injection.affected == POSITION:
         robot = ci.robots[target]
@@ -133,7 +133,7 @@ def believed(ci: State, injection: InjectionState) -> Belief:
 def believe(
     ci: State, plan: Plan, injection: InjectionState, before: Belief, value: Belief
 ) -> None:
-    """Believe another value of an injection's property, and note whether it is another."""
+    """Set the believed value of an injection's property, and count whether it changed."""
     target = injection.target
     a, b, _ = value
     if injection.affected == POSITION:
@@ -172,7 +172,7 @@ def note(plan: Plan, injection: InjectionState | OwnFault, tick: int, changed: b
 
 @dataclass(slots=True)
 class Orders:
-    """What leaves for the simulation: one command per robot, one switch per sensor."""
+    """The commands sent to the simulation: one per robot, and one switch per sensor."""
 
     commands: list[CommandState]
     switches: list[SwitchState]
@@ -180,12 +180,12 @@ class Orders:
 
 @kernel
 def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
-    """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
+    """Write the commands that the simulation executes at a tick: the CI's, or forged ones.
 
-    The heading that leaves is one that the robot can turn to from the last, the speed one that it
-    can fly, which ``ci`` remembers: who regulates a speed has to know what the robot was told. The
-    CI's own commands stay as they are. Forged ones beat all others, from the motion of their
-    ``start`` to that of their ``finish``.
+    The heading sent is one that the robot can turn to from its last one, the speed a feasible one.
+    ``ci`` keeps the sent speed, because speed control needs it. The CI's own commands stay as they
+    are. Forged commands override all others, from the motion of their ``start`` to that of their
+    ``finish``.
     """
     for index in range(len(ci.commands)):
         own = ci.commands[index]
@@ -227,9 +227,9 @@ def forge(
 
 @kernel
 def disturb(apply: OwnEffect, ci: State, inbox: State, plan: Plan) -> None:
-    """Apply every active fault of a team's own type, by start, then as the specification has them.
+    """Apply every active fault of a user-defined type, by start, then in specification order.
 
-    All other effects have been applied to ``ci``; ``inbox`` has the newest message of every topic.
+    All other effects are already applied to ``ci``; ``inbox`` has the newest message of each topic.
     """
     tick = ci.mission.tick
     for fault in plan.own:
@@ -262,10 +262,10 @@ VIOLATED, REACHED, ENTERED, EFFECT = map(int, Event)
 
 @kernel
 def arm(world: State, plan: Plan, violated: list[int], tick: int) -> None:
-    """Note which events happen at a tick, and let begin at the next one what is due then.
+    """Record the events of a tick, and activate the faults that are due at the next one.
 
-    ``violated`` are the goals that truly are. What begins is moved to where it does: lists by start
-    stay in order as far as they are read, since no start lies beyond the tick that is read.
+    ``violated`` flags the goals violated in truth. An activated fault gets its new window in place:
+    the lists stay sorted as far as they are read, since no start lies beyond the tick that is read.
     """
     for trigger in plan.triggers:
         if trigger.fired < 0 and happens(world, plan, violated, trigger):
@@ -279,7 +279,7 @@ def arm(world: State, plan: Plan, violated: list[int], tick: int) -> None:
 
 @kernel
 def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState) -> bool:
-    """Return whether what a trigger waits for is so."""
+    """Return whether a trigger's event happens in the present state."""
     if trigger.event == VIOLATED:
         return violated[trigger.of] == 1
     if trigger.event == REACHED:
@@ -295,7 +295,7 @@ def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState
 
 @kernel
 def begin(plan: Plan, waiting: WaitingState, start: int, finish: int) -> None:
-    """Give what was set off the window in which it is active."""
+    """Set the window of a triggered injection."""
     place = waiting.place
     if waiting.listed == 0:
         plan.messages[place].start = start
@@ -315,7 +315,7 @@ def begin(plan: Plan, waiting: WaitingState, start: int, finish: int) -> None:
 def send(world: State, inbox: State) -> None:
     """Bring the newest message of every topic up to the true state of the tick.
 
-    It stands for the generated simulation, bus and interface where there is no bus.
+    It replaces the generated simulation, bus and interface in flights without a bus.
     """
     for index in range(len(world.robots)):
         robot = world.robots[index]
@@ -332,12 +332,12 @@ def send(world: State, inbox: State) -> None:
 
 @kernel
 def deliver(ci: State, inbox: State, plan: Plan) -> None:
-    """Copy this tick's messages into the local state; held-back ones leave it as it was.
+    """Copy this tick's messages into the local state, except those held back.
 
     ``ci.mission.tick`` is the tick being delivered, ``inbox`` has the newest message of every
-    topic. Delayed properties arrive late and in order; what is still under way when the window
-    ends is dropped. Blocked ones are lost. What travels in no message (the map, sampling rates
-    and costs) is set back to what the model says, so that no effect outlives its window.
+    topic. Delayed properties arrive late and in order; those still under way when the window
+    ends are dropped. Blocked ones are lost. Properties without messages (the map, sampling rates
+    and costs) are reset to the model's values, so that no effect outlives its window.
     """
     remember(ci, plan)
     for index in range(len(ci.robots)):
@@ -361,7 +361,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
 
 @kernel
 def remember(ci: State, plan: Plan) -> None:
-    """Remember what was believed of every property whose messages are held back now."""
+    """Store the believed value of every property whose messages are now held back."""
     tick = ci.mission.tick
     for injection in plan.messages:
         if injection.start > tick:
@@ -372,9 +372,9 @@ def remember(ci: State, plan: Plan) -> None:
 
 @kernel
 def withhold(ci: State, plan: Plan) -> None:
-    """Take back what was just delivered of every property whose messages are held back now.
+    """Undo the delivery of every property whose messages are now held back.
 
-    What is delayed goes under way, and what arrives after its delay is believed.
+    A delayed value enters the delay queue; a value that leaves the queue becomes the belief.
     """
     tick = ci.mission.tick
     held = plan.held

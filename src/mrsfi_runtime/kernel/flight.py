@@ -1,16 +1,16 @@
 """One flight of a mission, tick by tick, written once for every engine.
 
-A flight begins with forged commands (``issue``). Every tick then moves the robots (``move``), sends
-their messages (``send``), and has the collective intelligence answer them: it hears (``hear``),
-reacts, and replies (``reply``). Over a bus, the simulation behind it moves and sends. A team's own
-node, where it is the collective intelligence, stands between hearing and reply.
+A flight begins with the first commands (``issue``), which faults may forge. Every tick then moves
+the robots (``move``), sends their messages (``send``), and lets the collective intelligence answer
+(``hear``, react, ``reply``). Over a bus, the simulation on the bus moves and sends. A user-defined
+node that is the collective intelligence runs between ``hear`` and ``reply``.
 
-What holds throughout: a mission, its seed and a plan of faults decide everything. How many samples
-of each sensor are valid depends only on the mission seed, so they are drawn once for all flights
-of a seed (``valid_samples``).
+Invariant: a mission, its seed and a plan of faults determine a flight. The number of valid samples
+of each sensor depends only on the mission seed, so it is drawn once for all flights of a seed
+(``valid_samples``).
 
-Begin with ``answer``. Before it ``initial_state`` lays a mission out as records; after it ``count``
-and ``measure`` keep the verdicts.
+Begin with ``answer``. ``initial_state`` before it turns a mission into records; ``count`` and
+``measure`` after it keep the verdicts.
 
 References
 ----------
@@ -53,15 +53,15 @@ from mrsfi_runtime.kernel.state import (
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
 
 Samples: TypeAlias = tuple[bytes, ...]
-"""Valid samples of each sensor, a row a tick, each below 256; ``commands.move`` adds them."""
+"""Valid samples of each sensor, one row per tick, each below 256; ``commands.move`` adds them."""
 
 
 def sample_chances(n: int) -> tuple[int, ...]:
     """Return the cumulative chances of 0, 1, 2 … valid samples, in units of 2**-32.
 
-    Each of ``n`` samples of a tick is valid with chance ``1 / n``, so their number is
-    binomial; one draw against these bounds replaces ``n`` draws. The list ends where the
-    rest is below the precision of a draw.
+    Each of the ``n`` samples of a tick is valid with probability ``1 / n``, so their number is
+    binomial; one draw against these bounds replaces ``n`` draws. The list ends where the rest
+    is below the precision of a draw.
     """
     if n == 1:
         return (0,)
@@ -79,7 +79,7 @@ def sample_chances(n: int) -> tuple[int, ...]:
 
 
 def reached(state: State) -> Iterator[tuple[int, ...]]:
-    """Yield the chances of each sensor: of its samples, as many are valid as a draw reaches."""
+    """Yield the cumulative chances of each sensor; as many samples are valid as a draw reaches."""
     for sensor in state.sensors:
         yield state.chances[sensor.first_chance : sensor.first_chance + sensor.n_chances]
 
@@ -107,10 +107,10 @@ def _drawn(seed: int, duration: int, chances: tuple[tuple[int, ...], ...]) -> Sa
 DIRECTIONS = tuple(
     DirectionState(math.cos(angle), math.sin(angle)) for angle in map(math.radians, range(360))
 )
-"""All trigonometry of the kernel, but for turn rates.
+"""Unit vectors of whole degrees: all trigonometry of the kernel, except turn rates.
 
-A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
-States carry it, because a compiler would copy a constant tuple at every use.
+A table is identical in the interpreter and in compiled code; ``math.sin`` may differ. States hold
+it, because a compiler would copy a constant tuple at every use.
 """
 
 
@@ -122,9 +122,9 @@ def initial_state(mission: Mission, seed: int) -> State:
 
     Notes
     -----
-    A sensor is active from the start. Headings are drawn per robot from the table of
-    directions. A robot's speed before the first motion is its nominal one, as if that had been
-    reported. The map reaches as far as any reaction looks ahead.
+    Sensors are active from the start. The heading of each robot is drawn from the table of
+    directions. A robot's speed before its first motion is its nominal one. The map reaches as
+    far as any reaction looks ahead.
     """
     area = mission.area
     fastest = max((robot.fastest for robot in mission.robots), default=0.0)
@@ -156,7 +156,7 @@ def initial_state(mission: Mission, seed: int) -> State:
 
 
 def _lookup(mission: Mission) -> LookupState:
-    """Return room for the grid of the AvoidCollision goal with the most robots."""
+    """Return scratch space for the grid of the AvoidCollision goal with the most robots."""
     most = max(
         (len(goal.terms.robots) for goal in mission.goals if isinstance(goal.task, AvoidCollision)),
         default=0,
@@ -222,7 +222,7 @@ def _add_robot(state: State, robot: Robot) -> None:
 
 def _traits(robot: Robot) -> TraitState:
     turn = math.radians(robot.turn_rate)
-    turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # no last bit is left of it
+    turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # exactly 0, which sin(pi) is not
     return TraitState(math.cos(turn), turn_y, float(robot.position_noise))
 
 
@@ -260,11 +260,11 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
 
 
 class MissionFunctions(NamedTuple):
-    """What the generated code of a mission brings to its flights, all goals in model order.
+    """Functions of a mission's generated code that a flight calls, for all goals in model order.
 
-    ``progress`` brings that of the goals up to the tick of a state; ``check`` writes 1 for every
-    goal that is violated in it, else 0; ``react`` lets every goal command its members, of which
-    the first that claims a channel keeps it; ``apply`` lets a fault of a team's own type act.
+    ``progress`` updates the goals to the tick of a state. ``check`` writes 1 for every goal that is
+    violated in it, else 0. ``react`` lets every goal command its members; the first goal to claim a
+    channel keeps it. ``apply`` applies a fault of a user-defined type.
     """
 
     progress: Callable[[State], None]
@@ -275,17 +275,16 @@ class MissionFunctions(NamedTuple):
 
 @dataclass(slots=True)
 class Verdicts:
-    """Which goals are violated at the present tick (0 or 1), and at how many ticks so far.
+    """Goals violated at the present tick (0 or 1), and counts of ticks so far.
 
-    Each list has an entry for each goal. ``phantom`` violations were believed and not true,
-    ``masked`` ones true and not believed. ``missed`` counts from the tick on at which it was
-    certain that the goal's purpose is not met, ``broken`` from the first tick on at which the goal
-    is truly violated or missed, ``undetected`` from that on until the belief first shows a
-    violation.
+    Each list has an entry for each goal. ``phantom`` violations were believed but not true,
+    ``masked`` ones true but not believed. ``missed`` counts from the tick at which the goal can no
+    longer be met. ``broken`` counts from the first tick at which the goal is truly violated or
+    missed, ``undetected`` from that tick until the belief first shows a violation.
 
-    ``margin`` is how far from being truly violated the goal was when it was nearest to it, up to
-    its first violation, ``nearest`` the tick of that, ``due`` the first at which it can be less, or
-    at which the goal can be missed without being violated.
+    ``margin`` is the least margin of the goal in truth, up to its first violation, and ``nearest``
+    its tick. ``due`` is the next tick at which the margin can be less, or at which the goal can be
+    missed without a violation.
     """
 
     is_true: list[int]
@@ -319,10 +318,10 @@ def answer(
     verdicts: Verdicts,
     tick: int,
 ) -> None:
-    """Do all of a tick that follows when the robots have moved and their messages have arrived.
+    """Complete a tick after the robots have moved and their messages have arrived.
 
-    ``inbox`` has the newest message of every topic; ``orders`` receive the commands for the
-    motion of the tick after, ``verdicts`` what is violated, which they count.
+    ``inbox`` has the newest message of every topic. ``orders`` receive the commands for the motion
+    of the next tick, ``verdicts`` the violations of this one.
     """
     hear(functions, world, ci, inbox, plan, verdicts, tick)
     functions.react(ci)
@@ -339,9 +338,9 @@ def hear(
     verdicts: Verdicts,
     tick: int,
 ) -> None:
-    """Judge the truth of a tick, turn its messages into belief, and judge that.
+    """Check the goals in truth, turn the tick's messages into belief, and check the goals there.
 
-    What an event of the tick sets off begins with the next one: commands that are issued now.
+    Faults triggered at this tick begin at the next one, with the commands that are issued now.
     """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
@@ -354,14 +353,14 @@ def hear(
 def reply(
     world: State, ci: State, orders: Orders | State, plan: Plan, verdicts: Verdicts, tick: int
 ) -> None:
-    """Issue the commands of a tick that was reacted to, and count what was violated in it."""
+    """Issue the commands after the reactions of a tick, and count its violations."""
     issue(ci, orders, plan, tick + 1)
     count(verdicts, world)
 
 
 @kernel
 def perceive(functions: MissionFunctions, ci: State, inbox: State, plan: Plan, tick: int) -> None:
-    """Turn the messages of a tick into belief: delivery, then faults; all channels are free.
+    """Turn the messages of a tick into belief: delivery, then faults; then free all channels.
 
     References
     ----------
@@ -376,16 +375,16 @@ def perceive(functions: MissionFunctions, ci: State, inbox: State, plan: Plan, t
 
 @kernel
 def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None:
-    """Say which goals are violated in a state, after their progress."""
+    """Update the progress of all goals, then check which are violated in a state."""
     functions.progress(view)
     functions.check(view, violated)
 
 
 @kernel
 def count(verdicts: Verdicts, world: State) -> None:
-    """Count the violations of a tick, once per goal, and a tick of what is missed for good.
+    """Count the violations of a tick, once per goal, and the tick of each missed goal.
 
-    What is missed without a violation, and margins, are looked at where they can be otherwise.
+    Margins, and goals missed without a violation, are checked only when they can change.
     """
     tick = world.mission.tick
     for goal in range(len(verdicts.is_true)):
@@ -410,9 +409,9 @@ def count(verdicts: Verdicts, world: State) -> None:
 
 @kernel
 def measure(verdicts: Verdicts, world: State, goal: int) -> None:
-    """Note how far a goal is from being violated, if it was never nearer nor violated before.
+    """Record a goal's margin if it is the least so far and the goal was not violated before.
 
-    The last tick is looked at in any case, unless all is said before.
+    The last tick is always checked, unless the goal is already both violated and missed.
     """
     tick = world.mission.tick
     least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]

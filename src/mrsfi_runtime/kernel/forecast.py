@@ -1,4 +1,4 @@
-"""What is left of a mission, and what its robots will spend and gather until its end."""
+"""Forecasts to the end of a mission: ticks left, energy spent, samples gathered."""
 
 from mrsfi_runtime.kernel.state import GoalState, State, excess, kernel
 
@@ -11,7 +11,7 @@ def ticks_left(view: State) -> int:
 
 @kernel
 def sensor_power(view: State, index: int) -> float:
-    """Return the energy that a robot's active sensors spend in a tick, as far as is known."""
+    """Return the energy that a robot's active sensors spend in a tick, in the given state."""
     robot = view.robots[index]
     power = 0.0
     for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
@@ -37,7 +37,7 @@ def endurance(view: State, index: int) -> int:
 def energy_reserve(view: State, index: int) -> float:
     """Return the energy that a robot has beyond its forecast need; negative if it lacks some.
 
-    The forecast takes its speed, sensor rates and costs as known now for all ticks left.
+    The forecast assumes the present speed, sensor rates and costs for all ticks left.
     """
     robot = view.robots[index]
     power = robot.speed * robot.energy_per_distance + sensor_power(view, index)
@@ -48,7 +48,7 @@ def energy_reserve(view: State, index: int) -> float:
 def sample_reserve(view: State, goal: GoalState) -> float:
     """Return the samples that a goal's forecast has beyond its target; negative if it lacks some.
 
-    The forecast is one valid sample a tick, scaled by believed over nominal rate.
+    The forecast is one valid sample per tick, scaled by believed over nominal rate.
     """
     sensor = view.sensors[goal.sensor]
     expected = goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate)

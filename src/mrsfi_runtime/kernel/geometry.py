@@ -19,7 +19,7 @@ def scattered(
 ) -> tuple[float, float]:
     """Return a random point of a disc, uniform: radius × √u along a direction.
 
-    The direction is drawn under the purpose after.
+    The direction is drawn under ``purpose + 1``.
     """
     seed = state.mission.seed
     tick = state.mission.tick
@@ -38,7 +38,7 @@ def inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) 
 
 @kernel
 def well_inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) -> bool:
-    """Return whether a point is inside a disc, and not at its edge: what reactions ask."""
+    """Return whether a point is inside a disc, and not at its edge; for reactions."""
     return distance(x, y, middle_x, middle_y) <= (1.0 - RESERVE) * radius
 
 

@@ -1,4 +1,4 @@
-"""Where the reference collective intelligence sends a robot: to a place, or around inside one."""
+"""How the reference collective intelligence guides a robot: to a point, or about inside an area."""
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
 from mrsfi_runtime.kernel.geometry import distance, well_inside
@@ -10,7 +10,7 @@ ROAM_ATTEMPTS = 8  # headings that a roaming robot draws before it turns to the 
 
 @kernel
 def pace(ci: State, index: int) -> float:
-    """Return the distance that a robot may move in a tick, as far as is known."""
+    """Return the distance that a robot may move in a tick, by its command and nominal speed."""
     return max(ci.commands[index].speed, ci.robots[index].nominal_speed)
 
 
@@ -24,7 +24,7 @@ def approach(ci: State, index: int, x: float, y: float) -> None:
 
 @kernel
 def roam(ci: State, goal: GoalState, index: int) -> None:
-    """Head for a goal's area from outside; inside, turn by chance before leaving it."""
+    """Head for a goal's area from outside; inside, turn to a random heading before leaving it."""
     robot = ci.robots[index]
     if not stays(goal, robot, 0.0, 0.0):
         steer(ci, index, goal.x - robot.x, goal.y - robot.y)
@@ -46,5 +46,5 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
 
 @kernel
 def stays(goal: GoalState, robot: RobotState, dx: float, dy: float) -> bool:
-    """Return whether a robot that moves so far is inside a goal's area, and not at its edge."""
+    """Return whether a robot moved by (dx, dy) is inside a goal's area, and not at its edge."""
     return well_inside(robot.x + dx, robot.y + dy, goal.x, goal.y, goal.radius)

@@ -1,9 +1,9 @@
-"""Faults laid out for the kernel: each timed fault as injections, one per property it touches.
+"""Plans for the kernel: each timed fault becomes injections, one per property that it affects.
 
-``plan_rows`` lays a fault specification out as rows, which a compiled engine copies into arrays;
-``plan`` makes records of them. Each list is sorted by start, so that a tick reads no further than
-to the first injection that begins later. Faults that wait for a trigger stand in these lists with
-a ``finish`` of -1, and in ``waiting`` with what they do once they are set off.
+``plan_rows`` turns a fault specification into rows, which a compiled engine copies into arrays;
+``plan`` makes records of them. Each list is sorted by start, so that a tick stops reading at the
+first injection that begins later. A fault that waits for a trigger has ``finish`` -1 there, and
+an entry in ``waiting`` with its window once triggered.
 
 Begin with ``InjectionState`` and ``Plan``, then ``plan_rows``.
 
@@ -37,12 +37,11 @@ from mrsfi_runtime.model.mission import Mission
 class InjectionState:
     """One property of one target under one fault, active for ``start <= tick <= finish``.
 
-    ``affected`` is a number of ``Field``. ``is_random`` says whether chance decides on the value.
-    ``a``, ``b``, ``c`` are a place; or the bounds between which a random number lies; or, of any
-    other number, what is added, and to what share of the true one. A delay of ``n_held`` ticks
-    keeps what is under way in a ring of ``Plan.held`` from ``first_held`` on, three entries a
-    tick; 0 means that nothing arrives in the window. ``kept_…`` is what was believed before this
-    tick's delivery.
+    ``affected`` is a number of ``Field``; ``is_random`` is 1 if the value is drawn. ``a``, ``b``,
+    ``c`` are a position; or the bounds of a random number; or, for any other number, an offset
+    and a factor of the true one. A delay of ``n_held`` ticks keeps delayed values in a ring of
+    ``Plan.held`` from ``first_held`` on, three entries per tick; 0 means that no value arrives in
+    the window. ``kept_…`` is the value believed before this tick's delivery.
     """
 
     fault: int
@@ -63,12 +62,12 @@ class InjectionState:
 
 @dataclass(slots=True)
 class OwnFault:
-    """A fault of a team's own type at work on one target, active for ``start <= tick <= finish``.
+    """A fault of a user-defined type on one target, active for ``start <= tick <= finish``.
 
     ``target`` is the index of a robot, a sensor or an obstacle. ``values`` are those of the
     fault's parameters, ``age`` the ticks since its start, ``memory`` numbers that are 0 at its
-    start. ``fault``, ``effect`` and ``kind`` say which fault it is, which effect it has, and on
-    what.
+    start. ``fault`` and ``effect`` are the numbers of the fault and its effect, ``kind`` that of
+    the target's kind.
     """
 
     fault: int
@@ -84,11 +83,11 @@ class OwnFault:
 
 @dataclass(slots=True)
 class TriggerState:
-    """What faults wait for, and at the end of which tick it was first so; -1: not yet.
+    """An event that faults wait for; ``fired`` is the tick at whose end it first happened, or -1.
 
-    ``event`` is a number of ``Event``, ``of`` the index of a goal, or of a robot that enters the
-    area of ``x``, ``y`` and ``radius``, or -1; its faults are timed ones, ``n_sources`` numbers of
-    ``Plan.sources`` from ``first_source`` on.
+    ``event`` is a number of ``Event``. ``of`` is the index of a goal, or of a robot that enters the
+    area of ``x``, ``y`` and ``radius``; or -1 for the effect of timed faults, which are
+    ``n_sources`` numbers in ``Plan.sources`` from ``first_source`` on.
     """
 
     event: int
@@ -104,10 +103,11 @@ class TriggerState:
 
 @dataclass(slots=True)
 class WaitingState:
-    """An injection that is active at no tick until its trigger sets it off.
+    """An injection that is inactive until its trigger fires.
 
-    It stands at ``place`` of a list of the plan: ``messages``, ``reports``, ``commands``, ``own``
-    by ``listed``. Then it is active from within ``start … finish``, ``most`` ticks at most.
+    It is the entry ``place`` of a list of the plan, whose number is ``listed``: ``messages``,
+    ``reports``, ``commands``, ``own``. Then it is active within ``start … finish``, for at most
+    ``most`` ticks.
     """
 
     trigger: int
@@ -124,9 +124,9 @@ OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
 
 @dataclass(slots=True)
 class FaultTally:
-    """At how many ticks a timed fault was active, and at how many it changed a value.
+    """Numbers of ticks at which a timed fault was active, and at which it changed a value.
 
-    ``first_changed`` and ``last_…`` are ticks, -1 while there was none.
+    ``first_changed`` and ``last_…`` are ticks, -1 if there is none yet.
     """
 
     applied: int = 0
@@ -138,12 +138,12 @@ class FaultTally:
 
 @dataclass(slots=True)
 class Plan:
-    """All injections of one fault specification, by what they act on, each list by start.
+    """All injections of one fault specification in lists by their kind, each sorted by start.
 
-    ``messages`` are delayed and blocked ones, ``reports`` falsify what is believed,
-    ``commands`` are forged, ``own`` are those of a team's own types. ``held`` is room for delayed
-    messages; ``tallies`` has one entry for each timed fault. If any faults wait, ``triggers`` are
-    those of the pool, and ``waiting`` what they set off; until then its ``finish`` is -1.
+    ``messages`` delay and block messages, ``reports`` falsify beliefs, ``commands`` forge commands,
+    and ``own`` are of user-defined types. ``held`` is the buffer of delayed messages; ``tallies``
+    has one entry for each timed fault. If any faults wait, ``triggers`` are those of the pool, and
+    ``waiting`` the injections that they activate; until then their ``finish`` is -1.
     """
 
     messages: list[InjectionState]
@@ -161,14 +161,14 @@ InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, floa
 OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
 
 _START: Final = 4
-_FINISH: Final = 5  # where a row has the first and the last tick at which it is active
+_FINISH: Final = 5  # positions of the first and the last active tick in a row
 
 
 class PlanRows(NamedTuple):
-    """A plan before its run: messages, reports and commands, and own faults, each list by start.
+    """A plan as rows: messages, reports and commands, and own faults, each list sorted by start.
 
-    ``n_held`` are the numbers that delays hold back, ``n_faults`` the timed faults. Triggers, what
-    waits for them, and faults whose effects they are, only if anything waits. A row has the first
+    ``n_held`` is the size of the buffer for delays, ``n_faults`` the number of timed faults.
+    ``triggers``, ``waiting`` and ``sources`` are empty unless a fault waits. A row has the first
     attributes of its record.
     """
 
@@ -182,10 +182,10 @@ class PlanRows(NamedTuple):
 
 
 class FaultShape(NamedTuple):
-    """What all timed faults of a pool's fault have in common.
+    """The properties that all timed faults of one fault of the pool share.
 
-    ``change`` is what its values become, ``None`` if they stay; ``places`` has for each of
-    ``targets`` the place of its list in ``PlanRows.lists``, property, and target.
+    ``change`` converts the fault's values, ``None`` if they stay. ``places`` has for each of
+    ``targets`` the index of its list in ``PlanRows.lists``, its property, and its target.
     """
 
     kind: FaultType
@@ -197,7 +197,7 @@ class FaultShape(NamedTuple):
 
 
 class FaultShapes(dict[str, FaultShape]):
-    """Shapes of the faults of one mission and pool by ID, each found when it is first asked for."""
+    """Shapes of the faults of one mission and pool by ID, each computed at first use."""
 
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
@@ -223,7 +223,7 @@ class FaultShapes(dict[str, FaultShape]):
 
 
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
-    """Lay a fault specification that the gate admitted out for the kernel."""
+    """Return the plan of a fault specification that the gate admitted."""
     rows = plan_rows(FaultShapes(mission, pool), specification)
     messages, reports, commands = ([InjectionState(*row) for row in some] for some in rows.lists)
     return Plan(
@@ -240,7 +240,7 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
 
 
 def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
-    """Lay a fault specification out as rows; as ``plan``."""
+    """Return the plan of a fault specification as rows."""
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]] = ([], [], [])
     own: list[OwnRow] = []
     n_held = 0
@@ -297,13 +297,13 @@ def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) 
 
 
 def longest(kind: FaultType, values: Sequence[float], trigger: Trigger) -> int:
-    """Return for how many ticks a fault acts at most that a trigger has set off."""
+    """Return for how many ticks at most a triggered fault is active."""
     most = LAST if trigger.duration is None else trigger.duration
     return min(most, int(values[0])) if kind.mode is Mode.BLOCK else most
 
 
 def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, float]:
-    """Return the goal or robot that an event happens to, -1 for faults, and the area entered."""
+    """Return the index of an event's goal or robot, -1 for faults, and the area entered."""
     if trigger.event is Event.EFFECT:
         return -1, 0.0, 0.0, 0.0
     (of,) = trigger.of
@@ -316,9 +316,9 @@ def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, flo
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
     """Return the first and the last tick at which a fault is active; ``None`` if it never is.
 
-    They are those of its window, but for blocks that end before it, for delays of no tick, for
-    what no message carries, and for what lies behind the mission's end. One with a trigger may be
-    active between them, from the second tick on.
+    They are those of its window, except that blocks may end earlier, that delays of 0 ticks and
+    properties without a message are never active, and that nothing is active after the mission. A
+    fault with a trigger may be active between them, from the second tick on.
     """
     rows = plan_rows(FaultShapes(mission, pool), (timed,))
     lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
@@ -339,16 +339,16 @@ _CHANGES: Mapping[Mode, Callable[..., tuple[float, ...]]] = {
     Mode.START: lambda: (0.0, 1.0),
     Mode.ACTIVATE: lambda: (1.0,),
 }
-"""What the values of a fault become: what is added, and to what share of the true number.
+"""Conversion of a fault's values to an offset and a factor of the true number.
 
-Those of the other modes are so already: a fixed value is added to nothing, and zero is nothing.
+The values of other modes need none: a fixed value has factor 0, and zero has offset and factor 0.
 """
 
 
 def _held_back(timed: TimedFault, mode: Mode, last: int) -> tuple[int, int]:
-    """Return when a fault ends, and by how many ticks messages are late that arrive before.
+    """Return the last tick of a fault, and the delay of messages that arrive before it, in ticks.
 
-    A delay of no tick never becomes active; nothing arrives after the mission's last tick.
+    A delay of 0 ticks is never active; no message arrives after the mission's last tick.
     """
     ticks = int(timed.values[0])
     if mode is Mode.BLOCK:
@@ -361,7 +361,7 @@ def _held_back(timed: TimedFault, mode: Mode, last: int) -> tuple[int, int]:
 def _own_rows(
     number: int, timed: TimedFault, kind: FaultType, targets: Sequence[Target]
 ) -> Iterator[OwnRow]:
-    """Yield a row for each target of which all is touched that the fault's type names."""
+    """Yield a row for each target of which the fault affects all properties of its type."""
     values = no_memory()
     values[: len(timed.values)] = array("d", timed.values)
     for target in dict.fromkeys(index for _, index in targets):
@@ -374,6 +374,6 @@ _ELEMENTS = {affected: of for of, properties in enumerate(ELEMENTS) for affected
 
 OF_SENSOR = _ELEMENTS[Field.COUNT]
 OF_OBSTACLE = _ELEMENTS[Field.OBSTACLE]
-"""On what a fault of a team's own type acts, if on no robot: ``OwnFault.kind``."""
+"""Target kinds of a user-defined fault, if not a robot: ``OwnFault.kind``."""
 
 POSITION, SPEED, ENERGY, COUNT, RATE, COST, OBSTACLE, MOTION, ACTIVATION = map(int, Field)

@@ -1,17 +1,16 @@
-"""Which robots and obstacles are near a robot.
+"""Find the robots and obstacles near a robot.
 
-Few robots are compared one by one. Many are looked up in a grid without edges: cells are numbered
-without end and share a fixed number of buckets, so that it serves robots wherever they are
-believed to be. Neighbours are listed when robots are sorted in, with a margin, so that grid and
-lists serve until robots have moved through it.
+Up to ``FEW`` robots are compared one by one. For more robots, a hashed grid is used: it has no
+edge, and its cells share a fixed number of buckets, so it works wherever robots are believed to be.
+Sorting robots into the grid also lists their neighbours, with a margin; grid and lists stay valid
+until robots have moved farther than that margin.
 
-Obstacles are looked up in a map of where the model puts them. It divides the square around the
-mission area into cells, each with the obstacles within reach of it, the nearest first; cells at
-the edge stand for all that is beyond. Obstacles that are believed elsewhere are few, and are
-compared one by one.
+Obstacles are looked up in a map of their model positions. It divides the square around the mission
+area into cells. Each cell lists the obstacles within reach of it, nearest first; cells at the edge
+also cover all points beyond. The few obstacles believed elsewhere are compared one by one.
 
-What holds throughout: whatever is looked up, the answer is that of comparing all pairs. Begin with
-``chart`` and ``gather`` for robots, ``mapped`` and ``cell_at`` for obstacles.
+Invariant: every query returns the result of comparing all pairs. Begin with ``chart`` and
+``gather`` for robots, ``mapped`` and ``cell_at`` for obstacles.
 """
 
 from functools import lru_cache
@@ -21,25 +20,25 @@ from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import GoalState, LookupState, MappedState, MapState, State, kernel
 from mrsfi_runtime.model.mission import Area, Obstacle
 
-FEW = 24  # members up to which a goal's robots are looked at one by one
+FEW = 24  # members up to which a goal's robots are compared one by one
 
 WIDEST = 4
-"""Cells a side of the widest square that is looked up; beyond it all members are looked at."""
+"""Cells per side of the widest square that is searched; beyond it all members are compared."""
 
 FAR = 2.0**30  # number of the outermost cell; whatever is farther out counts as inside it
 TICKS = 6  # ticks for which the fastest robot may move before robots are sorted anew
-LISTED = 16  # neighbours for whom there is room in the lists, for each member on average
+LISTED = 16  # capacity of the neighbour lists, in neighbours per member on average
 
 STRAYS = 8
-"""Robots that may be elsewhere, such as those that faults displace, before all are sorted anew."""
+"""Robots that may leave their cell, such as those that faults displace, before a new sort."""
 
-SURE = 1.0 + 1e-9  # factor that no rounding of a distance outweighs
+SURE = 1.0 + 1e-9  # factor that exceeds every rounding error of a distance
 
 
 def n_buckets(n_members: int) -> int:
     """Return how many buckets a goal's grid has: a power of two, or 0 where there is no grid.
 
-    There are two to four for each robot, so that most robots are alone in theirs.
+    There are two to four buckets per robot, so that most robots are alone in theirs.
     """
     return 0 if n_members <= FEW else 2 << (n_members - 1).bit_length()
 
@@ -62,12 +61,12 @@ def cell(value: float, per_unit: float) -> int:
 
 @kernel
 def chart(view: State, goal: GoalState, reach: float) -> None:
-    """See to it that a goal's members can be looked up, where they are many.
+    """Prepare the grid for a goal's members, if they are more than ``FEW``.
 
-    ``reach`` is the distance up to which neighbours are looked for most often, > 0. Grid and
-    lists are made with a margin, and serve until more than ``STRAYS`` robots have moved through
-    it. That is seen from where they are, so that it does not matter who moved them. Where goals
-    take turns, none is looked up twice in a row, and listing would not pay.
+    ``reach`` is the most frequent search distance, > 0. Grid and lists have a margin, and stay
+    valid until more than ``STRAYS`` robots have moved farther than it. This is checked by their
+    positions, so any cause of motion counts. If goals alternate, no goal is searched twice in a
+    row, and lists are not made because they would not pay.
     """
     if goal.n_members <= FEW:
         return
@@ -86,7 +85,7 @@ def chart(view: State, goal: GoalState, reach: float) -> None:
 
 @kernel
 def fastest(view: State, goal: GoalState) -> float:
-    """Return the distance that any member may move in a tick, as far as is known."""
+    """Return the distance that any member may move in a tick, by its command and nominal speed."""
     most = 0.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         most = max(most, pace(view, view.members[m].robot))
@@ -95,7 +94,7 @@ def fastest(view: State, goal: GoalState) -> float:
 
 @kernel
 def is_charted(view: State, goal: GoalState) -> bool:
-    """Return whether all members but for some strays are about where they were sorted in."""
+    """Return whether at most ``STRAYS`` members have moved farther than the slack since sorting."""
     lookup = view.lookup
     n = 0
     for k in range(goal.n_members):
@@ -114,8 +113,8 @@ def is_charted(view: State, goal: GoalState) -> bool:
 def sort(view: State, goal: GoalState, size: float) -> None:
     """Sort a goal's members into cells of a size, by counting.
 
-    ``LookupState.heads`` first counts the robots of each bucket, then tells where each bucket
-    ends in ``charted``, and last, where it begins.
+    ``LookupState.heads`` first counts the robots of each bucket, then holds where each bucket
+    ends in ``charted``, and finally where it begins.
     """
     lookup = view.lookup
     lookup.slack = 0.0
@@ -144,7 +143,7 @@ def sort(view: State, goal: GoalState, size: float) -> None:
 
 @kernel
 def list_neighbours(view: State, goal: GoalState, reach: float) -> None:
-    """List the neighbours of each member, unless they are too many for the room there is."""
+    """List the neighbours of each member, unless they exceed the capacity of the lists."""
     lookup = view.lookup
     end = 0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
@@ -170,8 +169,8 @@ def bucket_of(lookup: LookupState, column: int, row: int) -> int:
 def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
     """Collect the other members nearer than ``reach`` along both axes, and return their number.
 
-    ``chart`` has sorted the members, which have not moved since. The indices of those found stand
-    first in ``State.lookup.nearby``.
+    ``chart`` must have sorted the members after their last motion. Their indices are written to
+    the start of ``State.lookup.nearby``.
     """
     n = -1
     if goal.n_members > FEW:
@@ -187,7 +186,7 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
 
 @kernel
 def gather_members(view: State, goal: GoalState, index: int, reach: float) -> int:
-    """Collect neighbours among all members; as ``gather``."""
+    """Collect neighbours by comparing all members; otherwise as ``gather``."""
     lookup = view.lookup
     x, y = view.robots[index].x, view.robots[index].y
     n = 0
@@ -202,7 +201,7 @@ def gather_members(view: State, goal: GoalState, index: int, reach: float) -> in
 
 @kernel
 def is_stray(lookup: LookupState, index: int) -> bool:
-    """Return whether a robot is not where it was sorted in."""
+    """Return whether a robot is a stray: farther than the slack from where it was sorted."""
     for k in range(lookup.n_strays):
         if lookup.strays[k] == index:
             return True
@@ -211,7 +210,7 @@ def is_stray(lookup: LookupState, index: int) -> bool:
 
 @kernel
 def gather_strays(view: State, index: int, reach: float, n_before: int) -> int:
-    """Collect the strays nearby that are not among those found before; as ``gather_buckets``."""
+    """Collect nearby strays that are not yet in ``nearby``; otherwise as ``gather_buckets``."""
     lookup = view.lookup
     own = view.robots[index]
     n = n_before
@@ -219,7 +218,7 @@ def gather_strays(view: State, index: int, reach: float, n_before: int) -> int:
         other = lookup.strays[k]
         robot = view.robots[other]
         if other != index and is_near(robot.x - own.x, robot.y - own.y, reach):
-            lookup.nearby[n] = other  # the end of the search, should it not be found before
+            lookup.nearby[n] = other  # a sentinel that ends the search
             place = 0
             while lookup.nearby[place] != other:
                 place += 1
@@ -229,7 +228,7 @@ def gather_strays(view: State, index: int, reach: float, n_before: int) -> int:
 
 @kernel
 def gather_listed(view: State, index: int, reach: float) -> int:
-    """Collect neighbours from those that are listed; as ``gather_buckets``."""
+    """Collect neighbours from the lists; otherwise as ``gather_buckets``."""
     lookup = view.lookup
     x, y = view.robots[index].x, view.robots[index].y
     first = lookup.first_listed[index]
@@ -244,7 +243,7 @@ def gather_listed(view: State, index: int, reach: float) -> int:
 
 @kernel
 def gather_charted(view: State, index: int, reach: float) -> int:
-    """Collect neighbours from the cells around a robot, or return -1 where they are too many."""
+    """Collect neighbours from the cells around a robot; return -1 if there are too many cells."""
     lookup = view.lookup
     x, y = view.robots[index].x, view.robots[index].y
     wide = (reach + lookup.slack) * SURE
@@ -271,10 +270,10 @@ def gather_charted(view: State, index: int, reach: float) -> int:
 def gather_buckets(
     view: State, index: int, reach: float, begin: int, end: int, n_before: int
 ) -> int:
-    """Collect the robots of some buckets behind those found before; return how many there are.
+    """Append the nearby robots of a range of buckets to ``nearby``; return the new number.
 
-    All are written down, and what is not near is written over: compiled, that is faster than
-    a branch that nobody can predict.
+    Every robot is written, and the next one overwrites it if it is not near: in compiled code
+    this is faster than an unpredictable branch.
     """
     lookup = view.lookup
     x, y = view.robots[index].x, view.robots[index].y
@@ -296,18 +295,18 @@ def is_near(dx: float, dy: float, reach: float) -> bool:
 SIDE = 32  # cells along a side of the map
 
 SLACK = 0.001
-"""By what a cell counts as larger than it is, in cells, so that no rounding hides an obstacle."""
+"""Enlargement of each cell, in cells, so that no rounding error hides an obstacle."""
 
 
 @kernel
 def column(map_: MapState, offset: float) -> int:
-    """Return the column, or row, of a point so far from the map's left, or lower, edge."""
+    """Return the column (or row) of a point at an offset from the map's left (or lower) edge."""
     return int(min(max(offset * map_.cells_per_unit, 0.0), SIDE - 1.0))
 
 
 @kernel
 def cell_at(view: State, x: float, y: float) -> int:
-    """Return the cell of the map that stands for a point; its row of cells lies along x."""
+    """Return the index of the map cell of a point; cells are numbered row by row along x."""
     map_ = view.map
     return SIDE * column(map_, y - map_.y) + column(map_, x - map_.x)
 
@@ -323,7 +322,7 @@ def is_listed(view: State, goal: GoalState, index: int) -> bool:
 
 @kernel
 def is_displaced(view: State, index: int) -> bool:
-    """Return whether an obstacle is believed elsewhere than where the model puts it."""
+    """Return whether the believed position of an obstacle differs from the model's."""
     obstacle = view.obstacles[index]
     return obstacle.x != obstacle.model_x or obstacle.y != obstacle.model_y
 
@@ -342,7 +341,7 @@ def mapped(
 def _drawn(
     x: float, y: float, cells_per_unit: float, reach: float, discs: tuple[Area, ...]
 ) -> tuple[tuple[int, ...], tuple[MappedState, ...]]:
-    """Return cells, and what is mapped there; the same for every state of a mission."""
+    """Return ``State.cells`` and ``State.mapped``, which all states of a mission share."""
     found: list[list[MappedState]] = [[] for _ in range(SIDE * SIDE)]
     for index, disc in enumerate(discs):
         across = _gaps(disc.center.x - x, cells_per_unit, reach + disc.radius)
@@ -360,7 +359,7 @@ def _drawn(
 
 
 def _gaps(offset: float, cells_per_unit: float, limit: float) -> list[tuple[int, float]]:
-    """Return the columns, or rows, nearer than a limit to a point, and how far from it they are."""
+    """Return the columns (or rows) nearer than a limit to a point, each with its distance."""
     place = offset * cells_per_unit
     gaps = [max(n - SLACK - place, place - n - 1 - SLACK, 0.0) for n in range(SIDE)]
     gaps[0] = max(place - 1 - SLACK, 0.0)

@@ -1,7 +1,7 @@
 """Stateless randomness: a hash of (mission seed, tick, entity, purpose).
 
-There is no stream to keep in step, so every order of evaluation draws the same values, and
-two fault specifications of one campaign meet the same chances. The arithmetic stays below
+No generator state exists, so every order of evaluation draws the same values, and all fault
+specifications of one campaign meet the same random events. The arithmetic stays below
 64 bits after masking, which makes it identical in the interpreter and in compiled code.
 
 References
@@ -18,7 +18,7 @@ PURPOSE_HEADING = 1
 PURPOSE_SAMPLES = 2
 PURPOSE_ROAM = 3
 PURPOSE_NOISE = 13  # and 14
-"""Those of random faults stand in ``kernel.effects``: 4 to 12."""
+"""The purposes of random faults are defined in ``kernel.effects``: 4 to 12."""
 
 
 @kernel
@@ -68,7 +68,7 @@ def choice(n: int, seed: int, tick: int, entity: int, purpose: int) -> int:
 
 
 def seed_key(seed: int) -> int:
-    """Return the 32-bit key of a mission seed; any non-negative integer will do."""
+    """Return the 32-bit key of a mission seed; any non-negative integer is accepted."""
     key = 0
     while True:
         key = mixed((key ^ seed) & MASK) ^ 0x9E3779B9

@@ -2,19 +2,19 @@
 
 The simulation keeps one ``State``, the truth; the collective intelligence keeps another, its local
 state or belief. Goal predicates read either. All records hold only integers and floats, and refer
-to each other by index, so that compiled code can lay the same fields out in arrays.
+to each other by index, so that compiled code can store the same fields in arrays.
 
 Functions of the kernel are written once and run interpreted or compiled; ``kernel`` marks them. A
-marked function, and all that it calls, keeps to the common subset: loops, comparisons,
-``+ - * / // %``, ``min max abs round``, ``math.sqrt``, integer work, records with attributes,
-other marked functions. No ``**`` on floats, no ``math.hypot``, no ``random``, no container built
-on the way: those differ between the interpreter and a compiler, or do not compile at all.
+marked function, and each function that it calls, uses only the common subset: loops, comparisons,
+``+ - * / // %``, ``min max abs round``, ``math.sqrt``, integer operations, records with attributes,
+other marked functions. No ``**`` on floats, no ``math.hypot``, no ``random``, no new containers:
+they differ between the interpreter and a compiler, or do not compile at all.
 
-No verdict depends on the last bit of a sum. Checks take what differs from a limit by less than a
-billionth of it for equal (``excess``); reactions keep farther away from limits than that.
+No verdict depends on the last bit of a sum. Checks treat a value within a billionth of a limit as
+equal to it (``excess``); reactions keep a larger distance from limits.
 
-Begin with ``State``. ``COLUMNS`` names what changes in it, in the order of a digest and of a
-recorded moment.
+Begin with ``State``. ``COLUMNS`` lists its changing columns, in the order of digests and of
+recorded moments.
 """
 
 import struct
@@ -40,11 +40,11 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
     return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
-N_MEMORY = 8  # numbers that are remembered for whoever writes a region
+N_MEMORY = 8  # numbers that a region can store
 
 
 def no_memory() -> MutableSequence[float]:
-    """Return as many zeros."""
+    """Return ``N_MEMORY`` zeros."""
     return array("d", bytes(8 * N_MEMORY))
 
 
@@ -62,10 +62,10 @@ class MissionState:
 
 @dataclass(slots=True)
 class RobotState:
-    """A robot: position, speed in units per tick, energy left; then what never changes.
+    """A robot: position, speed in units per tick, energy left; then constants.
 
-    No command makes it faster than ``max_speed``. Its sensors are those from ``first_sensor`` on,
-    ``n_sensors``; ``gps`` is its position sensor, or -1.
+    No command exceeds ``max_speed``. Its sensors are ``n_sensors`` from ``first_sensor`` on;
+    ``gps`` is its position sensor, or -1.
     """
 
     x: float
@@ -83,10 +83,10 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class TraitState:
-    """What else a robot is like: how far it turns in a tick, how far it misjudges its position.
+    """Turn rate and position noise of a robot.
 
-    ``turn_x`` and ``turn_y`` are the direction to which it can turn from that of 0 degrees, to the
-    left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance.
+    ``turn_x`` and ``turn_y`` are the unit vector that it can turn to from 0 degrees in a tick, to
+    the left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance.
     """
 
     turn_x: float
@@ -114,7 +114,7 @@ class SensorState:
 
 @dataclass(slots=True)
 class ObstacleState:
-    """An obstacle, where it is known to be, and where the model puts it."""
+    """An obstacle: its position in this state, its radius, and its position in the model."""
 
     x: float
     y: float
@@ -129,7 +129,7 @@ class GoalState:
 
     ``x``, ``y``, ``radius`` are the area or point of the task. Members, hazards and
     waypoints are ranges of lists in ``State``; a hazard is an obstacle's index. ``memory`` are
-    numbers, 0 at the start, for what a team's own regions have to remember.
+    numbers, 0 at the start, that user-defined regions can store.
     """
 
     task: int
@@ -187,10 +187,10 @@ class DirectionState:
 
 @dataclass(slots=True)
 class CommandState:
-    """What a robot was last told: a unit heading and a speed.
+    """The last command of a robot: a unit heading and a speed.
 
-    ``sent_speed`` is what left for the robot, which a fault may have forged. ``heading_claimed``
-    and ``speed_claimed`` say whether a goal has spoken this tick.
+    ``sent_speed`` is the speed sent to the robot, which a fault may have forged.
+    ``heading_claimed`` and ``speed_claimed`` are 1 if a goal commanded them in this tick.
     """
 
     heading_x: float
@@ -203,7 +203,7 @@ class CommandState:
 
 @dataclass(slots=True)
 class SwitchState:
-    """What a sensor was last told (0 or 1), and whether a goal has spoken this tick."""
+    """The last command of a sensor (0 or 1), and whether a goal gave it in this tick."""
 
     active: int
     claimed: int
@@ -211,11 +211,11 @@ class SwitchState:
 
 @dataclass(slots=True)
 class MapState:
-    """The map of ``kernel.neighbours``: its lower left corner, and how fine it is.
+    """The map of ``kernel.neighbours``: its lower left corner, and its resolution.
 
     A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
-    ``is_wrong`` is 1 while an obstacle may be believed elsewhere than where the model puts it;
-    whoever moves an obstacle sets it.
+    ``is_wrong`` is 1 if the believed position of an obstacle may differ from the model's; code
+    that moves an obstacle must set it.
     """
 
     x: float
@@ -227,7 +227,7 @@ class MapState:
 
 @dataclass(frozen=True, slots=True)
 class MappedState:
-    """An obstacle on a cell of the map, and how near to its edge a point of the cell can be."""
+    """An obstacle listed in a map cell, and the least distance from the cell to its edge."""
 
     obstacle: int
     gap: float
@@ -235,7 +235,7 @@ class MappedState:
 
 @dataclass(slots=True)
 class ChartedState:
-    """A robot in the grid of ``kernel.neighbours``, and where it was when it was sorted in."""
+    """A robot in the grid of ``kernel.neighbours``, with its position when it was sorted."""
 
     robot: int
     x: float
@@ -244,15 +244,15 @@ class ChartedState:
 
 @dataclass(slots=True, kw_only=True)
 class LookupState:
-    """Room in which ``kernel.neighbours`` looks robots up; nothing in it is known.
+    """Scratch space for neighbour queries. Not part of the state: never recorded or hashed.
 
-    What is found there holds for the members from ``first_member`` on, as far as each but for
-    ``n_strays`` ``strays`` is no more than ``slack`` along either axis from where it was sorted in.
+    It is valid for the members from ``first_member`` on. Each of them, except ``n_strays``
+    ``strays``, is within ``slack`` along either axis of the position at which it was sorted.
 
-    A grid, how fine, and its buckets: ``heads`` tells where each bucket's robots begin in
-    ``charted``, ``buckets`` has that of each member. If ``is_listed``, the robots that may be
-    within ``reach`` of a robot are ``n_listed`` in ``listed`` from ``first_listed`` on. ``asked``
-    is the reach wanted last, ``nearby`` are the robots found last.
+    ``heads`` has the index in ``charted`` at which each bucket of the grid begins, ``buckets`` the
+    bucket of each member. If ``is_listed``, the robots that may be within ``reach`` of a robot are
+    ``n_listed`` entries of ``listed`` from ``first_listed`` on. ``asked`` is the reach of the last
+    query, ``nearby`` its result.
     """
 
     first_member: int = -1
@@ -276,12 +276,12 @@ class LookupState:
 
 @dataclass(slots=True, kw_only=True)
 class State:
-    """All that is known: by the simulation the truth, by the collective intelligence a belief.
+    """The state of a world: the truth of the simulation, or the belief of the CI.
 
-    Tuples are tables that nobody writes to, the same in every state of a mission; digests and
-    records leave them out. ``traits`` has one of each robot, ``directions`` are the unit vectors
-    of whole degrees. ``cells`` tells where the obstacles of
-    each cell of the map begin in ``mapped``. ``lookup`` is no knowledge: robots are found there.
+    Tuples are constant tables, the same in every state of a mission; digests and records leave
+    them out. ``traits`` has one entry per robot, ``directions`` are the unit vectors of whole
+    degrees. ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin.
+    ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -319,14 +319,14 @@ PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = {
     Field.COST: ("sensors", ("cost",)),
     Field.OBSTACLE: ("obstacles", ("x", "y")),
 }
-"""Where a state has what may be believed otherwise than it is: the list, and the columns there."""
+"""List and columns of a state that hold each property of which the belief can differ."""
 
 
 def state_bytes(state: State) -> bytes:
     """Return all that changes in a state as bytes: IEEE-754 doubles, record after record, −0 as 0.
 
-    Last comes what goals remember, unless it is all 0, as in missions that do without. Compiled
-    flights are packed alike (``engine.compiled.layout.packed``).
+    The memory of the goals comes last, unless it is all 0, as in missions that do not use it.
+    Compiled flights are packed alike (``engine.compiled.layout.packed``).
     """
     values = [
         float(getattr(record, column)) + 0.0
@@ -340,7 +340,7 @@ def state_bytes(state: State) -> bytes:
     return struct.pack(f"<{len(values)}d", *values)
 
 
-TOLERANCE = 1e-9  # share of a limit, or of a distance unit, below which a difference is none
+TOLERANCE = 1e-9  # share of a limit, or of a distance unit, below which differences count as 0
 RESERVE = 0.001  # share of a limit that reactions leave unused: of an area's radius, and of energy
 
 

@@ -1,11 +1,11 @@
-"""What robots may have to achieve: a module per goal task.
+"""The goal tasks, one module each.
 
-Each has the task's record, and kernel functions of a goal's index: ``violated`` tells whether
-the goal is violated in a state, ``react`` commands its members, and ``progress``, where there is
-one, notes once a tick what the other two have to remember.
+Each module has the task's record, and kernel functions of a goal's index. ``violated`` returns
+whether the goal is violated in a state. ``react`` commands its members. ``progress``, if present,
+records once a tick what the other two need later.
 
 References
 ----------
 Source paper, sections III-B a) and III-G (``checkRequirements``). The paper leaves the reactions
-to the user; what stands here is described in ``docs/semantics.md``.
+to the user; ``docs/semantics.md`` describes these.
 """

@@ -1,8 +1,8 @@
 """AvoidCollision: the discs of robots and obstacles never overlap.
 
-Checks and margins compare distances of one tick, reactions what robots and obstacles will be within
-``LOOK_AHEAD`` ticks, if all keep heading and pace. ``kernel.neighbours`` finds those that are near
-enough to count, so that few pairs are compared; results are those of all pairs.
+Checks and margins compare the distances of one tick. Reactions look ``LOOK_AHEAD`` ticks ahead, as
+if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough to matter, so
+that few pairs are compared; the results equal those of comparing all pairs.
 
 Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
 """
@@ -30,9 +30,9 @@ LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 MARGIN = 1.0  # clearance below which a meeting counts as a coming collision, in distance units
 
 HORIZON = 4
-"""Ticks for which none of many robots needs to be looked at, if it is so far from all others."""
+"""Ticks for which a robot need not be checked again, if it is far enough from all others."""
 
-CANDIDATE_STEP = 15  # degrees between the headings among which a robot chooses when it evades
+CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ def hits_obstacle(view: State, goal: GoalState) -> bool:
 
 @kernel
 def hits_displaced(view: State, goal: GoalState) -> bool:
-    """Return whether a disc overlaps with an obstacle that is not where the model puts it."""
+    """Return whether a robot's disc overlaps with an obstacle that is off its model position."""
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
         if is_displaced(view, view.hazards[h]):
             for m in range(goal.first_member, goal.first_member + goal.n_members):
@@ -118,7 +118,7 @@ def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the least gap between two discs, and when there can be one less than ``least``."""
+    """Return the least gap between two discs, and when a gap can be below ``least``."""
     goal = world.goals[g]
     to_obstacle = gap_to_obstacles(world, goal)
     speed = top_speed(world, goal)
@@ -131,7 +131,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 @kernel
 def gap_to_obstacles(world: State, goal: GoalState) -> float:
-    """Return the least gap between robots and obstacles of a goal, where the model puts them."""
+    """Return the least gap between robots and obstacles of a goal, at their model positions."""
     least = NO_MARGIN
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = world.robots[world.members[m].robot]
@@ -143,7 +143,7 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
             gap = gap_to(world, robot.x, robot.y, mapped.obstacle, least)
             if gap < least and is_listed(world, goal, mapped.obstacle):
                 least = gap
-        if least > world.map.reach - ROBOT_RADIUS:  # what is farther is on no cell
+        if least > world.map.reach - ROBOT_RADIUS:  # no cell lists obstacles beyond
             for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
                 least = gap_to(world, robot.x, robot.y, world.hazards[h], least)
     return least
@@ -151,7 +151,7 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
 
 @kernel
 def gap_to(view: State, x: float, y: float, index: int, limit: float) -> float:
-    """Return the gap between a robot's disc at a point and an obstacle's, ``limit`` at most."""
+    """Return the gap between a robot's disc at a point and an obstacle's, at most ``limit``."""
     obstacle = view.obstacles[index]
     dx, dy = obstacle.x - x, obstacle.y - y
     square = dx * dx + dy * dy
@@ -163,7 +163,7 @@ def gap_to(view: State, x: float, y: float, index: int, limit: float) -> float:
 
 @kernel
 def gap_between_robots(world: State, goal: GoalState, limit: float) -> float:
-    """Return the least gap between two robots of a goal; of many robots ``limit`` at most."""
+    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``."""
     both = 2.0 * ROBOT_RADIUS
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
@@ -181,7 +181,7 @@ def gap_between_robots(world: State, goal: GoalState, limit: float) -> float:
 
 @kernel
 def gap_between_neighbours(world: State, goal: GoalState, limit: float) -> float:
-    """Return the least gap between two of many robots, ``limit`` at most."""
+    """Return the least gap between two of more than ``FEW`` robots, at most ``limit``."""
     both = 2.0 * ROBOT_RADIUS
     least = limit
     chart(world, goal, both)
@@ -237,9 +237,9 @@ def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
 
 @kernel
 def sight(ci: State, index: int, limit: float, farthest: float) -> float:
-    """Return the distance from which on another robot cannot come nearer than a gap, ``limit``.
+    """Return the distance beyond which another robot's gap cannot fall below ``limit``.
 
-    ``farthest`` is what any other robot moves within the look-ahead, at most.
+    ``farthest`` is the most that any other robot moves within the look-ahead.
     """
     return limit + LOOK_AHEAD * pace(ci, index) + farthest + 2.0 * ROBOT_RADIUS
 
@@ -250,10 +250,9 @@ def clearance(
 ) -> float:
     """Return the least gap to robots nearby and a goal's obstacles within the look-ahead.
 
-    Of the robots, the first ``n_near`` in ``ci.lookup.nearby`` may come nearer than ``limit``,
-    beyond which nothing counts and which is returned when nothing is nearer. ``x`` and ``y`` are
-    the unit vector of the heading to judge. Obstacles stand still, other robots keep their
-    commanded heading and pace.
+    Only the first ``n_near`` robots in ``ci.lookup.nearby`` can come nearer than ``limit``,
+    which is returned if no gap is smaller. ``x`` and ``y`` are the unit vector of the candidate
+    heading. Obstacles stand still, and other robots keep their commanded heading and speed.
     """
     robot = ci.robots[index]
     step = pace(ci, index)
@@ -275,9 +274,9 @@ def clearance(
 def clearance_of_obstacles(
     ci: State, goal: GoalState, index: int, vx: float, vy: float, limit: float
 ) -> float:
-    """Return the least gap to a goal's obstacles, for a robot of given velocity; as ``clearance``.
+    """Return the least gap to a goal's obstacles, for a given velocity; as ``clearance``.
 
-    Where the map does not reach as far as the robot may move, all obstacles are looked at.
+    If the map does not reach as far as the robot may move, all obstacles are checked.
     """
     robot = ci.robots[index]
     reach = limit + LOOK_AHEAD * pace(ci, index) + ROBOT_RADIUS
@@ -306,7 +305,7 @@ def gap_to_obstacle(
 ) -> float:
     """Return the gap to an obstacle within the look-ahead, or ``reach`` if it is too far away.
 
-    ``vx`` and ``vy`` are what the robot moves in a tick. Nothing counts beyond ``reach`` from the
+    ``vx`` and ``vy`` are the robot's motion in a tick. A gap counts only within ``reach`` of the
     obstacle's edge.
     """
     robot = ci.robots[index]

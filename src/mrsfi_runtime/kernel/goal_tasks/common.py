@@ -1,8 +1,8 @@
-"""What several goal tasks share: margins, and who has been in a goal's area.
+"""Functions that goal tasks share: margins, and which members have been in a goal's area.
 
-A margin is how much there is to spare, in the unit of the goal's task; negative by how much it is
-violated. Between two ticks most change by no more than robots move, so ``patience`` says for how
-many ticks a margin cannot be less than the least so far, and need not be computed.
+A margin is the distance from violation, in the unit of the goal's task; it is negative if the goal
+is violated. Robot motion bounds how fast most margins change. ``patience`` uses this bound to tell
+for how many ticks a margin need not be computed, as it cannot fall below the least so far.
 
 References
 ----------
@@ -18,16 +18,16 @@ from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
 
 NO_MARGIN: Final = math.inf
-"""What a goal has while nothing can be said, such as before a robot first enters its area."""
+"""Margin of a goal while it is undefined, such as before a robot first enters its area."""
 
 NEVER: Final = 1 << 40  # a tick that no mission reaches
 
 
 @kernel
 def patience(left: float, least: float, speed: float) -> int:
-    """Return after how many ticks a margin can be less than another, at least 1.
+    """Return after how many ticks a margin, now ``left``, can be below ``least``; at least 1.
 
-    ``speed`` is by how much it falls in a tick at most.
+    ``speed`` is the most that the margin falls in a tick.
     """
     spare = left - least
     if spare <= speed:
@@ -46,7 +46,7 @@ def top_speed(view: State, goal: GoalState) -> float:
 
 @kernel
 def note_presence(view: State, g: int) -> None:
-    """Note which members are inside the goal's area, or within tolerance of its point."""
+    """Record which members are inside the goal's area, or within tolerance of its point."""
     goal = view.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
@@ -64,7 +64,7 @@ def depth(goal: GoalState, robot: RobotState) -> float:
 
 @kernel
 def is_awaited(view: State, g: int) -> bool:
-    """Return whether a member has not been there yet."""
+    """Return whether a member has not yet been at the goal's area or point."""
     goal = view.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         if view.members[m].reached == 0:

@@ -35,7 +35,7 @@ def violated(view: State, g: int) -> bool:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return how much less than the tolerance the pair differs that differs most."""
+    """Return the tolerance minus the largest deviation of a pair from the distance."""
     goal = world.goals[g]
     last = goal.first_member + goal.n_members
     most = 0.0
@@ -53,7 +53,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Let every later member close or open the gap to the one before it, else fly beside it."""
+    """Let each member correct its gap to the member before it, or else take the same heading."""
     goal = ci.goals[g]
     for m in range(goal.first_member + 1, goal.first_member + goal.n_members):
         first = ci.members[m - 1].robot

@@ -44,10 +44,10 @@ def progress(view: State, g: int) -> None:
 
 @kernel
 def violated(view: State, g: int) -> bool:
-    """Return whether a goal below its target is in danger of missing it.
+    """Return whether a goal below its target is at risk of not reaching it.
 
-    It is while its sensor is inactive, or its robot outside the goal's area, or when the
-    forecast falls short.
+    It is if its sensor is inactive, its robot is outside the goal's area, or the forecast is
+    below the target.
     """
     goal = view.goals[g]
     if goal.count >= goal.target:
@@ -61,10 +61,10 @@ def violated(view: State, g: int) -> bool:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare when the target is reached; nothing can be said before.
+    """Return the ticks to spare when the target is reached; before that, the margin is undefined.
 
-    It is reached no sooner than if all samples were valid, and out of reach no sooner than if none
-    were or the robot spent all it can.
+    The next tick to check assumes that all samples are valid (the earliest success), or that none
+    are or the robot spends the most energy it can (the earliest failure).
     """
     goal = world.goals[g]
     missing = goal.target - goal.count
@@ -81,9 +81,9 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 @kernel
 def is_out_of_reach(world: State, g: int) -> bool:
-    """Return whether a goal below its target can no longer reach it, however lucky it is.
+    """Return whether a goal below its target can no longer reach it.
 
-    Its robot is exhausted, or all samples of all ticks left would be too few.
+    Its robot has no energy, or too few ticks are left even if all samples are valid.
     """
     goal = world.goals[g]
     if goal.count >= goal.target:
@@ -95,7 +95,7 @@ def is_out_of_reach(world: State, g: int) -> bool:
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Keep the goal's robot roaming inside its area, its sensor on until the target is reached."""
+    """Let the robot roam in the goal's area, with its sensor on until the target is reached."""
     goal = ci.goals[g]
     sensor = ci.sensors[goal.sensor]
     switch_sensor(ci, goal.sensor, 1 if goal.count < goal.target else 0)

@@ -29,7 +29,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     goal = world.goals[g]
     tick = world.mission.tick
     first = tick
-    soonest = NEVER  # when a member can next be outside for as long as it may be, and no longer
+    soonest = NEVER  # tick at which a member can first use up its whole period outside
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = world.members[m]
         first = min(first, member.since)

@@ -30,7 +30,7 @@ react = roam_area
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return how far inside the area the outermost member is, of those that have entered."""
+    """Return how far inside the area the outermost member is, among those that have entered."""
     goal = world.goals[g]
     left = NO_MARGIN
     wait = NEVER

@@ -40,7 +40,7 @@ def is_exhausted(world: State, g: int) -> bool:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
-    """Return the energy that a member has left when the mission ends, the least of all members."""
+    """Return the least energy of a member at the end of the mission."""
     goal = world.goals[g]
     left = NO_MARGIN
     wait = NEVER
@@ -53,11 +53,11 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: AR
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Regulate every member's speed to its nominal one, or to what its energy affords.
+    """Control every member's speed to its nominal one, or to what its energy allows.
 
-    The loop is closed over the reported speed (sent + wanted − believed), so that a false report
-    moves a real robot. What was sent may have been forged: nothing winds up behind a
-    forged stop. A reserve of the energy is left unspent.
+    The control loop uses the reported speed (sent + wanted − believed), so a false report changes
+    the motion of a real robot. It starts from the speed sent, forged or not, so no error builds
+    up during a forged stop. A reserve of the energy is left unspent.
     """
     goal = ci.goals[g]
     left = ticks_left(ci)

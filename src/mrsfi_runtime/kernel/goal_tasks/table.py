@@ -1,7 +1,7 @@
-"""The goal tasks by number, and which functions each has.
+"""The goal tasks by number, and the functions of each.
 
-States and digests know a task by its place in ``TASKS``. Functions here choose by that number: what
-goals do for which a team wrote nothing, and whether the purpose of a goal is certainly not met.
+States and digests identify a task by its index in ``TASKS``. The functions here choose by that
+index: the default check and reaction of each goal, and whether a goal is missed or reached.
 """
 
 import sys
@@ -28,9 +28,9 @@ from mrsfi_runtime.model.mission import GoalTask
 
 @dataclass(frozen=True, slots=True)
 class OwnTask(GoalTask):
-    """A task of a team's own: what it asks for stands in the regions of its goals.
+    """A user-defined task, whose check and reaction stand in the regions of its goals.
 
-    The runtime knows the name of its class in the metamodel, and no more.
+    The runtime knows only the name of its class in the metamodel.
     """
 
     class_name: str
@@ -52,10 +52,10 @@ TASKS: tuple[type[GoalTask], ...] = (
     stay.Stay,
     fixed_distance_between_robots.FixedDistanceBetweenRobots,
 )
-"""All tasks that stand here; where one stands is its number."""
+"""All built-in tasks; the index of a task is its number."""
 
 OWN_TASK = len(TASKS)
-"""Number of every task of a team's own."""
+"""Number of every user-defined task."""
 
 
 def number(task: GoalTask) -> int:
@@ -72,12 +72,11 @@ VISIT = TASKS.index(visit.Visit)
 
 @kernel
 def is_missed(world: State, g: int, violated: int) -> bool:
-    """Return whether it is certain from this tick on that a goal's purpose is not met.
+    """Return whether a goal can no longer be met from this tick on.
 
-    For most tasks that is the first violation, which no later tick makes up for. Violations of
-    SufficientEnergy and GatherSamples are forecasts, and do not count; Track and Stay may also
-    have come to nothing when the mission ends. ``violated`` is what the goal's check says of the
-    true state, 0 or 1.
+    Most goals fail with their first violation. Violations of SufficientEnergy and GatherSamples
+    are forecasts and do not count. Track and Stay also fail if they are incomplete when the
+    mission ends. ``violated`` is the result of the goal's check in the true state, 0 or 1.
     """
     task = world.goals[g].task
     if task == ENERGY:
@@ -94,7 +93,7 @@ def is_missed(world: State, g: int, violated: int) -> bool:
 
 @kernel
 def is_reached(world: State, g: int) -> bool:
-    """Return whether a goal has its samples, or its robots were at its point, or at the last."""
+    """Return whether a goal has its samples, or all its robots its point or last waypoint."""
     goal = world.goals[g]
     if goal.task == SAMPLES:
         return goal.count >= goal.target
@@ -108,16 +107,16 @@ FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = {
     role: tuple(getattr(module, name, None) for module in _MODULES)
     for role, name in (("progress", "progress"), ("check", "violated"), ("react", "react"))
 }
-"""What generated code calls for each role of a goal, by the number of its task."""
+"""Functions that generated code calls for each role of a goal, by the number of its task."""
 
 
 def _by_task(
     role: str, functions: Sequence[Callable[..., Any] | None], otherwise: str, inputs: str = ""
 ) -> Callable[..., Any]:
-    """Return a function of state, goal and number of a task, and more: that of the task.
+    """Return a function of state, goal, task number and ``inputs`` that calls the task's function.
 
-    It is a chain of comparisons, as written by hand: neither compilers nor the common subset know
-    a table of functions.
+    It is a chain of comparisons, because neither compilers nor the common subset support a table
+    of functions.
     """
     tasks = {f"task_{n}": each for n, each in enumerate(functions) if each is not None}
     cases = [
@@ -130,7 +129,7 @@ def _by_task(
 
 
 progress = _by_task("progress", FUNCTIONS["progress"], "None")
-"""Note what a goal has to remember."""
+"""Record the progress of a goal."""
 
 violated = _by_task("check", FUNCTIONS["check"], "False")
 """Return whether a goal is violated in a state."""
@@ -139,4 +138,4 @@ react = _by_task("react", FUNCTIONS["react"], "None")
 """Command the members of a goal."""
 
 margin = _by_task("margin", [module.margin for module in _MODULES], f"inf, {NEVER}", ", least")
-"""Return how far a goal is from being violated, and after how many ticks it can be nearer."""
+"""Return a goal's margin, and after how many ticks it can fall below ``least``."""

@@ -43,7 +43,7 @@ def violated(view: State, g: int) -> bool:
 
 @kernel
 def off_track(view: State, g: int) -> float:
-    """Return the distance of the member that is farthest off its current segment; -1 if none is."""
+    """Return the largest distance of a member from its current segment; -1 if none has one."""
     goal = view.goals[g]
     off = -1.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
@@ -59,7 +59,7 @@ def off_track(view: State, g: int) -> float:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
-    """Return how much less than the tolerance the member is off its segment that is most."""
+    """Return the tolerance minus the largest distance of a member from its current segment."""
     off = off_track(world, g)
     return (NO_MARGIN if off < 0.0 else world.goals[g].tolerance - off), 1
 
@@ -76,7 +76,7 @@ def is_unfinished(world: State, g: int) -> bool:
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Head for every member's next waypoint, the last step no longer than needed."""
+    """Head for every member's next waypoint, with a last step no longer than needed."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = ci.members[m]

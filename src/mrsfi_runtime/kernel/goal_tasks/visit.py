@@ -43,9 +43,9 @@ def violated(view: State, g: int) -> bool:
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare when the last member has arrived; fewer with each tick it is late.
+    """Return the ticks to spare when the last member arrives; less with each tick that it is late.
 
-    Nothing can be said before.
+    Before that, the margin is undefined.
     """
     if least < NO_MARGIN:
         return least, NEVER
@@ -65,7 +65,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Head for the point until it has been reached, the last step no longer than needed."""
+    """Head for the point until it has been reached, with a last step no longer than needed."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = ci.members[m]
