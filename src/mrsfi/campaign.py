@@ -121,13 +121,13 @@ def repeat(
         manifest, again = store.manifest, run.with_name("again")
         if manifest.engine.is_foreign:
             raise RecordError(
-                f"{archive}: members are as packed (digest {found}); flights are not repeated: an "
-                "external simulation or node flew them; expected a campaign that mrsfi flew alone"
+                f"{archive}: members are as packed (digest {found}); flights are not repeated, "
+                "because they need an external simulation or node; expected a campaign without one"
             )
         if not store.n_evaluations:
             raise ReplayMismatch(f"{archive}: holds no evaluation; expected at least one")
         CampaignFolder(run).require_hashes(manifest.sha256)
-        tell(f"{archive}: members are as packed; mrsfi now runs the code that it holds")
+        tell(f"{archive}: members are as packed; mrsfi now runs the code in it")
         tell_of_versions(manifest, tell)
         shutil.copytree(run, again, ignore=shutil.ignore_patterns(store.path.name))
         CampaignStore.create(again, store.settings, manifest).close()
@@ -189,7 +189,7 @@ def _compared(
         same = ", ".join(f"{n - others[kind]} of {n} {kind}" for kind, n in numbers.items())
         raise ReplayMismatch(
             f"{run}: {other[0][1]} differs from its record: found {now[begin:][:_SHOWN]}, recorded "
-            f"{then[begin:][:_SHOWN]}; as recorded are {same}. Expected the same bit for bit; look "
+            f"{then[begin:][:_SHOWN]}; as recorded are {same}. Expected the same; check "
             "whether the archive, mrsfi, Python or the kind of processor has changed since"
         )
     return numbers
@@ -233,7 +233,7 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
             lines = (line.split("  ", 1) for line in listed.decode().splitlines())
             expected = {name: hashed for hashed, name in lines}
     except _UNREADABLE as error:
-        what = f"{archive}: is no archive of a campaign ({error})"
+        what = f"{archive}: is not an archive of a campaign ({error})"
         raise RecordError(f"{what}; expected one of `mrsfi pack`") from error
     expected |= {name: found[name] for name in (_LISTED, _TOLD)}
     names = {name for name, _ in found.items() ^ expected.items()}
@@ -244,7 +244,7 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
         for name in sorted(names)
     ]
     if changes or len(found) < len(members):
-        raise _changed(archive, ", ".join(changes) or "a member is there twice")
+        raise _changed(archive, ", ".join(changes) or "a member occurs twice")
     return listed, told
 
 

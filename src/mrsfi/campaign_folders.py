@@ -98,12 +98,12 @@ def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
         try:
             code = load_code(folder.generated)
         except GenerationError as error:
-            what = f"{path}: the campaign's own copy of the generated code is not whole: {error}"
+            what = f"{path}: the campaign's own copy of the generated code is incomplete: {error}"
             raise RecordError(f"{what}; expected the folder as `mrsfi evolve` left it") from error
         code = replace(code, pool=code.pool.without(store.manifest.engine.node_left_out))
         others = ", ".join(_edited(folder))
         if others:
-            tell(f"{path} flies its own copies; the project has others today of: {others}")
+            tell(f"{path} flies its own copies; today's project has other versions of: {others}")
         yield FlyableCampaign(folder, store, code.mission, code.pool, code)
 
 
@@ -130,7 +130,7 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
         if found.name != campaign.mission.name:
             raise UsageError(
                 f"{folders.models}: found mission '{found.name}'; {campaign.folder.path} searched "
-                f"'{campaign.mission.name}'; expected that one; go to the project where it lies"
+                f"'{campaign.mission.name}'; expected that one; go to its project"
             )
     return folders
 
@@ -181,7 +181,7 @@ def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
     if differences:
         raise ReplayMismatch(
             f"{folder}: evaluation {recorded.index} differs from its record: "
-            f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
+            f"{'; '.join(differences)}. Expected the same, bit for bit; check whether the folder, "
             "mrsfi, Python, the kind of processor, or an external simulation or node has changed "
             "since (manifest in campaign.sqlite)"
         )

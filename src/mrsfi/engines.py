@@ -115,7 +115,7 @@ def again(given: Given, recorded: EngineSettings, default: str = AUTO) -> Engine
     if recorded.unrepeated:
         raise ReplayMismatch(
             f"this campaign cannot be flown again: {recorded.unrepeated}; to fly one of its "
-            "specifications as a flight of its own: mrsfi simulate MISSION --faults FILE"
+            "specifications in a new flight: mrsfi simulate MISSION --faults FILE"
         )
     return chosen(given, default, recorded if recorded.is_foreign else EngineSettings(default))
 
@@ -134,7 +134,7 @@ def chosen(
         options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
         options = options if recorded.is_foreign else "no --side"
         found = f"this campaign was flown with {recorded.parts}; found {parts_of(side, url)}"
-        raise UsageError(f"{found}, whose counts do not belong to it; expected {options}")
+        raise UsageError(f"{found}, which counts differently; expected {options}")
     if side == INJECTOR:
         command, table = values.get("node"), project().node
         values = {

@@ -76,12 +76,12 @@ def within_reach(
         touching[touched].append(fault)
     if touching:
         listed = "; ".join(f"{what} ({', '.join(faults)})" for what, faults in touching.items())
-        tell(f"left out, for no topic tells your node of what they touch: {listed}")
+        tell(f"left out, because no topic of your node carries what they change: {listed}")
     pool = code.pool.without(beyond)
     if not pool:
         raise UsageError(
             f"none of {counted(len(code.pool), 'faults')} can be injected: no topic of [node] "
-            "tells of what they touch (docs/node.md)"
+            "carries what they change (docs/node.md)"
         )
     return replace(code, pool=pool), replace(engine, node_left_out=tuple(beyond))
 
@@ -109,7 +109,7 @@ def looked_at(
         return engine, ""
     how = "runs by its own clock" if engine.is_free else "does not repeat itself"
     doubt = f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
-    doubt += "median, and causes are not looked for: they may be chance"
+    doubt += "median, and weaknesses are not searched for: they may be chance"
     tell(f"warning: {doubt}")
     return replace(engine, node_repeats=N_LOOKS), doubt
 
@@ -203,8 +203,8 @@ def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
     for name, version in manifest.versions.items():
         now = installed_version(name)
         if now != version:
-            what = f"begun with {name} {version}, going on with {now}"
-            tell(f"warning: {what}: the result may differ from that of one run")
+            what = f"begun with {name} {version}, continued with {now}"
+            tell(f"warning: {what}: the result may differ from an uninterrupted run")
 
 
 def _beyond(campaign: FlyableCampaign) -> str:
@@ -248,14 +248,14 @@ def evolve(
     def tell_who(who: str) -> None:
         tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.words}, {who}")
         if not store.n_evaluations and (wide := _beyond(campaign)):
-            tell(f"beyond the pool's values it searches: {wide}")
+            tell(f"ranges searched beyond the pool's values: {wide}")
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
             search(campaign, many, progress, tell)
         if settings.is_short(store.n_evaluations + store.n_failures):
             what = f"{store.n_evaluations} of {settings.evaluations} evaluations"
-            tell(f"the search ended after {what}: it made no new specification any more")
+            tell(f"the search ended after {what}: it found no new specification to fly")
         if explains and engine.side != CI and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
@@ -263,9 +263,9 @@ def evolve(
             except WorkerLost:
                 raise
             except EvaluationError as error:
-                tell(f"what breaks which goal is not looked for: {error}")
+                tell(f"weaknesses are not searched for: {error}")
     if (store.n_generations, len(store.flights())) == before:
-        tell("was finished already; its report is written anew")
+        tell("the campaign was finished already; its report is written again")
 
 
 def _explains(store: CampaignStore, asked: bool | None) -> bool:
@@ -323,11 +323,11 @@ def _doubt(campaign: FlyableCampaign, flown: Specification, seen: str, tell: Tel
     what = f"does not repeat itself: evaluation {next(known, 'that failed')} {seen}"
     if side != BOTH:
         what = f"the external {'simulation' if side == CI else 'node'} {what}"
-        tell(f"warning: {what}; what was found may be chance")
+        tell(f"warning: {what}; results may be chance")
     else:
         found = differing(campaign.code, flown, store.settings.mission_seed)
         what = f"the mission {what}; {found}"
-    store.doubt(f"{what}; what was found may be chance")
+    store.doubt(f"{what}; results may be chance")
     if side == BOTH:
         raise ReplayMismatch(f"{campaign.folder.path}: {what}; then begin a new campaign")
 

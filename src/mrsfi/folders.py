@@ -194,7 +194,7 @@ def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, s
         raise UsageError(f"{path}: cannot be read: {error}; expected TOML") from error
     if [*after] != [names.get(name, name) for name in before]:
         raise UsageError(
-            f"{path}: found {', '.join(before)} in a form that cannot be edited; expected a list "
+            f"{path}: found {', '.join(before)} in a layout that cannot be edited; expected a list "
             'such as goals = ["g1"], or a table [max] with a line for each goal'
         )
     return old, new

@@ -109,7 +109,7 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
         if timed.finish >= code.mission.duration
     )
     if unknown:
-        tell(f"{path}: not in the pool, flown as written: {', '.join(unknown)}")
+        tell(f"{path}: faults that are not in the pool, flown as written: {', '.join(unknown)}")
     for oddity in late:
         tell(oddity)
     return Written(models, pool, specification, unknown, late)
@@ -240,10 +240,10 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
             held = starvation(mission, goal)
             advice = "let it react before that one" if held else "make the goal easier"
             message = (
-                f"goals '{goal.id}' is violated without any fault, at {believed} ticks as "
-                f"believed and {true} in truth{', and missed' if missed else ''}{held and ', '}"
-                f"{held}; expected none, so that search sees the work of faults only; {advice} or "
-                "its reaction better"
+                f"goals '{goal.id}' is violated without faults, in belief at {believed} ticks, in "
+                f"truth at {true}{', and fails' if missed else ''}{held and ', '}{held}; expected "
+                f"none, so that a search finds effects of faults only; {advice} or its reaction "
+                "better"
             )
             place = loaded.mission_path, loaded.nodes[element].line
             yield Diagnostic(*place, f"goals '{goal.id}'", "FaultFreeMission", "warning", message)

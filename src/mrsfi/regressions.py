@@ -74,17 +74,19 @@ class Checked:
             return self.error
         path = self.regression.path
         return UsageError(
-            f"{path}: limits are kept for mission seeds "
-            f"{', '.join(map(str, self.regression.mission_seeds))}; found more in others: "
-            f"{self._excess(self.others)}; to keep what these have, too: mrsfi keep "
+            f"{path}: the limits are for mission seeds "
+            f"{', '.join(map(str, self.regression.mission_seeds))}; in other seeds "
+            f"{self._excess(self.others)}; to limit these, too: mrsfi keep "
             f"{path.parent.parent} --update --name {path.stem} --seeds {len(self.seeds)}"
         )
 
     def _excess(self, counts: Mapping[str, int]) -> str:
         limits, kind = self.regression.limits, self.regression.violations
-        goals = self.regression.exceeded(counts)
-        found = (f"{goal} {counts[goal]}, kept {limits[goal]}" for goal in goals)
-        return f"{self.regression.name}: {kind} {'; '.join(found)}"
+        excess = (
+            f"{goal} ({kind}) exceeds its limit ({counts[goal]}, allowed {limits[goal]})"
+            for goal in self.regression.exceeded(counts)
+        )
+        return f"{self.regression.name}: {'; '.join(excess)}"
 
 
 def keep(
@@ -152,8 +154,8 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
     with telling(regression.path, "choose another name with --name"):
         if regression.path.exists() or regression.specification.exists():
             raise UsageError(
-                f"{regression.path}: is kept already; choose another name with --name, or take new "
-                f"limits over with: mrsfi keep {folders.named} --update"
+                f"{regression.path}: exists already; choose another name with --name, or replace "
+                f"its limits with: mrsfi keep {folders.named} --update"
             )
 
 
@@ -189,7 +191,7 @@ def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
     """Return what is kept of a mission; none at all is no pass, but refused."""
     regressions = kept(folders.models)
     if not regressions:
-        found = f"{folders.models}: nothing is kept; expected at least one weakness in regressions/"
+        found = f"{folders.models}: no weakness is kept; expected at least one in regressions/"
         raise UsageError(f"{found}; keep one with: mrsfi keep CAMPAIGN --weakness 1")
     return regressions
 
@@ -243,7 +245,7 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
         if regression.side not in {BOTH, settings.side}:
             flown_with = parts_of(regression.side)
             what = f"{regression.path}: its limits are counts of {flown_with}"
-            raise UsageError(f"{what}; expected that again, with --side {regression.side}")
+            raise UsageError(f"{what}; expected the same, with --side {regression.side}")
         written = read_specification(regression.specification, code)
         if written.late:
             late = "; ".join(written.late)
@@ -298,9 +300,9 @@ def _why(
     try:
         cause = find_cause(flights, engine, specification, KEEP)
     except EvaluationError as error:  # under a part of the faults: it came back all the same
-        return (f"why is not known: {error}",)
+        return (f"the cause is not known: {error}",)
     if cause is None or not cause.places:
-        return ("without any of its faults, the violations are there as well",)
+        return ("without its faults, the violations occur as well",)
     names = [fault.id for fault in engine.code.pool]
     return cause.sentences(mission, named_faults(mission, engine.code.pool, specification, names))
 
@@ -342,7 +344,7 @@ def regression_test(
         (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=weakness)
         if checked.failure is not None:
             raise checked.failure
-        found = f"came back: {checked.excess}; found in {checked.regression.found}"
+        found = f"{checked.excess}; from {checked.regression.found}"
         assert not checked.exceeded, "\n".join((found, *checked.why))
 
     return test_kept_weakness

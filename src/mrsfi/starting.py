@@ -59,7 +59,7 @@ def topics_of(url: str) -> dict[str, str]:
     completion = Completion()
     with closing(RosbridgeTransport(url)) as transport:
         transport.call(Service("/rosapi/topics", "rosapi/Topics"), {}, completion.end)
-        late = TransportTimeout(f"{url}: /rosapi/topics gave no answer; start rosapi there")
+        late = TransportTimeout(f"{url}: /rosapi/topics did not answer; start rosapi there")
         completion.wait(lambda silence: late if silence > _PATIENCE_S else None)
     values = completion.result.values
     return dict(zip(values.get("topics", ()), values.get("types", ()), strict=False))
@@ -150,15 +150,15 @@ def start(
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise UsageError(
-            f"found the name '{name}'; expected letters, digits and _, a letter first, because it "
-            "becomes part of Python's names"
+            f"found the name '{name}'; expected a letter, then letters, digits and _, because it "
+            "becomes part of names in Python"
         )
     folder = Path(name)
     begun_from = None if source is None else find_mission(source).models.resolve()
     requirement = _requirement(install)
     with whole_folder(folder) as new:
         if folder.exists():
-            raise UsageError(f"{folder}: exists; expected a name that is free here")
+            raise UsageError(f"{folder}: exists; expected a new name")
         _fill(new, name, requirement, begun_from, published)
         if install == "wheel":  # that from which this mrsfi was installed, if it is still the same
             origin, wheel = _origin(), wheel_of(new)
@@ -195,9 +195,9 @@ def _requirement(install: str) -> str:
         url = re.sub(r"^(?=/)", "file://", re.sub(r"^([\w.-]+@[\w.-]+):", r"ssh://\1/", url))
     if not (commit and _SHARED_URL.fullmatch(url)):
         raise UsageError(
-            "--install git: found no repository that this mrsfi came from; expected pip to have "
-            "installed it from git, or from a clone whose origin is a URL without a password; "
-            "take --install wheel or index"
+            "--install git: found no repository of this mrsfi; expected that pip installed it from "
+            "git, or from a clone whose origin is a URL without a password; use --install wheel "
+            "or index"
         )
     return f"mrsfi[fast] @ git+{url}@{commit}"
 

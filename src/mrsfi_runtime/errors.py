@@ -16,7 +16,7 @@
     │   ├── TransportClosed
     │   └── ProtocolError
     ├── RecordError             9  a campaign folder that cannot be read, written or flown
-    └── LimitExceeded          10  a kept weakness came back
+    └── LimitExceeded          10  a kept weakness exceeds its limit
 
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """

@@ -128,7 +128,7 @@ class _Copies(MetaPathFinder):
             if file is not None:
                 raise ImportError(
                     f"found {file}, of which the campaign has no copy, because no import statement "
-                    f"names '{name}'; expected one: write `import {name}` where it is needed"
+                    f"names '{name}'; write `import {name}` where it is needed"
                 )
             return None
         place = self._folder.joinpath(*name.split("."))
@@ -160,7 +160,7 @@ class TimeLimitReached(BaseException):
     """Raised in the midst of code that gets no further; no error that it may expect."""
 
     def __str__(self) -> str:
-        return f"got no further for {_limit():g} s; if it needs longer, set MRSFI_TIME_LIMIT"
+        return f"made no progress for {_limit():g} s; if it needs longer, set MRSFI_TIME_LIMIT"
 
 
 def _limit() -> float:
@@ -220,7 +220,7 @@ def words(error: BaseException) -> str:
     try:
         return str(error)
     except BaseException:  # noqa: BLE001 - it may raise anything
-        return "(which cannot be told)"
+        return "(its text cannot be read)"
 
 
 @dataclass(slots=True)

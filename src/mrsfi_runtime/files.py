@@ -179,7 +179,9 @@ class Change:
         notes = _notes(self._journal)
         entries = next((note for note in notes if isinstance(note, list)), [])
         end, done = (_finish, "finished") if _WHOLE in notes else (_undo, "undid")
-        with telling(self._folder, "a change is half done; mend that, and any command ends it"):
+        with telling(
+            self._folder, "a change is half done; repair that, and the next command completes it"
+        ):
             found = [
                 name
                 for target, new, *how in entries
@@ -188,7 +190,7 @@ class Change:
             for folder in {(self._root / each[0]).parent for each in entries if _WHOLE in notes}:
                 keep_names(folder)
             os.ftruncate(self._journal, 0)
-        told = f"{done} what a command that was ended had begun to change: {', '.join(found)}"
+        told = f"{done} the changes of a command that was interrupted: {', '.join(found)}"
         return told if found else ""
 
 
@@ -243,8 +245,8 @@ def _locked(folder: Path, patience: float) -> int:
             if monotonic() > until:
                 holder = next((f" ({note})" for note in _notes(descriptor)), "")
                 raise UsageError(
-                    f"{folder}: found another process{holder} changing it; expected one at a "
-                    "time; wait until it is done, or end it"
+                    f"{folder}: another process{holder} is changing it; expected one at a time; "
+                    "wait until it is done, or end it"
                 )
         sleep(0.02)
 

@@ -289,7 +289,7 @@ def test_a_belief_that_is_no_number_at_the_end_is_an_error_of_the_mission(tmp_pa
 def test_code_that_gets_no_further_is_stopped_by_its_line(tmp_path, monkeypatch, body, helpers):
     monkeypatch.setenv("MRSFI_TIME_LIMIT", "0.5")
 
-    with pytest.raises(WorkerLost, match=rf"{COLLECTIVE}:\d+: .*no further for 0.5 s"):
+    with pytest.raises(WorkerLost, match=rf"{COLLECTIVE}:\d+: .*no progress for 0.5 s"):
         fly(tmp_path, body, helpers)
 
 

@@ -232,13 +232,13 @@ def test_kept_weaknesses_are_tests_of_pytest(place):
     limits.write_text(text.replace("g2 = 698", "g2 = 697"), encoding="utf-8")
     done = _pytest(place)
     assert done.returncode == 1
-    assert "came back: case_a_1: believed g2 698, kept 697" in done.stdout
+    assert "case_a_1: g2 (believed) exceeds its limit (698, allowed 697)" in done.stdout
     assert "FixedRobotCoordinates" in done.stdout
 
     shutil.rmtree(limits.parent)
     done = _pytest(place)
     assert done.returncode == 2
-    assert "nothing is kept; expected at least one weakness" in done.stdout
+    assert "no weakness is kept; expected at least one" in done.stdout
 
 
 def test_a_signature_completes_every_setting_of_a_campaign_file():

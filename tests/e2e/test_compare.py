@@ -38,7 +38,7 @@ def test_it_prints_medians_tests_and_where_everything_is(compared):
     _, output = compared
 
     lines = output.splitlines()
-    assert lines[0] == "3 algorithms, 2 seeds, 6 evaluations a run"
+    assert lines[0] == "3 algorithms, 2 seeds, 6 evaluations per run"
     assert any(line.split()[:2] == ["fitness", "paper"] for line in lines)
     assert any(line.startswith("hypervolume  share of the possible") for line in lines)
     assert lines[-1].split() == ["summary", "runs/compare-uuv_sampling-b/comparison.json"]
@@ -133,8 +133,8 @@ def test_a_sweep_prints_what_differs_from_the_papers_setting_and_keeps_tables_an
     folder = place / "runs" / "sweep-uuv_sampling-b"
 
     lines = output.splitlines()
-    assert lines[0] == "3 settings, 2 seeds, 6 evaluations a run: best fitness"
-    said = "Of 2 settings beside the paper's, crossover=0.7,population=20: none differs"
+    assert lines[0] == "3 setups, 2 seeds, 6 evaluations per run: best fitness"
+    said = "Of 2 setups beside the paper's, crossover=0.7,population=20: none differs"
     assert said in lines
     with (folder / "settings.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

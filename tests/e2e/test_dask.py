@@ -31,8 +31,8 @@ def test_an_address_where_nobody_answers_ends_with_8_soon(place):
     ("options", "expected"),
     [
         (("--dask", "somewhere"), "--dask: found 'somewhere'; expected tcp://HOST:PORT"),
-        (("--dask", "tcp://h:1", "--workers", "2"), "--workers 2: makes no sense with --dask tcp:"),
-        (("--dask", "local", "--engine", "rosbridge"), "no sense with --engine rosbridge"),
+        (("--dask", "tcp://h:1", "--workers", "2"), "--workers 2: not possible with --dask tcp:"),
+        (("--dask", "local", "--engine", "rosbridge"), "not possible with --engine rosbridge"),
     ],
 )
 @pytest.mark.parametrize("command", ["evolve", "compare"])

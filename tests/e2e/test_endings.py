@@ -53,7 +53,7 @@ def test_a_region_that_nothing_stops_ends_the_command(small, monkeypatch):
     where, _, said = done.stderr.partition(": the mission ")
     number = int(where.rpartition(":")[2])
     assert line <= number <= line + 4
-    assert "got no further for 0.5 s; if it needs longer, set MRSFI_TIME_LIMIT" in said
+    assert "made no progress for 0.5 s; if it needs longer, set MRSFI_TIME_LIMIT" in said
 
 
 @pytest.mark.parametrize("n_before", [0, 2])
@@ -64,8 +64,8 @@ def test_resume_is_advised_only_where_something_was_recorded(n_before, small):
 
     done = mrsfi(*evolve, "--workers", "1", "--out", "it", cwd=place, expected=130)
 
-    lines = ["what was found until now is kept; see it with: mrsfi report it"]
-    lines += ["go on with: mrsfi evolve --resume it"]
+    lines = ["the results so far are kept; print them with: mrsfi report it"]
+    lines += ["continue with: mrsfi evolve --resume it"]
     found = [line for line in done.stderr.splitlines() if " with: mrsfi " in line]
     assert found == (lines if n_before else [])
 
@@ -97,7 +97,7 @@ def test_what_came_back_is_told_by_the_exit_code_though_nobody_reads_it(found, t
     done = shell("mrsfi check | true; exit ${PIPESTATUS[0]}", place)
 
     assert done.returncode == 10
-    assert "came back" in done.stderr
+    assert "exceeds its limit" in done.stderr
 
 
 @pytest.mark.parametrize(

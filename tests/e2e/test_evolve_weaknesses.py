@@ -204,6 +204,6 @@ def test_a_fitness_of_ones_own_plays_no_part_in_causes_and_explain_says_so(small
     told = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=small)
 
     assert (
-        "fitness planted_search:truly_violated plays no part: causes are about true violations\n"
+        "fitness planted_search:truly_violated is not used: causes are found for true violations\n"
         in told.stderr
     )

@@ -180,7 +180,7 @@ def test_what_is_kept_of_a_node_is_checked_with_a_node(place):
     for words in (("check", NAME), ("keep", NAME, "--update")):
         refused = mrsfi(*words, "--engine", "reference", cwd=place, expected=2)
         assert (
-            "one.toml: its limits are counts of an external node; expected that again, with --side "
+            "one.toml: its limits are counts of an external node; expected the same, with --side "
             "injector"
         ) in refused.stderr + refused.stdout
 
@@ -197,5 +197,5 @@ def test_what_ours_flew_no_external_simulation_flies_again(place):
         told,
         2,
         "this campaign was flown with mrsfi's own simulation and the generated code; found an "
-        "external simulation, whose counts do not belong to it; expected no --side",
+        "external simulation, which counts differently; expected no --side",
     )

@@ -89,10 +89,8 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
     mend()
     passed = mrsfi(*words, cwd=kept)
 
-    assert f"came back: it-weakness-2: missed g1 99, kept {most}" in failed.stderr
-    assert (
-        "it-weakness-2 came back. Found in runs/it, weakness 2 (stop_a): g1 fails" in failed.stdout
-    )
+    assert f"it-weakness-2: g1 (missed) exceeds its limit (99, allowed {most})" in failed.stderr
+    assert "it-weakness-2 exceeds its limit. From runs/it, weakness 2 (stop_a): g1 " in failed.stdout
     (suite,) = junit.iter("testsuite")
     assert suite.attrib | {"time": ""} == {
         "name": NAME,
@@ -113,7 +111,7 @@ def test_a_limit_of_ones_own_says_which_faults_exceed_it(place):
     done = mrsfi("check", *REFERENCE, cwd=place, expected=10)
 
     assert "[max]\ng2 = 0\n" in limits(place, "late").read_text(encoding="utf-8")
-    assert "late came back" in done.stdout
+    assert "late exceeds its limit" in done.stdout
     assert "  stop_b.1 (StopRobot)" in done.stdout
     assert "  stop_a.1 (StopRobot)" not in done.stdout  # has nothing to do with g2
 
@@ -150,7 +148,7 @@ def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
 
-    assert "it-weakness-2   missed    g1           0    99   came back" in done.stdout
+    assert "it-weakness-2   missed      g1           0    99   exceeds its limit" in done.stdout
     assert "  why is not known: " in done.stdout
     assert "as without faults" in done.stdout
 

@@ -116,6 +116,6 @@ def cut(case: Case, words: tuple[str, ...], place: Path, is_time: Callable[[], b
         require_end(started)
     assert command.returncode == case.code, told
     assert case.said in told
-    assert ("go on with: mrsfi evolve --resume runs/it" in told) == (case.code > 0)
+    assert ("continue with: mrsfi evolve --resume runs/it" in told) == (case.code > 0)
     assert "Traceback" not in told
     return told

@@ -165,7 +165,7 @@ def test_an_origin_that_is_not_for_everybody_is_refused_and_not_printed(origin, 
 
     done = mrsfi("new", "demo", "--install", "git", cwd=tmp_path, expected=2)
 
-    assert "found no repository that this mrsfi came from" in done.stderr
+    assert "found no repository of this mrsfi" in done.stderr
     assert origin not in done.stderr
     assert not (tmp_path / "demo").exists()
 

@@ -81,7 +81,7 @@ def test_a_search_that_does_not_repeat_itself_ends_and_keeps_what_it_recorded(
     found = re.search(f"mrsfi: r: ({seen} end, {counts}; {FIRST} [01]; {WHY}); then", ended.stderr)
     assert found is not None, ended.stderr
     assert "harvest" not in ended.stderr
-    assert f"caution   {found[1]}; what was found may be chance\n" in reported.stdout
+    assert f"caution   {found[1]}; results may be chance\n" in reported.stdout
     assert f"this campaign cannot be flown again: {found[1]}; " in again.stderr
     with CampaignStore.open(place / "r") as store:
         assert store.n_evaluations == 4

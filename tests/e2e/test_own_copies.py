@@ -81,7 +81,7 @@ def test_a_killed_campaign_goes_on_with_its_own_copies_of_what_its_code_imports(
     assert digest(place / "runs" / "it") == digest(searched / "runs" / "it")
     assert "same: all 7 evaluations" in replayed.stdout
     for done in (resumed, replayed):
-        assert "the project has others today of: own.py, team.py" in done.stderr
+        assert "today's project has other versions of: own.py, team.py" in done.stderr
 
 
 def test_a_campaign_whose_project_lost_its_modules_can_still_be_explained(place):

@@ -121,7 +121,7 @@ def report(
     try:
         write_report(campaign, ratio, draw, show, latex=latex)
     except KeyboardInterrupt:
-        tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
+        tell(f"figures are missing from the report; write it again with: mrsfi report {path}")
         raise
 
 
@@ -140,7 +140,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         click.echo(f"{summary.pick.in_words(summary.measure)}\n")
     if known is not None:
         print_verdicts(campaign, known)
-    failed = f", {summary.n_failures} failed" if summary.n_failures else ""
+    failed = f", {summary.n_failures} ended with an error" if summary.n_failures else ""
     click.echo(f"campaign  {folder}: {summary.counted}{failed}")
     click.echo(f"digest    {summary.digest}")
     click.echo(f"page      {campaign.folder.page}")

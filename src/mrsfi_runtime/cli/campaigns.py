@@ -40,14 +40,13 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     "--resume",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
+    help="Continue the campaign in DIR with its own settings; give no MISSION.",
 )
 @click.option(
     "--explain/--no-explain",
     default=None,
-    help="Look for weaknesses after the search, or not: then there are no weaknesses, no mildest "
-    "variants, and nothing of them in report and page, for show and for keep [default: --explain, "
-    "or as the campaign was begun].",
+    help="Search for weaknesses and mildest variants at the end, or not: then report and page have "
+    "none, and show and keep do not work [default: --explain, or as the campaign was begun].",
 )
 @options.under("Search")
 @click.option(
@@ -57,23 +56,23 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
 )
 @click.option("--seed", type=int, help="Seed of the search.")
-@click.option("--mission-seed", type=int, help="Mission seed: decides the samples.")
+@click.option("--mission-seed", type=int, help="Mission seed: decides what is random in a flight.")
 @click.option(
     "--algorithm",
     metavar="NAME",
-    help=f"How to search: {', '.join(ALGORITHM_NAMES)}, or your own, MODULE:FUNCTION.",
+    help=f"Search algorithm: {', '.join(ALGORITHM_NAMES)}, or your own as MODULE:FUNCTION.",
 )
 @click.option("--generations", type=int, help="Generations after the first.")
-@click.option("--population", type=int, help="Individuals of a generation.")
-@click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
-@click.option("--until", type=float, metavar="P", help="Cover until all bounds are at most P.")
-@click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
-@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
-@click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
+@click.option("--population", type=int, help="Individuals per generation.")
+@click.option("--evaluations", type=int, help="Stop after exactly this number of evaluations.")
+@click.option("--until", type=float, metavar="P", help="With cover: stop when all bounds are ≤ P.")
+@click.option("--faults", type=int, help="Timed faults per individual (with --minimise, at most).")
+@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Only these goals.")
+@click.option("--violations", metavar="NAME", help=f"Violations to count: {', '.join(VIOLATIONS)}.")
 @click.option(
     "--minimise",
     metavar="|".join(COSTS),
-    help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
+    help=f"Also minimise their number; needs algorithm {' or '.join(MINIMISING)}.",
 )
 @options.worker_options
 @options.engine_options(default=AUTO)
@@ -81,8 +80,8 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @options.folder_option(
     "--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N]."
 )
-@click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
-@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+@click.option("--ratio", metavar="G:H=M:N", help="Also pick from the Pareto front: g3:g1=2:1.")
+@click.option("--json", "is_json", is_flag=True, help="Print the summary as JSON.")
 def evolve_command(
     ctx: click.Context,
     /,
@@ -94,17 +93,17 @@ def evolve_command(
     is_json: bool,
     **given: Any,
 ) -> None:
-    """Evolve fault specifications against MISSION and print what breaks it.
+    """Search for faults that break the goals of MISSION, and print the weaknesses found.
 
-    The campaign file says how: algorithm, population, generations, fitness. --case a and
-    --case b are the files case_a.toml and case_b.toml beside the models; options replace single
-    values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
-    code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
+    A weakness is a goal and a minimal set of faults that breaks it. The campaign file sets
+    algorithm, population, generations and fitness. --case a and --case b name the files
+    case_a.toml and case_b.toml beside the models; options replace single values. The campaign
+    gets a new folder, runs/NAME-CASE-N, with copies of models and code, every evaluation, figures,
+    tables, and the ten worst specifications as XMI.
 
-    Then it finds out which faults break which goal, and what is the least that does, with at most
-    as many flights as the search took, and never more than a thousand; what it prints first is
-    that. mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it
-    does. Somebody else's simulation is only searched on.
+    After the search, mrsfi flies at most as often again (and at most 1000 times) to find all
+    weaknesses. Then it shrinks the smallest one of each goal to its mildest variant. It prints
+    these first; mrsfi weaknesses prints all. With an external simulation it only searches.
 
     \b
     Examples:
@@ -117,9 +116,9 @@ def evolve_command(
       mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
       mrsfi evolve --resume runs/uuv_sampling-a-1
 
-    Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
-    by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
-    --resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
+    The same seed gives the same result, bit for bit, with any number of workers. A campaign that
+    was interrupted (Ctrl-C, kill, power loss) can be reported and replayed. --resume DIR continues
+    it: no recorded evaluation is flown again, and the result is that of an uninterrupted run.
     """
     from mrsfi.evolving import evolve
     from mrsfi_runtime.analysis.summary import DrawingProcess, map_drawing
@@ -140,8 +139,8 @@ def evolve_command(
             evolve(campaign, flown_by, workers, watched, explains=explain, tell=tell)
         except (KeyboardInterrupt, TransportError, WorkerLost):
             if any(campaign.store.next_indexes()):
-                tell(f"what was found until now is kept; see it with: mrsfi report {path}")
-                tell(f"go on with: mrsfi evolve --resume {path}")
+                tell(f"the results so far are kept; print them with: mrsfi report {path}")
+                tell(f"continue with: mrsfi evolve --resume {path}")
             raise
         report(campaign, ratio, is_json=is_json, draw=process.draw)
 
@@ -163,7 +162,7 @@ def _begun(
 
     workers.require_sense(engine)
     if mission is None:
-        raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
+        raise UsageError("found no MISSION; expected one, or --resume DIR to continue a campaign")
     folders, case = find_mission(mission, generated), case or "a"
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     code = load_fresh(folders)
@@ -196,37 +195,36 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
         label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"
         if name not in recorded:
             raise UsageError(
-                f"{label} {given}: makes no sense with --resume; {path} goes on in its own folder, "
-                "on its own copies of models and code; leave it out"
+                f"{label} {given}: not possible with --resume; {path} continues in its own folder, "
+                "with its own copies of models and code; leave it out"
             )
         found = Path(given).name if name == "mission" else given
         if found != recorded[name]:
             raise UsageError(
-                f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
-                "it; leave the option out, or begin a new campaign without --resume"
+                f"{label}: found {given}; {path} was begun with {recorded[name]} and continues "
+                "with it; leave the option out, or begin a new campaign without --resume"
             )
 
 
 @click.command(name="report")
 @click.argument("folder", metavar="[CAMPAIGN]", required=False, type=click.Path(path_type=Path))
-@click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
+@click.option("--ratio", metavar="G:H=M:N", help="Pick from the Pareto front, such as g3:g1=2:1.")
 @click.option(
     "--format",
     "form",
     type=OneOf(("markdown", "latex")),
     default="markdown",
     show_default=True,
-    help="With latex, also report.tex and figures as PDF, for a paper.",
+    help="latex also writes report.tex and figures as PDF, for a paper.",
 )
-@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the summary as JSON.")
 def report_command(folder: Path | None, ratio: str | None, form: str, is_json: bool) -> None:
-    """Write the report of CAMPAIGN anew and print what breaks which goal.
+    """Write the report of CAMPAIGN again and print its weaknesses.
 
-    Where nobody looked for that, it prints the ten most critical specifications.
+    If the campaign has not searched for weaknesses, it prints the ten most critical specifications.
 
-    CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
-    runs/ that was written last. Everything comes from the folder's own copies, whatever was
-    edited since.
+    CAMPAIGN is the folder of a finished or interrupted campaign; by default the campaign in runs/
+    that was written last. The report uses the folder's own copies, so later edits do not matter.
 
     \b
     Examples:
@@ -247,9 +245,9 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
 
 @options.command(name="weaknesses")
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
-@click.option("--goal", metavar="G", help="Of this goal alone.")
-@options.seeds_option("Fly in N mission seeds.")
-@click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
+@click.option("--goal", metavar="G", help="Only this goal.")
+@options.seeds_option("Check each weakness in N mission seeds.")
+@click.option("--mildest", "is_mildest", is_flag=True, help="Find mildest variants.")
 @options.worker_options
 @options.engine_options(default=AUTO)
 @options.under("Output")
@@ -258,12 +256,12 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
     "drawn",
     type=(int, FILE),
     metavar="N FILE",
-    help="Draw which values and windows of number N do: .csv, .png, .svg.",
+    help="Draw which values and windows of weakness N break its goal: .csv, .png, .svg.",
 )
-@options.file_option("--fmea", "Write failure modes: .csv or .md.")
-@options.file_option("--fault-tree", "Write .xml, or .txt for pfta.")
-@click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
-@click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
+@options.file_option("--fmea", "Write failure modes and effects: .csv or .md.")
+@options.file_option("--fault-tree", "Write the fault trees of goals: .xml, or .txt for pfta.")
+@click.option("--bounds", "is_bounds", is_flag=True, help="With --json: print the bounds alone.")
+@click.option("--json", "is_json", is_flag=True, help="Print them as JSON.")
 def weaknesses_command(
     run: Path,
     goal: str | None,
@@ -275,22 +273,23 @@ def weaknesses_command(
     is_json: bool,
     **files: Any,
 ) -> None:
-    """Print all the ways in which goals break, as a campaign found them.
+    """Print the weaknesses that a campaign found: its main result.
 
-    A weakness is a goal and a least set of faults that breaks it: in what the collective
-    intelligence believes, in truth, or so that the goal is missed in the end. Shares say of how
-    many forms that were tried, of other values and windows, as many did; one of them is shown. A
-    goal that is broken already without faults is broken by those that make it worse by 5 % of the
-    mission's ticks. A set holds in a mission seed if the form shown breaks the goal there, and no
-    part of it does; five were looked at, or with --seeds as many as it says. Since is the tick at
-    which the form shown first breaks it.
+    A weakness is a goal and a minimal set of faults that breaks it: the goal is truly violated, or
+    fails. A set that only makes the collective intelligence believe so is a false alarm. If a goal
+    is violated without faults already, it has to be so for 5 % of the mission's ticks longer.
 
-    With --mildest, of each set the form is sought, in some 30 flights, that is nearest to what is
-    true and at work for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
-    tells that form where it is known, of all sets with --mildest, or else the one shown.
+    A share is the percentage of tried variants (other values, other windows) that break the goal;
+    one of them is shown. A weakness counts in a mission seed if this variant breaks the goal there
+    and no part of it does; five seeds are checked, or as many as --seeds says. Since is the first
+    tick at which this variant breaks the goal.
 
-    Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that
-    was not let to does so with: mrsfi explain RUN --all
+    --mildest searches, in some 30 flights for each weakness, for the variant that is closest to the
+    truth, is active for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
+    describes the mildest variant where it is known, else the one shown.
+
+    Every campaign searches for weaknesses at its end; with --algorithm cover it does nothing else.
+    If a campaign was begun with --no-explain, mrsfi explain RUN --all finds them.
 
     \b
     Examples:
@@ -308,7 +307,7 @@ def weaknesses_command(
     from mrsfi_runtime.cli import campaign_results
 
     if is_bounds and not is_json:
-        raise click.UsageError("--bounds needs --json; without, they stand below the weaknesses")
+        raise click.UsageError("--bounds needs --json; else bounds stand below the weaknesses")
     with open_campaign(run) as campaign:
         goals = campaign.mission.goal_ids
         if goal is not None:
@@ -367,13 +366,12 @@ def _write(
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.argument("number", metavar="[N]", required=False, type=click.IntRange(1))
 def show_command(run: Path, number: int | None) -> None:
-    """Draw how goals break, and say so: the least that breaks each goal, or weakness N.
+    """Draw and describe how faults break a goal: weakness N, or the smallest of each goal.
 
-    RUN is the folder of a campaign that looked for what breaks which goal, N a number of mrsfi
-    weaknesses. Its mildest form that is known is flown on the campaign's own copy of the code, and
-    drawn in time, faults above the goals that they break, and in space, as robots flew and as they
-    were believed to. What is drawn already, and not older than the campaign's record, is not drawn
-    again.
+    RUN is the folder of a campaign, N a number that mrsfi weaknesses prints. Its mildest known
+    variant is flown on the campaign's own copy of the code. One figure shows time: the faults above
+    the goals that they break. The other shows space: the true and the believed paths of the robots.
+    A figure that is newer than the campaign's record is not drawn again.
 
     \b
     Examples:
@@ -401,10 +399,10 @@ def show_command(run: Path, number: int | None) -> None:
 @click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @options.file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
 def pack_command(run: Path, out: Path | None) -> None:
-    """Pack CAMPAIGN into one file that repeats itself elsewhere.
+    """Pack CAMPAIGN into one file that can be repeated elsewhere.
 
-    It holds models, generated code, settings, every evaluation, and what it was made with; mrsfi
-    check FILE flies all of it again, and ends with exit code 7 where anything differs.
+    It holds models, generated code, settings, every evaluation, and the versions it was made with.
+    mrsfi check FILE flies all of it again, and ends with exit code 7 if anything differs.
 
     \b
     Examples:

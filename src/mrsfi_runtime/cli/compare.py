@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 
 def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) -> None:
-    """Print the median of each value, and which settings are better or worse than the paper's."""
+    """Print the median of each value, and which setups are better or worse than the paper's."""
     from mrsfi_runtime.study.comparison import quartiles
     from mrsfi_runtime.study.folder import setting_table
 
     title = (
-        f"{len(comparison.algorithms)} settings, {len(comparison.seeds)} seeds, "
-        f"{n_evaluations} evaluations a run: best fitness"
+        f"{len(comparison.algorithms)} setups, {len(comparison.seeds)} seeds, "
+        f"{n_evaluations} evaluations per run: best fitness"
     )
     columns = ("setting", "value", "n_runs", "lower", "median", "upper")
     rows: list[Sequence[Cell]] = []
@@ -50,11 +50,11 @@ def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) ->
     differ = [row for row in table.rows if row[verdict] in ("better", "worse")]
     if differ:
         differ.sort(key=lambda row: -float(row[place] or 0.0))
-        print_table(replace(table, title="Settings that differ from the paper's", rows=differ))
+        print_table(replace(table, title="Setups that differ from the paper's", rows=differ))
     n_better = sum(row[verdict] == "better" for row in differ)
-    said = f"{n_better} better, {len(differ) - n_better} worse" if differ else "none differs"
+    result = f"{n_better} better, {len(differ) - n_better} worse" if differ else "none differs"
     n_others = len(comparison.algorithms) - 1
-    print_words((f"Of {n_others} settings beside the paper's, {sweep.papers}: {said}", "bold"))
+    print_words((f"Of {n_others} setups beside the paper's, {sweep.papers}: {result}", "bold"))
 
 
 _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
@@ -96,17 +96,17 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
     type=click.IntRange(1),
     default=909,
     show_default=True,
-    help="Evaluations of each run.",
+    help="Evaluations per run.",
 )
 @options.worker_options
 @options.engine_options(default=AUTO, sides=(BOTH,))
 @options.under("Output")
 @options.folder_option(
-    "--out", "Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE]."
+    "--out", "Folder of the comparison, new or to continue [default: runs/compare-NAME-CASE]."
 )
-@options.file_option("--markdown", "Of two campaigns: write Markdown.")
-@options.file_option("--html", "Of two campaigns: write a page.")
-@click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
+@options.file_option("--markdown", "Write the comparison of two campaigns as Markdown.")
+@options.file_option("--html", "Write the comparison of two campaigns as a page.")
+@click.option("--json", "is_json", is_flag=True, help="Print the comparison as JSON.")
 def compare_command(  # noqa: PLR0913 - one for each option
     ctx: click.Context,
     /,
@@ -127,17 +127,19 @@ def compare_command(  # noqa: PLR0913 - one for each option
 ) -> None:
     """Compare two campaigns of a mission, or search algorithms or their settings on MISSION.
 
-    Two campaign folders, before and after a fix or an edit of the model: which weaknesses went,
-    which came, which stayed. Each is flown once more, in the mission of the other campaign.
-    --markdown writes that for a pull request, --html as a page; search options make no sense then.
+    With two campaign folders, from before and after a fix or an edit of the model, it prints which
+    weaknesses are gone, new, or still there. Each is flown once more, in the mission of the other
+    campaign. --markdown writes this for a pull request, --html as a page. Search options do not
+    apply.
 
-    Of algorithms: several seeds, as many evaluations for each. With --sweep every combination of
-    values is searched with and compared with the paper's setting; LOW:HIGH:N are N values.
+    With MISSION, each algorithm searches with several seeds and equally many evaluations. With
+    --sweep, every combination of values does, and is compared with the paper's setup; LOW:HIGH:N
+    are N values.
 
-    Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
-    Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
-    p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
-    run of the first does better than one of the second.
+    The seeds are 1 to --seeds, all else is as the campaign file says. It prints medians with
+    quartiles, and for every two setups the Mann-Whitney U test, its p-value, the same adjusted for
+    several tests on one measure (Holm), and A12: the probability that a run of the first is better
+    than one of the second.
 
     \b
     Examples:
@@ -148,9 +150,9 @@ def compare_command(  # noqa: PLR0913 - one for each option
       mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
       mrsfi compare uuv_sampling --sweep crossover=0.3:0.9:5,population=10,20,40 --seeds 20
 
-    A comparison that was ended goes on with the same command; a run that is finished is not made
-    again, also when algorithms or seeds are added. Any run can be had by itself, with the same
-    digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+    The same command continues a comparison that was interrupted. Finished runs are not repeated,
+    also when algorithms or seeds are added. Any run can be repeated alone, with the same digest:
+    mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
     """
     if len(targets) > 1:
         _compare_runs(ctx, markdown, html, engine, workers)
@@ -190,7 +192,9 @@ def compare_command(  # noqa: PLR0913 - one for each option
         )
     except (KeyboardInterrupt, TransportError):
         if folder.runs.is_dir():
-            tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
+            tell(
+                f"finished runs are kept in {folder.runs}; the same command continues with the rest"
+            )
         raise
     _tell_fewer(found, evaluations)
     if is_json:
@@ -221,14 +225,14 @@ def _compare_runs(
     for name, value in ctx.params.items():
         is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if is_given and name not in _OF_RUNS:
-            raise click.UsageError(f"--{name} {value}: is of a search; two campaigns are not")
+            raise click.UsageError(f"--{name} {value}: is for a search, not for two campaigns")
     if len(targets) != 2:
         raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
     before, after = map(Path, targets)
     found = changes(before, after, engine, workers, tell)
     said, table = f"{sentence(found)}.", change_table(found)
     if markdown is not None:
-        text = f"{said}\n\nFrom {before} to {after}, each flown in the other.\n\n"
+        text = f"{said}\n\nFrom {before} to {after}, each flown in the other's mission.\n\n"
         with whole_file(markdown) as file:
             file.write(f"{text}{to_markdown(table)}\n".encode())
     if html is not None:
@@ -274,14 +278,14 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
         if n_fewer:
             tell(
                 f"warning: {n_fewer} runs of {name} made fewer than {n_evaluations} evaluations, "
-                "because some failed or the search made no new specification any more"
+                "because some ended with an error or the search made no new specification"
             )
 
 
 def _print(comparison: "Comparison", n_evaluations: int) -> None:
     title = (
         f"{len(comparison.algorithms)} algorithms, {len(comparison.seeds)} seeds, "
-        f"{n_evaluations} evaluations a run"
+        f"{n_evaluations} evaluations per run"
     )
     words = ("measure", "algorithm")
     columns = (*words, "lower quartile", "median", "upper quartile")
@@ -294,7 +298,7 @@ def _print(comparison: "Comparison", n_evaluations: int) -> None:
     if comparison.tests:
         pair = ("measure", "first", "second")
         found = (*pair, "U", "p", "p (Holm)", "A12", "magnitude")
-        title = "Mann-Whitney U: does the first do better?"
+        title = "Mann-Whitney U test: is the first better than the second?"
         print_table(Table(title, found, [*_test_rows(comparison)], pair))
     _print_legend(comparison)
 
@@ -317,13 +321,15 @@ def _print_legend(comparison: "Comparison") -> None:
     click.echo("fitness      best of a run")
     if "hypervolume" in names:
         click.echo(
-            "hypervolume  share of the possible, beyond the reference point of -1 violations"
+            "hypervolume  share of the largest possible, from a reference point of -1 violations"
         )
     else:
         click.echo(f"hypervolume  not computed: needs 2 to {MOST_OBJECTIVES} goals")
     if "at_once_1" in names:
         click.echo("at_once_k    evaluations until one specification broke k goals")
-        click.echo("together_k   evaluations until all so far broke k goals between them")
+        click.echo(
+            "together_k   evaluations until all specifications so far broke k goals together"
+        )
 
 
 def _number(value: float) -> str:

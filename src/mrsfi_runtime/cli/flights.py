@@ -37,13 +37,13 @@ if TYPE_CHECKING:
 @options.command(name="simulate")
 @options.mission_argument
 @options.generated_option
-@click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
-@options.file_option("--faults", "Fly under this fault specification.")
+@click.option("--no-faults", is_flag=True, help="Fly without faults (the default).")
+@options.file_option("--faults", "Fly with this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @options.engine_options(sides=(*SIDES, SIMULATION))
 @options.under("Output")
 @options.recording_options
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def simulate_command(
     mission: str,
     generated: Path | None,
@@ -54,11 +54,11 @@ def simulate_command(
     files: FlightFiles,
     is_json: bool,
 ) -> None:
-    """Fly MISSION once and print what happened to each goal.
+    """Fly MISSION once and print how often each goal was violated.
 
-    Without --faults it flies without faults. A fault specification is XMI: one that search found
-    (runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
-    start and finish.
+    Without --faults it flies without faults. A fault specification is an XMI file: one that a
+    search found (runs/NAME/critical/01.xmi), or one written by hand, a copy of the pool whose
+    faults have start and finish.
 
     \b
     Examples:
@@ -74,9 +74,8 @@ def simulate_command(
       mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
 
     A violation counts once per goal and tick: believed by the collective intelligence, true in the
-    simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from the
-    tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
-    met.
+    simulation, phantom (a false alarm: believed, not true), masked (undetected: true, not
+    believed). A goal fails at the tick from which it can no longer be met; – if it was met.
     """
     from mrsfi.folders import find_mission
     from mrsfi.loading import load_fresh, read_specification
@@ -90,8 +89,8 @@ def simulate_command(
     if settings.side == SIMULATION:
         if no_faults or faults is not None or files.wanted or is_json:
             raise click.UsageError(
-                "--side simulation flies what the other side tells it; give faults, logs and "
-                "--json there"
+                "--side simulation obeys the other side; give faults, logs and --json to the "
+                "command that runs it"
             )
         _serve(folders.name, code, settings)
         return
@@ -126,12 +125,12 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
 @options.command(name="replay")
 @click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
-@click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
+@click.option("--best", is_flag=True, help="The most critical evaluation (the default).")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
 @options.engine_options()
 @options.under("Output")
 @options.recording_options
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def replay_command(
     folder: Path,
     engine: Given,
@@ -143,9 +142,9 @@ def replay_command(
 ) -> None:
     """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
-    The flight uses the campaign's own copies of models and code, so it is the same whatever was
-    edited since. A difference ends with exit code 7 and says what differs; a campaign of other
-    rules of the world ends with exit code 9 and says which mrsfi flies it.
+    Flights use the campaign's own copies of models and code, so later edits do not matter. If one
+    differs, replay prints the difference and ends with exit code 7. For a campaign of other rules
+    of the world it ends with exit code 9 and prints which mrsfi can fly it.
 
     \b
     Examples:
@@ -160,7 +159,7 @@ def replay_command(
         raise click.UsageError("--evaluation, --best and --all exclude each other")
     if is_all and files.wanted:
         names = ", ".join(f"--{field.name}" for field in fields(files))
-        raise click.UsageError(f"{names} are of one flight; --all flies many")
+        raise click.UsageError(f"{names} write one flight; --all flies many")
     with open_to_fly(folder, tell) as campaign:
         flown_by = again(engine, campaign.store.manifest.engine, REFERENCE)
         with open_engine(flown_by, campaign.code, campaign.store.settings.mission_seed) as opened:
@@ -204,8 +203,8 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
 @click.argument("target", metavar="RUN|MISSION")
 @options.generated_option
 @options.file_option("--faults", "Explain this fault specification of MISSION.")
-@click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
-@click.option("--all", "is_all", is_flag=True, help="All the ways in which goals of RUN break.")
+@click.option("--best", is_flag=True, help="The most critical evaluation of RUN (default).")
+@click.option("--all", "is_all", is_flag=True, help="Find all weaknesses of RUN instead.")
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
 @click.option("--top", "n_top", type=click.IntRange(1), metavar="K", help="The K most critical.")
 @click.option(
@@ -213,7 +212,7 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
     type=click.FloatRange(0.0, 1.0, min_open=True),
     default=KEEP,
     show_default=True,
-    help="Share of its violations that a cause set keeps of every goal.",
+    help="Share of every goal's violations that a cause set keeps.",
 )
 @click.option(
     "--measure",
@@ -233,10 +232,10 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
 @options.under("Output")
 @options.folder_option(
     "--out",
-    "Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
-    "weaknesses need one].",
+    "Folder for the cause sets [default: RUN/causes, or the folder of FILE unless that holds kept "
+    "weaknesses].",
 )
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def explain_command(  # noqa: PLR0913 - one parameter per option
     *,
     target: str,
@@ -256,9 +255,9 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
 ) -> None:
     """Find out which faults of a specification break which goal.
 
-    RUN is the folder of a campaign, whose most critical specification is explained, or those that
-    an option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one
-    that search found, or one written by hand.
+    RUN is the folder of a campaign; its most critical specification is explained, or those that an
+    option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI, found
+    by a search or written by hand.
 
     \b
     Examples:
@@ -268,23 +267,22 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
       mrsfi explain runs/uuv_sampling-a-1 --all
       mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
 
-    The cause set are the faults without which the violations would not be: flown alone, they keep a
-    share of every goal's violations, believed (or what the campaign measures) and true ones alike,
-    and without any single one of them they do not. It is written as XMI, and beside it its simplest
-    form, with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say
-    what each fault is to each goal:
+    The cause set is a minimal set of its faults: flown alone, they keep a share (--keep) of every
+    goal's violations, true ones and believed ones (or those that the campaign counts); without any
+    one of them they do not. Two files in XMI hold the cause set and its simplest variant, with
+    shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels state the role
+    of each fault for each goal:
 
     \b
       sole       in the goal's cause set, and enough alone
       joint      in the goal's cause set with others
-      redundant  could take the place of one in it
+      redundant  could replace one in it
       masking    without it there would be more violations
-      lesser     none of these, but alone it breaks the goal: others break it more, or hide it
+      lesser     none of these, but it breaks the goal when it is alone
       bystander  none of these
 
-    With --all it is about none of them, but about all the ways in which goals break: what is not
-    known yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsfi
-    weaknesses.
+    --all finds all weaknesses of RUN instead: it flies and records what is not recorded yet, as at
+    the end of mrsfi evolve, and prints them as mrsfi weaknesses does.
     """
     from mrsfi import explaining
     from mrsfi.campaign_folders import open_to_fly
@@ -297,7 +295,7 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
         raise click.UsageError(f"{' and '.join(given)} exclude each other")
     if faults is not None:
         if given:
-            raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
+            raise click.UsageError(f"{given[0]} selects from a campaign; --faults names a file")
         settings = chosen(engine, AUTO)
         folders = find_mission(target, generated)
         explainer, one = explaining.explainer_of_file(folders, faults, kind, seed, out, tell)
@@ -306,7 +304,7 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
     if seed is not None or generated is not None:
         option = "--generated" if seed is None else "--seed"
         raise click.UsageError(
-            f"{option} needs --faults; a campaign has code and mission seed of its own"
+            f"{option} needs --faults; a campaign has its own code and mission seed"
         )
     if is_all:
         _harvest(_run(target), engine, workers, is_json=is_json)
@@ -317,7 +315,7 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
         explainer = explaining.explainer_of_campaign(campaign, kind, out)
         fitness, about = campaign.store.settings.fitness, explainer.measure.words
         if ":" in fitness:
-            tell(f"fitness {fitness} plays no part: causes are about {about}")
+            tell(f"the fitness {fitness} is not used: causes are found for {about}")
         _explain(explainer, some, settings, workers, keep, is_json=is_json)
 
 

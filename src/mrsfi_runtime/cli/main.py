@@ -22,24 +22,24 @@ from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 _INTERRUPTED = 130
 
 _COMMANDS: Mapping[str, tuple[str, str]] = {
-    "new": ("models", "Make the folder of a new project, with a mission that flies."),
+    "new": ("models", "Make a new project with a mission that flies."),
     "validate": ("models", "Check the models of a mission."),
     "generate": ("models", "Generate the middleware of a mission from its models."),
     "simulate": ("flights", "Fly a mission once, with or without faults."),
-    "evolve": ("campaigns", "Search the most critical fault specifications."),
-    "weaknesses": ("campaigns", "Print all the ways in which goals break."),
-    "show": ("campaigns", "Draw how goals break: the least that does, or any weakness."),
+    "evolve": ("campaigns", "Search for faults that break the goals of a mission."),
+    "weaknesses": ("campaigns", "Print the weaknesses of a campaign: its main result."),
+    "show": ("campaigns", "Draw how a weakness breaks its goal."),
     "explain": ("flights", "Find out which faults of a specification break which goal."),
     "replay": ("flights", "Fly evaluations of a campaign again and compare."),
-    "report": ("campaigns", "Write figures, tables and summary of a campaign anew."),
-    "keep": ("regressions", "Keep a weakness beside the models of its mission."),
-    "check": ("regressions", "Fly every kept weakness, and fail where one came back."),
+    "report": ("campaigns", "Write figures, tables and summary of a campaign again."),
+    "keep": ("regressions", "Keep a weakness, with limits, beside the models of its mission."),
+    "check": ("regressions", "Fly every kept weakness; fail if one exceeds its limit."),
     "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
-    "pack": ("campaigns", "Pack a campaign into one file that repeats itself elsewhere."),
+    "pack": ("campaigns", "Pack a campaign into one file that can be repeated elsewhere."),
     "bridge": ("flights", "Run a rosbridge server for simulators and collective intelligences."),
     "import": ("models", "Make a mission folder from a model of the paper's prototype."),
-    "rename": ("models", "Give elements of a mission other IDs, everywhere at once."),
-    "diff": ("models", "Print the difference of two models in the words of the model."),
+    "rename": ("models", "Give elements of a mission other IDs, in all files."),
+    "diff": ("models", "Print the difference between two models."),
     "help": ("main", "Print the help of a command, or of a topic: bus, words."),
 }
 """Subcommands with their module and one-line help: ``mrsfi --help`` need not import them."""
@@ -140,7 +140,7 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
     commands=dict.fromkeys(_COMMANDS),  # for what may have been meant by another name
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-@click.option("--traceback", is_flag=True, help="On an error, say where in the code it arose.")
+@click.option("--traceback", is_flag=True, help="On an error, print where in the code it occurred.")
 @click.option(
     "--version",
     is_flag=True,
@@ -152,42 +152,48 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
 def cli(traceback: bool) -> None:
     """Find the faults that break a multi-robot mission.
 
-    A mission and the faults that could strike it are two models in models/NAME/. From them
-    mrsfi generates the mission's middleware, flies it, and evolves fault specifications:
-    which faults, when, how strong.
+    Two models in models/NAME/ describe a mission and the faults that could occur in it. From them
+    mrsfi generates the mission's middleware. It flies the mission in simulation and searches for
+    weaknesses: minimal sets of faults, with times and values, that break a goal.
 
     \b
     In this order:
-      mrsfi validate uuv_sampling            are the models sound?
-      mrsfi generate uuv_sampling            write generated/uuv_sampling/*.py
-      mrsfi simulate uuv_sampling            does it fly without faults?
-      mrsfi evolve uuv_sampling --case a     search; ends with what breaks it and why
+      mrsfi validate uuv_sampling              check the models
+      mrsfi generate uuv_sampling              write generated/uuv_sampling/*.py
+      mrsfi simulate uuv_sampling              fly once without faults
+      mrsfi evolve uuv_sampling --case a       search; prints the weaknesses of each goal
+      mrsfi weaknesses runs/uuv_sampling-a-1   print all of them: the main result
+      mrsfi show runs/uuv_sampling-a-1 6       draw how weakness 6 breaks its goal
+      mrsfi explain runs/uuv_sampling-a-1      explain the worst specification
       mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
-      mrsfi show runs/uuv_sampling-a-1 6     how does weakness 6 break its goal?
-      mrsfi explain runs/uuv_sampling-a-1    which faults did it?
       mrsfi report runs/uuv_sampling-a-1
 
     \b
-    Beside it:
-      mrsfi weaknesses runs/cover            all that a search with --algorithm cover found
-      mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep what was found, beside the models
-      mrsfi check                            did anything that is kept come back?
-      mrsfi compare uuv_sampling             does a search find more than chance does?
-      mrsfi pack runs/uuv_sampling-a-1       one file that repeats itself elsewhere
-      mrsfi bridge                           a rosbridge server that needs no ROS
-      mrsfi import published.xmi             a model of the paper's prototype as a mission
-      mrsfi rename uuv_sampling r1=scout_1   another ID, everywhere at once
-      mrsfi diff old.xmi uuv_sampling        what changed in a model?
+    Also:
+      mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep a weakness beside the models
+      mrsfi check                              does a kept weakness exceed its limit?
+      mrsfi compare uuv_sampling               is a search better than chance?
+      mrsfi pack runs/uuv_sampling-a-1         one file that can be repeated elsewhere
+      mrsfi bridge                             a rosbridge server that needs no ROS
+      mrsfi import published.xmi               make a mission of a model of the paper's prototype
+      mrsfi rename uuv_sampling r1=scout_1     another ID, in all files
+      mrsfi diff old.xmi uuv_sampling          what changed in a model?
+      mrsfi help bus                           connect your own simulator or node
+      mrsfi help words                         every term of mrsfi, with an example
 
     Results go to standard output, progress to standard error.
 
     \b
-    Exit codes, whoever reads the output:
+    Let the Tab key complete commands and options in bash:
+      eval "$(_MRSFI_COMPLETE=bash_source mrsfi)"
+
+    \b
+    Exit codes:
       0  done                                6  the mission's own code failed
       1  a defect of mrsfi                   7  a replay differs from its record
       2  wrong usage                         8  messages were lost
       3  a model that cannot be used         9  a campaign folder that cannot be used
-      4  generation impossible, or stale    10  a kept weakness came back
+      4  generation impossible, or stale    10  a kept weakness exceeds its limit
       5  a fault specification that         130  interrupted
          cannot be flown
     """

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @click.command(name="new")
 @click.argument("name", metavar="NAME")
-@click.option("--from", "source", metavar="MISSION", help="Begin with the models of a mission.")
+@click.option("--from", "source", metavar="MISSION", help="Begin with the models of this mission.")
 @click.option(
     "--import",
     "published",
@@ -37,31 +37,32 @@ if TYPE_CHECKING:
 @click.option(
     "--node",
     metavar="ws://…",
-    help="Also write [node], what your own node hears and says, from the topics of a server.",
+    help="Also write [node], the topics of your node, from those of a running server.",
 )
 @click.option(
     "--install",
     type=click.Choice(["wheel", "index", "git"]),
     default="wheel",
     show_default=True,
-    help="From what build servers install mrsfi: a wheel in vendor/, pip's package index, or the "
+    help="Source from which build servers install mrsfi: a wheel in vendor/, pip's index, or the "
     "git repository of this mrsfi.",
 )
 def new_command(
     name: str, source: str | None, published: Path | None, node: str | None, install: str
 ) -> None:
-    """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
+    """Make the folder NAME: a project, ready for git, with a mission NAME that flies.
 
-    It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
-    and as a script that builds them; a campaign file; generated code; a Makefile; and what two
-    common build servers need to fly the kept weaknesses on each change. mrsfi.toml says where all
-    of it is: commands work from any folder inside. If this mrsfi was installed from a wheel,
-    vendor/ has a copy, which the build servers install; `make wheel` in mrsfi's tree builds one.
+    It holds the metamodels, for Eclipse and for extensions; a small mission and its pool of faults,
+    as models and as a script that builds them; a campaign file; generated code; a Makefile; and the
+    files with which two common build servers fly the kept weaknesses on each change. mrsfi.toml
+    states where these are, so that commands work from any folder inside. If this mrsfi was
+    installed from a wheel, vendor/ has a copy for the build servers; `make wheel` in mrsfi's tree
+    builds one.
 
     \b
     Examples:
       mrsfi new demo && cd demo && make evolve
-      mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
+      mrsfi new harbour --from models/uuv_sampling      begin with an existing mission
       mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
       mrsfi new harbour --node ws://127.0.0.1:9090      begin with the topics of your robots
     """
@@ -86,15 +87,15 @@ def new_command(
     help="Mission folder to make [default: models/ and the name of FILE].",
 )
 @click.option("--force", is_flag=True, help="Replace the models of an existing mission folder.")
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     """Turn FILE, a model published for the paper's prototype, into a mission folder.
 
     FILE has a root Setup of namespace acs_project_setup, which holds a mission and its fault
-    specifications. Every figure and reference is kept; xmi:id gives way to readable IDs: the
-    element's own where it can be used, else one from its place, such as g1_area. The result is
-    validated before anything is written; a model with an error ends with exit code 3, the line of
-    FILE, and no folder.
+    specifications. Every number and reference is kept. Readable IDs replace xmi:id: the element's
+    own where it can be used, else one from its place, such as g1_area. The result is validated
+    before anything is written; if a model has an error, import prints the line of FILE, ends with
+    exit code 3, and makes no folder.
 
     \b
     Examples:
@@ -113,8 +114,8 @@ def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> 
                     number is 0, an absent sensor type GPS_POSITION
       inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
 
-    A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults
-    first. Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
+    If FILE has no fault specifications, faults.xmi is empty; add faults before you search. Also
+    written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
     """
     from mrsfi.engines import project
     from mrsfi.models import import_published
@@ -151,13 +152,13 @@ def _print_notes(notes: "Iterable[Note]") -> None:
 @click.command(name="diff")
 @click.argument("old", metavar="OLD")
 @click.argument("new", metavar="NEW")
-@click.option("--json", "is_json", is_flag=True, help="Print the changes for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the changes as JSON.")
 def diff_command(old: str, new: str, is_json: bool) -> None:
-    """Print how model NEW differs from model OLD, in the words of the model.
+    """Print how model NEW differs from model OLD, element by element.
 
-    OLD and NEW are mission folders, or files of a mission or of faults. Elements are matched by
-    ID, and by what they say where one was renamed; what only looks different (order of
-    attributes, comments, 4 for 4.0) is no difference. The models need not be valid.
+    OLD and NEW are mission folders, or files of a mission or of faults. Elements are matched by ID,
+    and by content where one was renamed. Differences of notation (order of attributes, comments, 4
+    for 4.0) do not count. The models need not be valid.
 
     \b
     Examples:
@@ -177,8 +178,8 @@ def diff_command(old: str, new: str, is_json: bool) -> None:
       goals reordered: g1 g2 g3 → g2 g1 g3
       fault f9: NEW_X 200.0 → 250.0
 
-    Order is that of NEW, mission before faults. Equal models give `no difference`. The exit code
-    is 0 either way.
+    The order is that of NEW, mission before faults. Equal models give `no difference`. The exit
+    code is 0 in both cases.
     """
     from mrsfi.models import difference
 
@@ -226,15 +227,15 @@ def _names(_: click.Context, __: click.Parameter, words: tuple[str, ...]) -> dic
 def rename_command(
     mission: str, names: Mapping[str, str], generated: Path | None, diff: bool
 ) -> None:
-    """Give elements of MISSION other IDs, everywhere at once.
+    """Give elements of MISSION other IDs, in all files at once.
 
-    OLD is the ID of a robot, a goal, a message, a sensor, a fault of the pool or anything else that
-    has one. It changes in the models, in every fault specification below their folder, in campaign
-    files, in the limits of kept weaknesses, and in generated code: its protected regions follow,
-    their markers as well as the names in what is written there. What stands in strings and
-    comments, and what a kept weakness tells of the day it was found, stays.
+    OLD is the ID of a robot, a goal, a message, a sensor, a fault of the pool or any other element
+    that has one. It changes in the models, in every fault specification below their folder, in
+    campaign files, in the limits of kept weaknesses, and in generated code, also in the markers and
+    names of its protected regions. Strings and comments do not change, nor does the text in which a
+    kept weakness records where it was found.
 
-    Display names stay too, and so does the flight: the mission flies to the same digest.
+    Display names do not change either, and the mission flies to the same digest.
 
     \b
     Examples:
@@ -242,8 +243,8 @@ def rename_command(
       mrsfi rename uuv_sampling r1=scout_1 r2=scout_2
       mrsfi rename uuv_sampling g1=g2 g2=g1       two IDs change places
 
-    Nothing is written unless everything can be. A script beside the models that names an old ID,
-    such as build.py, is not edited: it is told with its line.
+    Either all files are written or none. A script beside the models that names an old ID, such as
+    build.py, is not edited: rename prints its line.
     """
     from mrsfi.folders import find_mission, rename, renaming
 
@@ -255,16 +256,18 @@ def rename_command(
         for path in renamed.paths:
             click.echo(f"written    {path}")
     for path, line, name in renamed.scripts:
-        tell(f"{path}:{line}: names {name}; a script that writes these models has to follow")
+        tell(f"{path}:{line}: contains {name}; rename it also in this script")
 
 
 @click.command(name="validate")
 @mission_argument
 @generated_option
-@click.option("--json", "is_json", is_flag=True, help="Print the diagnostics for a script.")
-@click.option("--fix", "is_fix", is_flag=True, help="Mend what has one remedy; show a diff first.")
+@click.option("--json", "is_json", is_flag=True, help="Print the diagnostics as JSON.")
+@click.option(
+    "--fix", "is_fix", is_flag=True, help="Repair what has one remedy; show a diff first."
+)
 @click.option("--yes", "is_agreed", is_flag=True, help="With --fix: write without asking.")
-@click.option("--strict", "is_strict", is_flag=True, help="Take warnings for errors.")
+@click.option("--strict", "is_strict", is_flag=True, help="Treat warnings as errors.")
 @click.pass_context
 def validate_command(
     ctx: click.Context,
@@ -290,18 +293,17 @@ def validate_command(
       mrsfi validate uuv_sampling --json | jq '.diagnostics[].constraint'
       mrsfi validate uuv_sampling --fix
 
-    Each defect is one line: file, line, severity, what was found and what was expected, and
-    the constraint. Errors of the models end with exit code 3, those of the generated code's
-    regions alone with 6, warnings alone with 0, or as if they were errors with --strict. A name
-    or a field that does not exist is such an error, whether or not a flight reaches it. A mission
-    without errors is flown twice without faults, if its generated code is fresh: a flight that
-    fails or differs is an error too, a goal that is violated even then is worth a warning. So is
-    what the compiled engine could not compile in a region, or would compile to something else.
+    Each defect is one line: file, line, severity, what was found and what was expected, and the
+    constraint. Errors in models end with exit code 3, errors only in regions of the generated code
+    with 6. Warnings alone end with 0; --strict treats them as errors. A name or a field that does
+    not exist is an error, whether or not a flight reaches it. A mission without errors is flown
+    twice without faults, if its generated code is fresh: a flight that ends with an error or
+    differs is an error too; a goal that is violated is a warning. So is code in a region that the
+    compiled engine cannot compile, or would compile to something else.
 
-    With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
-    written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
-    Where an element was deleted, that takes away the references to it and what is incomplete
-    without it.
+    --fix first repairs each defect that has one sensible remedy: it shows the change as a diff, and
+    writes it once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
+    If an element was deleted, references to it are removed, and what is incomplete without it.
     """
     from mrsfi.loading import n_errors, validate
 
@@ -369,9 +371,9 @@ def generate_command(
     """Generate the middleware of MISSION into generated/NAME/.
 
     What you write between `# protected region … begin` and `… end` is kept, also when robots
-    are renamed or goals are added. Where generation would lose hand-written code it stops
-    with exit code 4 and changes nothing. A second run changes nothing. A goal task of your own has
-    empty regions: they are written, and named with exit code 4 until you fill them.
+    are renamed or goals are added. If generation would lose hand-written code, it stops with exit
+    code 4 and changes nothing. A second run changes nothing. A user-defined goal task has empty
+    regions: generate writes them, and lists them with exit code 4 until you fill them.
 
     \b
     Examples:

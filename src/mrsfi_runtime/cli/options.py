@@ -100,7 +100,7 @@ def tell_of_metamodels() -> None:
 
     folder = own_metamodels()
     if folder is not None:
-        tell(f"metamodels {folder}, which are not those of mrsfi")
+        tell(f"metamodels {folder} (the project's, not mrsfi's)")
 
 
 SIMULATION = "simulation"
@@ -194,17 +194,17 @@ class FlightFiles:
 
     log: Path | None = option(
         None,
-        "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
+        "Write the simulation log to FILE: robots at each tick, wrong beliefs, and events.",
         "FILE",
     )
     trace: Path | None = option(
         None, "Write belief and truth of every tick to FILE as CSV.", "FILE"
     )
     mcap: Path | None = option(
-        None, "Write the flight to FILE as a bag, for Foxglove or RViz.", "FILE"
+        None, "Write the flight to FILE as a bag for Foxglove or RViz.", "FILE"
     )
     html: Path | None = option(
-        None, "Write the flight to FILE as a page, to be played in a browser.", "FILE"
+        None, "Write the flight to FILE as a page that plays it in a browser.", "FILE"
     )
     gif: Path | None = option(None, "Write the flight to FILE as an animated picture.", "FILE")
 

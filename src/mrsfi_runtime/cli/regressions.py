@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from mrsfi_runtime.record.settings import Regression
 
 
-_CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"
+_CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"  # as in JSON
+_IN_WORDS = {_CAME_BACK: "exceeds its limit", _HOLDS: "within its limit"}
 _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What stands in no file of XML: control characters, halves of characters."""
 
 
 def print_annotations(checked: "Iterable[Checked]") -> None:
-    """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
+    """Annotate, for GitHub, the lines of what exceeds its limit or cannot be judged."""
     for each in checked:
         told = f"{each.regression.name}: "
         if each.exceeded:
@@ -56,17 +57,19 @@ def _print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
 
 
 def _print(name: str, checked: "Sequence[Checked]") -> None:
-    """Print the verdicts on a mission, and why what came back did."""
+    """Print the verdicts on a mission, and why a weakness exceeds its limit."""
     from mrsfi_runtime.analysis.tables import Table
 
     judged = [each for each in checked if each.counts]
-    title = f"{name}: {sum(_state(each) == _HOLDS for each in checked)} of {len(checked)} hold"
+    n_within = sum(_state(each) == _HOLDS for each in checked)
+    within = "is within its limit" if n_within == 1 else "are within their limits"
+    title = f"{name}: {n_within} of {len(checked)} kept weaknesses {within}"
     if judged:
         n_kept = _range(len(each.regression.mission_seeds) for each in judged)
         n_flown = _range(len(each.seeds) for each in judged)
-        title += f" (mission seeds: limits of {n_kept}, flown in {n_flown})"
-    words = ("kept", "counted", "goal")
-    columns = (*words, "at most", "now", "verdict")
+        title += f" (mission seeds: limits for {n_kept}, flown in {n_flown})"
+    words = ("kept", "violations", "goal")
+    columns = (*words, "allowed", "now", "verdict")
     print_table(Table(title, columns, [*_rows(checked)], words, ("verdict",)))
     failed: dict[str, list[str]] = defaultdict(list)
     for each in checked:
@@ -76,7 +79,7 @@ def _print(name: str, checked: "Sequence[Checked]") -> None:
         if each.regression.accepted:
             click.echo(f"{each.regression.name}: accepted because {each.regression.accepted}\n")
         if each.exceeded:
-            click.echo(f"{each.regression.name} came back. Found in {each.regression.found}")
+            click.echo(f"{each.regression.name} exceeds its limit. From {each.regression.found}")
             click.echo("\n".join(f"  {sentence}" for sentence in each.why) + "\n")
         elif each.failure is not None:
             failed[str(each.failure)].append(each.regression.name)
@@ -102,7 +105,8 @@ def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
         counts = ((goal, regression.limits[goal], now) for goal, now in each.now.items())
         for goal, most, now in [row for row in counts if any(row[1:])] or [(NONE, 0, 0)]:
             worse = _CAME_BACK if goal in each.exceeded else _UNKNOWN
-            yield (*head, goal, most, now, _HOLDS if now <= most else worse)
+            state = _HOLDS if now <= most else worse
+            yield (*head, goal, most, now, _IN_WORDS.get(state, state))
             head = ("", "")
 
 
@@ -181,22 +185,22 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
 
 @options.command(name="keep")
 @click.argument("target", metavar="CAMPAIGN|MISSION")
-@click.option("--weakness", type=click.IntRange(1), metavar="N", help="Weakness N of the campaign.")
+@click.option("--weakness", type=click.IntRange(1), metavar="N", help="Number of the weakness.")
 @click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-weakness-N].")
 @click.option(
     "--max",
     "limits",
     metavar="G=N,…",
     callback=_limits,
-    help="Limit these goals alone, to so many ticks each.",
+    help="Limit only these goals, each to N ticks.",
 )
 @options.seeds_option(
-    "Limits are the most over N mission seeds; with --update, those of each so far."
+    "Limits are maxima over N mission seeds [default with --update: the seeds of each so far]."
 )
 @click.option(
     "--because", "accepted", default="", metavar="TEXT", help="Why these limits are accepted."
 )
-@click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
+@click.option("--update", is_flag=True, help="Replace the limits of MISSION by today's counts.")
 @options.engine_options(default=AUTO)
 def keep_command(
     target: str,
@@ -208,14 +212,14 @@ def keep_command(
     update: bool,
     engine: Given,
 ) -> None:
-    """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
+    """Keep a weakness of CAMPAIGN with limits that mrsfi check compares.
 
-    N is its number in mrsfi weaknesses. The faults go into models/NAME/regressions/ as XMI, and
-    beside them the limit: how many ticks of violations the goal may have at most, as many as it has
-    today unless --max says otherwise; with 0 the check fails until the weakness is gone. Both are
-    files to be reviewed and committed.
+    N is its number in mrsfi weaknesses. The faults are written to models/NAME/regressions/ as XMI,
+    and beside them the limit: for how many ticks the goal may be violated. It is today's number
+    unless --max gives another; with 0 the check fails until the weakness is gone. Review and commit
+    both files.
 
-    After a change that is wanted, --update takes over what is counted today, and prints the
+    After an intended change, --update replaces the limits by today's counts, and prints the
     difference.
 
     \b
@@ -232,12 +236,12 @@ def keep_command(
     if update:
         if weakness is not None or limits is not None:
             raise click.UsageError(
-                "--update is about all that is kept; give no weakness, no limits"
+                "--update is for all kept weaknesses; leave out --weakness and --max"
             )
         _update(target, name, n_seeds, engine, accepted)
         return
     if weakness is None:
-        raise click.UsageError("--weakness N is missing: which weakness of the campaign to keep")
+        raise click.UsageError("--weakness N is missing: the number of the weakness to keep")
     with open_campaign(Path(target)) as campaign:
         if engine:
             again(engine, campaign.store.manifest.engine)  # also where nothing is flown
@@ -277,19 +281,19 @@ def _print_change(before: "Regression", new: "Regression") -> None:
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @options.generated_option
 @options.seeds_option(
-    "Fly in N mission seeds: those that are kept first, then others, of which limits say "
-    "nothing unless they hold there too."
+    "Fly in N mission seeds: first those of the limits, then others, in which more violations "
+    "than the limit cannot be judged."
 )
 @click.option(
     "--digest",
     metavar="HEX",
-    help="Refuse an ARCHIVE unless mrsfi pack printed this digest for it.",
+    help="Refuse ARCHIVE unless its digest is this one, printed by mrsfi pack.",
 )
 @options.engine_options(default=AUTO)
 @options.under("Output")
-@options.file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
+@options.file_option("--junit", "Write the verdicts to FILE as JUnit's XML, for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
-@click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
+@click.option("--json", "is_json", is_flag=True, help="Print the verdicts as JSON.")
 def check_command(
     mission: str | None,
     generated: Path | None,
@@ -300,19 +304,19 @@ def check_command(
     github: bool,
     is_json: bool,
 ) -> None:
-    """Fly every kept weakness of MISSION against today's models and code.
+    """Fly every kept weakness of MISSION with today's models and code, and check its limits.
 
-    Without MISSION it goes through all of models/. Where a goal has more violations than is kept,
-    the weakness came back: it says why, and ends with exit code 10. What cannot be judged any more,
-    because a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error:
-    the others are flown all the same, and the exit code is the lowest of such. Nothing kept is no
-    pass either.
+    Without MISSION it checks all of models/. If a goal has more violations than its limit allows,
+    check prints why and ends with exit code 10. A weakness that cannot be judged any more, because
+    a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the
+    others are flown all the same, and the exit code is the lowest of such errors. If nothing is
+    kept, that is an error, too.
 
-    The files of an archive of mrsfi pack are compared with its list of their hashes. Then its
-    campaign is made once more, by the code in the archive, and compared with what is recorded:
-    evaluations, failures, flights, fitness, weaknesses, summary. Whoever changes another file and
-    the list changes the digest that mrsfi pack printed; --digest compares it. Options of kept
-    weaknesses are refused.
+    The files of an archive of mrsfi pack are compared with its list of their hashes. Then check
+    repeats the campaign with the code in the archive, and compares it with the record: evaluations,
+    failures, flights, fitness, weaknesses, summary. Whoever changes another file and the list also
+    changes the digest that mrsfi pack printed; --digest compares it. An archive allows no options
+    of kept weaknesses.
 
     \b
     Examples:
@@ -330,15 +334,15 @@ def check_command(
         _repeat(Path(mission), engine, digest, is_of_kept=is_of_kept, is_json=is_json)
         return
     if digest is not None:
-        raise click.UsageError("--digest is of an archive of mrsfi pack; expected ARCHIVE")
+        raise click.UsageError("--digest needs an archive of mrsfi pack; expected ARCHIVE")
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")
     settings = chosen(engine, AUTO)
     places = [*missions_with_kept()] if mission is None else [find_mission(mission, generated)]
     if not places:
         raise UsageError(
-            "found nothing that is kept in models/*/regressions/; expected at least one weakness; "
-            "keep one with: mrsfi keep CAMPAIGN --weakness 1"
+            "found no kept weakness in models/*/regressions/; expected at least one; keep one "
+            "with: mrsfi keep CAMPAIGN --weakness 1"
         )
     found = {each.name: [*check_all(each, settings, tell, n_seeds)] for each in places}
     if junit is not None:
@@ -363,7 +367,7 @@ def _repeat(
     if is_of_kept:
         raise click.UsageError(
             f"{archive} is an archive, flown as recorded: --generated, --seeds, --junit and "
-            "--github are of kept weaknesses"
+            "--github are for kept weaknesses"
         )
     numbers, campaign, found = repeat(archive, engine, digest, tell)
     if is_json:
@@ -381,6 +385,6 @@ def _end(every: "Sequence[Checked]") -> None:
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]
     if back:
-        raise LimitExceeded(f"came back: {'; '.join(back)}{unknown}")
+        raise LimitExceeded(f"{'; '.join(back)}{unknown}")
     if failures:
         raise min(failures, key=lambda error: error.exit_code)

@@ -83,54 +83,52 @@ class EngineSettings:
 
     name: str = option(
         REFERENCE,
-        "How to fly: in this process, compiled or not, or on a rosbridge server.",
+        "Simulate in this process, compiled or not (reference), or over rosbridge.",
         choices=ENGINES,
         spelled="engine",
     )
-    url: str | None = option(
-        None, "With --engine rosbridge: the server [default: one is embedded].", "ws://…"
-    )
+    url: str | None = option(None, "The rosbridge server [default: mrsfi starts one].", "ws://…")
     _: KW_ONLY
     client: Client = option(
         CLIENTS[0],
-        "With --engine rosbridge: kind of connection: ours, or one of roslibpy's.",
+        "Kind of connection: mrsfi's own, or one of roslibpy's.",
         choices=CLIENTS,
     )
     side: str = option(
         BOTH,
-        "What this command runs: ci leaves the simulation to others, injector your node.",
+        "Sides that mrsfi runs: both; all but your simulation (ci), or your node (injector).",
         choices=SIDES,
     )
     is_bundled: bool = option(
         False,
-        "With --engine rosbridge: all messages of a tick as one, for speed.",
+        "Send all messages of a tick as one, for speed.",
         spelled="bundle",
     )
     ros: int = option(
         1,
-        "With --engine rosbridge: version of ROS [default: the project's, or 1].",
+        "Version of ROS [default: that of mrsfi.toml, or 1].",
         choices=ROS_VERSIONS,
     )
-    world_prefix: str = option("", "With --url: before all topics of the world.", "/PREFIX")
+    world_prefix: str = option("", "With --url: prefix of all topics of the simulation.", "/PREFIX")
     timeout: float = option(
-        _TICK, f"How long the other side may be silent [default: {_TICK:g}].", "SECONDS"
+        _TICK, f"Wait this long for the other side [default: {_TICK:g}].", "SECONDS"
     )
     node: str | None = option(
-        None, "With --side injector: starts your node; {url} and {seed} are filled in.", "COMMAND"
+        None, "Command that starts your node; mrsfi fills in {url} and {seed}.", "COMMAND"
     )
     node_sha256: str = ""
     node_pace: str = option(
         BARRIER,
-        "When your node has answered a tick: by a message, by pings, by the clock (Hz).",
+        "What ends a tick of your node: its message, two pings, or a clock (ticks per s).",
         "answer|barrier|RATE",
     )
     node_reset: str = option(
         RESTART,
-        "How your node begins anew [default: restart, or service without --node].",
+        "How your node begins a flight [default: restart, or service without --node].",
         choices=(RESTART, SERVICE),
     )
     node_mapping: str = ""
-    node_prefix: str = option("", "Before all topics of your node.", "/PREFIX")
+    node_prefix: str = option("", "Prefix of all topics of your node.", "/PREFIX")
     node_repeats: int = 1
     node_left_out: tuple[str, ...] = ()
     unrepeated: str = ""
@@ -142,9 +140,9 @@ class EngineSettings:
     def require_sense(self) -> None:
         """Refuse fields that make no sense together."""
         if self.url is None and self.side not in {BOTH, INJECTOR}:
-            raise UsageError(f"--side {self.side} needs --url: the server on which the sides meet")
+            raise UsageError(f"--side {self.side} needs --url, the server that both sides use")
         if self.url is None and self.world_prefix:
-            raise UsageError("--world-prefix needs --url: the server on which the world is")
+            raise UsageError("--world-prefix needs --url, the server of the simulation")
         if self.side == INJECTOR:
             self._require_node()
 
@@ -152,17 +150,17 @@ class EngineSettings:
         if self.node is None and self.url is None:
             raise UsageError(
                 "--side injector needs --node 'COMMAND {url}', which starts your node, or --url, "
-                "the server on which it is found"
+                "the server that it uses"
             )
         if self.is_free and not _is_rate(self.node_pace):
             raise UsageError(
-                f"--node-pace: found '{self.node_pace}'; expected {ANSWER}, {BARRIER}, or ticks a "
-                "second"
+                f"--node-pace: found '{self.node_pace}'; expected {ANSWER}, {BARRIER}, or ticks "
+                "per second"
             )
         if self.node_pace == BARRIER and self.url is not None:
             raise UsageError(
-                f"--node-pace {BARRIER} pings the node, which a server at --url does not do for "
-                f"us; expected {ANSWER}, a rate, or no --url"
+                f"--node-pace {BARRIER} needs the server that mrsfi starts, which pings the "
+                f"node; expected {ANSWER}, a rate, or no --url"
             )
         if self.node is None and self.node_reset == RESTART:
             raise UsageError(f"--node-reset {RESTART} needs --node, which starts your node")
@@ -264,12 +262,12 @@ class Workers:
 
     number: int | None = option(
         None,
-        "Processes that evaluate [default: as many as this machine has processors].",
+        "Processes that evaluate [default: one for each processor].",
         spelled="workers",
     )
     dask: str | None = option(
         None,
-        "Evaluate on a dask cluster: its scheduler, or a local one of --workers.",
+        "Evaluate on the dask cluster of this scheduler, or on a local one of --workers.",
         "tcp://…|local",
     )
 
@@ -279,19 +277,19 @@ class Workers:
             raise UsageError(
                 f"--workers {self.number}: found a server at --url, whose topics belong to one "
                 "flight at a time; expected --workers 1, or no --url, so that every worker "
-                "embeds its own server"
+                "starts its own server"
             )
         if self.dask is None:
             return
         require_address(self.dask)
         if engine.name == ROSBRIDGE:
             raise UsageError(
-                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
+                f"--dask is not possible with --engine {ROSBRIDGE}, whose flights need a server "
                 "beside them; expected another engine, or --workers"
             )
         if self.dask != LOCAL and self.number is not None:
             raise UsageError(
-                f"--workers {self.number}: makes no sense with --dask {self.dask}, which has the "
+                f"--workers {self.number}: not possible with --dask {self.dask}, which has the "
                 "workers that were started for it; leave --workers out"
             )
 

@@ -75,7 +75,7 @@ def test_options_beat_the_record():
     ],
 )
 def test_a_campaign_is_flown_again_by_the_parts_that_flew_it(record, given, found):
-    said = f"flown with {record.parts}; found {found}, whose counts"
+    said = f"flown with {record.parts}; found {found}, which counts"
 
     with pytest.raises(UsageError, match=said):
         again(given, record)
@@ -117,7 +117,7 @@ def test_a_node_flies_on_as_recorded_unless_it_is_another():
         ({"name": "rosbridge", "node_pace": "20"}, "--node-pace needs --side injector"),
         ({"side": "injector"}, "--side injector needs --node 'COMMAND {url}'"),
         ({"side": "injector", "node": "node", "node_pace": "0"}, "--node-pace: found '0'"),
-        ({"side": "injector", "url": URL, "node_pace": "barrier"}, "--node-pace barrier pings"),
+        ({"side": "injector", "url": URL, "node_pace": "barrier"}, "--node-pace barrier needs"),
         ({"side": "injector", "url": URL, "node_reset": "restart"}, "--node-reset restart needs"),
     ],
 )
