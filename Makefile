@@ -24,7 +24,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --durations 10
 QUICK := tests/disk tests/golden tests/model tests/property tests/unit
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
 
-# What they hold is data: make takes it as it stands, and the shell finds it quoted.
+# Their values are data: make does not expand them, and the shell gets them quoted.
 VARIABLES := MISSION CASE SEED ENGINE URL OUT RESUME WORKERS PYTHON
 $(foreach name,$(VARIABLES),$(eval override $(name) := $$(value $(name))))
 quoted = '$(subst ','\'',$(1))'
@@ -54,12 +54,14 @@ help: ## print this list
 	@echo
 	@printf '%s\n' $(call quoted,Variables: $(foreach name,$(VARIABLES),$(name)=$($(name))))
 	@echo "           CASE is a, b or a campaign file; ENGINE is auto, compiled, reference or rosbridge,"
-	@echo "           the last with a server at URL or its own; OUT is a campaign folder; RESUME is one"
-	@echo "           that was interrupted, and goes on as it began. Empty leaves the default."
+	@echo "           the last with the server at URL, or one that it starts; OUT is a campaign folder;"
+	@echo "           RESUME is an interrupted one to continue. Empty leaves the default."
 	@echo "Example:   make evolve CASE=b SEED=7"
 
 install: $(BASE) ## make the virtual environment .venv, install mrsfi into it and compile its kernel
-	$(BIN)/python -m mrsfi_runtime.engine.compiled
+	@echo "Compiling the simulation kernel, unless this was done before: about 20 seconds."
+	@$(BIN)/python -m mrsfi_runtime.engine.compiled
+	@echo "Installed. Next: make evolve"
 
 generate: $(BASE) ## generate the middleware of MISSION from its models
 	$(BIN)/mrsfi generate $(mission)
@@ -71,13 +73,13 @@ validate: $(BASE) ## check the models of MISSION
 simulate: generate ## fly MISSION once without faults
 	$(BIN)/mrsfi simulate $(mission) $(seed) $(engine)
 
-evolve: generate ## search critical fault specifications of MISSION; ends with what breaks it
+evolve: generate ## search for faults that break the goals of MISSION, and print its weaknesses
 	$(BIN)/mrsfi evolve $(campaign) $(engine) $(workers)
 
-report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
+report: $(BASE) ## write the report of campaign folder OUT again (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),$(call quoted,$(OUT)))
 
-regressions: generate ## fly the kept weaknesses of MISSION; fails where one came back
+regressions: generate ## fly the kept weaknesses of MISSION; fails if one exceeds its limit
 	$(BIN)/mrsfi check $(mission) $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute
@@ -86,7 +88,7 @@ quick: $(DEV) ## run the units and laws of the tests, in less than a minute
 test: $(DEV) generate ## run the tests, in some minutes
 	$(PYTEST) $(OURS)
 
-test-all: $(DEV) generate ## run what make test leaves out and is not left to the night: kills, more seeds
+test-all: $(DEV) generate ## run the slow tests that are not left to the night: kills, more seeds
 	$(PYTEST) $(OURS) -m "slow and not night"
 
 test-night: $(DEV) generate ## run every test, with all seeds, then make interop and make release
@@ -119,7 +121,7 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 	done
 	$(BIN)/python -m m2t.classes generated/metamodel --check
 
-site: $(DOCS) ## build the documentation as a site into site/; a link that leads nowhere is an error
+site: $(DOCS) ## build the documentation as a site into site/; a broken link is an error
 	$(BIN)/mkdocs build
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
@@ -128,10 +130,12 @@ clean: ## remove .venv, caches and build products; campaigns in runs/ stay
 	find . -path ./runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BASE): $(SETUP) | $(VENV)/.created
+	@echo "Installing mrsfi and its packages into $(VENV): about a minute."
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[fast]"
 	@touch $@
 
 $(DEV): $(SETUP) | $(VENV)/.created
+	@echo "Installing mrsfi, its packages and the tools of its tests: about two minutes."
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,fast]"
 	@touch $(BASE) $@
 
@@ -154,7 +158,7 @@ $(VENV)/.created:
 	  echo "Install one, or name it: make evolve PYTHON=/path/to/python3.11" >&2; \
 	  exit 1; \
 	fi; \
-	echo "Making $(VENV) with $$("$$python" --version) and installing; the first time takes a minute."; \
+	echo "Making the virtual environment $(VENV) with $$("$$python" --version): some seconds."; \
 	"$$python" -m venv $(VENV) || { \
 	  echo "'$$python -m venv' failed; on Debian and Ubuntu install python3-venv." >&2; exit 1; }
 	@touch $@

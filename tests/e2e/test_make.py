@@ -120,6 +120,18 @@ def test_a_target_installs_what_it_needs_with_pins(target, has_tools, clone):
     assert ('".[dev,fast]"' in text) == has_tools
 
 
+def test_an_installation_says_what_each_step_does_before_it_does_it(clone):
+    text = make("-n", "install", cwd=clone).stdout
+
+    steps = [
+        *("Making the virtual environment", "-m venv", "Installing mrsfi and its packages"),
+        *("pip install", "Compiling the simulation kernel", "-m mrsfi_runtime.engine.compiled"),
+    ]
+    places = [text.index(step) for step in steps]
+    assert places == sorted(places)
+    assert [text.count(f": {time}.") for time in ("some seconds", "about a minute")] == [1, 1]
+
+
 def test_what_is_installed_is_not_installed_again(clone):
     (clone / ".venv").mkdir()
     for stamp in (".created", ".installed", ".installed-dev"):
