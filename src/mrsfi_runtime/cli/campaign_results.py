@@ -1,7 +1,7 @@
-"""Print what a campaign found: weaknesses, its report, explanations.
+"""Print the results of a campaign: weaknesses, its report, explanations.
 
-``mrsfi evolve``, ``report``, ``weaknesses``, ``show`` and ``explain`` share these functions.
-For ``--json`` they print the same facts as values for scripts.
+``mrsfi evolve``, ``report``, ``weaknesses``, ``show`` and ``explain`` share these functions. With
+``--json`` they print the same facts as JSON.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

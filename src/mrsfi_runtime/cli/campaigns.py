@@ -1,7 +1,7 @@
-"""Commands that make a campaign and show what it found: evolve, report, weaknesses, show, pack.
+"""Commands that make a campaign and print its results: evolve, report, weaknesses, show, pack.
 
-A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
-it runs, so that ``mrsfi --help`` loads no toolchain. One process at a time writes a campaign.
+A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
+so that ``mrsfi --help`` loads no toolchain. One process at a time writes a campaign.
 """
 
 from collections.abc import Mapping
@@ -175,7 +175,7 @@ def _resumed(
     from mrsfi.evolving import resumed
     from mrsfi_runtime.record.store import CampaignStore
 
-    with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
+    with CampaignStore.open(path) as store:  # first: without a campaign there is nothing to lock
         store.require_flyable()
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
@@ -317,7 +317,7 @@ def weaknesses_command(
         known = harvested(campaign)
         found = [way for way in known.ways if way.goal in goals]
         is_told = not is_bounds or any(files.values())
-        is_named = bool(engine)  # whoever is named has to be the one that flew it
+        is_named = bool(engine)  # a named engine has to be the one that flew it
         if is_told and (is_mildest or n_seeds is not None or is_named):
             with flying_again(run, engine, workers, tell) as (flown, evaluator, own):
                 found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)

@@ -1,7 +1,7 @@
 """The command ``mrsfi compare``: two campaigns, several algorithms, or a sweep of settings.
 
-The command comes first. It calls ``_compare_runs`` for two campaigns; all else is a comparison of
-searches over many seeds, whose tables follow.
+``compare_command`` calls ``_compare_runs`` for two campaigns. Everything else compares searches
+over many seeds; their tables come last.
 """
 
 import json
@@ -333,7 +333,7 @@ def _print_legend(comparison: "Comparison") -> None:
 
 
 def _number(value: float) -> str:
-    """Return a measured number in four or more digits, and ``never`` for infinity."""
+    """Return a measured number with four to six digits, and ``never`` for infinity."""
     if isinf(value):
         return "never"
     return f"{value:.6g}" if abs(value) >= 1 else f"{value:.4g}"

@@ -1,8 +1,8 @@
 """Commands that fly specifications: simulate, replay, explain, and bridge, a server between sides.
 
-A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
-it runs, so that ``mrsfi --help`` loads no toolchain. ``mrsfi bridge`` is the command of
-``mrsfi_bridge`` with the errors of ``mrsfi``.
+A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
+so that ``mrsfi --help`` loads no toolchain. ``mrsfi bridge`` is the command of ``mrsfi_bridge``
+with the errors of ``mrsfi``.
 """
 
 from dataclasses import fields

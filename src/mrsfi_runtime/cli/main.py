@@ -1,7 +1,7 @@
-"""The command ``mrsfi``: the group of subcommands, and what every error ends with.
+"""The command ``mrsfi``: its subcommands, the topics of its help, and its exit codes.
 
-Subcommands are listed here with their help and imported when called. An error becomes an exit
-code in one place, ``CommandGroup.invoke``. ``main`` is the entry point.
+Subcommands are listed here with their help and imported when they are called. Only
+``CommandGroup.invoke`` turns errors into exit codes. ``main`` is the entry point.
 """
 
 import signal
@@ -42,7 +42,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "diff": ("models", "Print the difference between two models."),
     "help": ("main", "Print the help of a command, or of a topic: bus, words."),
 }
-"""Subcommands with their module and one-line help: ``mrsfi --help`` need not import them."""
+"""Module and one-line help of each subcommand, so that ``mrsfi --help`` imports none."""
 
 
 _BUS = """\
@@ -83,7 +83,7 @@ docs/bus.md and docs/node.md have the details.
 
 
 class CommandGroup(click.Group):
-    """Subcommands, each imported when it is called, with one way out for every error."""
+    """Subcommands, each imported when it is called; all errors leave through ``invoke``."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
         """Return the names in the order in which a user needs them."""
@@ -102,18 +102,18 @@ class CommandGroup(click.Group):
             formatter.write_dl([(name, text) for name, (_, text) in _COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a subcommand, and end with the exit code of the error that it meets."""
+        """Run a subcommand; if it raises an error, print it and end with its exit code."""
         try:
             with metamodels_chosen():
                 result = super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
-        except BaseException as error:  # noqa: BLE001 - the last door: every error becomes an exit code
-            ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
+        except BaseException as error:  # noqa: BLE001 - every error becomes an exit code
+            ctx.exit(_report(error, is_traced=ctx.params["traceback"]))
         return result
 
 
-def _tell(error: BaseException, *, is_traced: bool) -> int:
+def _report(error: BaseException, *, is_traced: bool) -> int:
     if KeyboardInterrupt in (type(error), type(error.__cause__)):  # Python wraps some in imports
         click.echo("mrsfi: interrupted", err=True)
         return _INTERRUPTED
@@ -137,7 +137,7 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
 
 @click.group(
     cls=CommandGroup,
-    commands=dict.fromkeys(_COMMANDS),  # for what may have been meant by another name
+    commands=dict.fromkeys(_COMMANDS),  # for suggestions when a name is misspelt
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.option("--traceback", is_flag=True, help="On an error, print where in the code it occurred.")
@@ -241,10 +241,10 @@ def help_text(ctx: click.Context, topic: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line, that of this process or some words, and return its exit code."""
+    """Run the command line of this process, or the given words; return the exit code."""
     output = steady_output()
     if current_thread() is main_thread():
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends it like Ctrl-C
     try:
         code = cli.main(args=arguments, prog_name="mrsfi", standalone_mode=False)
     except click.ClickException as error:

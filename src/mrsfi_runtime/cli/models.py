@@ -1,7 +1,7 @@
 """Commands that make, check and change models: new, import, diff, rename, validate, generate.
 
-A command declares its options, calls ``mrsfi``, and prints. What a command needs is imported when
-it runs, so that ``mrsfi --help`` loads no toolchain.
+A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
+so that ``mrsfi --help`` loads no toolchain.
 """
 
 import re
@@ -135,7 +135,7 @@ def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> 
 
 
 def _print_notes(notes: "Iterable[Note]") -> None:
-    """Print what was changed in a model; what happened to several elements takes one line."""
+    """Print the changes to a model, in one line if several elements changed alike."""
     alike: defaultdict[tuple[str, str, str], list[Note]] = defaultdict(list)
     for note in notes:
         alike[note.kind, note.feature, note.message].append(note)

@@ -1,7 +1,8 @@
-"""Options that several commands share: a mission, an engine, workers, files of a flight.
+"""Options that several commands share: mission, engine, workers, files of a flight.
 
-``options`` makes options of the fields of a data class, whose metadata has their help; a command
-receives them as one argument. So a new option of every command that flies is one field.
+``options`` makes options of the fields of a data class; the metadata of a field has its help. A
+command receives the data class as one argument. To give every command that flies a new option, add
+a field. ``Command`` prints the options of a command in groups.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -68,7 +69,7 @@ mission_argument = click.argument("mission", metavar="MISSION")
 """Gives a command the argument MISSION."""
 
 FILE = click.Path(path_type=Path, dir_okay=False)
-"""What an option is that names a file."""
+"""The type of an option that names a file."""
 
 
 def file_option(name: str, text: str) -> Callable[[F], F]:
@@ -95,7 +96,7 @@ generated_option = folder_option(
 
 
 def tell_of_metamodels() -> None:
-    """Tell where the metamodels are, unless they are those of mrsfi."""
+    """Print where the metamodels are if they are the project's."""
     from mrsfi.models import own_metamodels
 
     folder = own_metamodels()
@@ -107,7 +108,7 @@ SIMULATION = "simulation"
 
 
 class OneOf(click.Choice[Any]):
-    """A choice that also says what may have been meant."""
+    """A choice that suggests the nearest value for a wrong one."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:  # noqa: ARG002 - click's signature
         """Return the message for a value that is none of the choices."""
@@ -120,7 +121,7 @@ KINDS: Mapping[Any, click.ParamType[Any]] = {
     float: click.FloatRange(min=0, min_open=True),
     Path | None: FILE,
 }
-"""What an option takes, by the type of its field; any text if it is none of these."""
+"""The type of an option by the type of its field; other fields take any text."""
 
 
 def options(
@@ -128,8 +129,8 @@ def options(
 ) -> Callable[[F], F]:
     """Return the decorator that gives a command the options of fields, passed as one argument.
 
-    The argument is made of the fields that are given, by name. ``other`` has, by the name of a
-    field, the default or the choices of this command.
+    ``make`` makes the argument from the given fields, by name. ``other`` has, by the name of a
+    field, the default or the choices for this command.
     """
     known = [each for each in fields(settings) if "text" in each.metadata]
 
@@ -151,7 +152,7 @@ def options(
 def _option(
     each: Field[Any], default: str | None = None, choices: Sequence[Any] = ()
 ) -> Callable[[F], F]:
-    """Return the option of a field; one with choices shows its default unless its text does."""
+    """Return the option of a field; with choices, it shows its default unless its text does."""
     text, choices = each.metadata["text"], choices or each.metadata["choices"]
     is_shown = choices and "[default" not in text
     return click.option(
@@ -190,7 +191,7 @@ _OF_BUS = {
 
 @dataclass(frozen=True, slots=True)
 class FlightFiles:
-    """Files that the command line wants of a flight; ``None`` where it wants none."""
+    """Files to write of a flight; ``None`` for those that are not wanted."""
 
     log: Path | None = option(
         None,
@@ -210,9 +211,9 @@ class FlightFiles:
 
     @property
     def wanted(self) -> tuple[Path, ...]:
-        """Those that it names."""
+        """The files to write."""
         return tuple(path for path in astuple(self) if path is not None)
 
 
 recording_options = options("files", FlightFiles, FlightFiles)
-"""Gives a command the options of files of a flight; it receives them as ``files``."""
+"""Gives a command the options for files of a flight; it receives them as ``files``."""

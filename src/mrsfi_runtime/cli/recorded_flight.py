@@ -1,7 +1,7 @@
-"""Fly once, write the log, trace, bag, page or animation that the user asked for, and print.
+"""Fly once, write a log, trace, bag, page or animation if the user wants it, and print.
 
-``fly_recorded`` opens each file before the flight and completes it after; an error while writing
-names the file.
+``fly_recorded`` opens each file before the flight and completes it afterwards. If a file cannot be
+written, the error names it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,7 +37,7 @@ _NOWHERE = Path()
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What a page says a flight is, what flies it again, and its specification as XMI."""
+    """The title of a flight, the command that flies it again, and its specification as XMI."""
 
     title: str
     command: Sequence[str]
@@ -71,7 +71,7 @@ def fly_recorded(
 
         def observe(*tick: Any) -> None:
             for path, observer in observers:
-                with telling(path):  # of the file, or the mission would be blamed
+                with telling(path):  # otherwise the error would blame the mission
                     observer(*tick)
 
         observer = observe if observers else None
@@ -93,7 +93,7 @@ def print_flight(
     title: str,
     head: Mapping[str, object] | None,
 ) -> None:
-    """Print what happened to each goal, under which faults; for a script, where it has a head."""
+    """Print the violations of each goal, and the faults; as JSON if there is a ``head``."""
     faults = named_faults(mission, pool, specification)
     if head is not None:
         goals = tables.goals_as_json(mission, outcome)
@@ -114,9 +114,9 @@ def _observers(
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
 ) -> Iterator[tuple[Path, Observer]]:
-    """Yield what sees each tick, each after the file that it writes."""
+    """Yield the observers of each tick, each after the file that it writes."""
     mission = engine.code.mission
-    if isinstance(engine, PlainEngine):  # others take no time
+    if isinstance(engine, PlainEngine):  # others are quick
         yield _NOWHERE, flight_progress(mission.duration)
     if files.log is not None:
         log = opened.enter_context(written_file(files.log))

@@ -1,7 +1,7 @@
-"""Commands that keep weaknesses and check them, and what they print.
+"""Commands that keep weaknesses and check them, and their output.
 
-``keep_command`` and ``check_command`` come last; before them are the outputs of a check: tables,
-JSON, JUnit's XML and annotations for GitHub. A ``Checked`` is the verdict on one kept weakness.
+First come the outputs of a check: tables, JSON, JUnit's XML and annotations for GitHub; then
+``keep_command`` and ``check_command``. A ``Checked`` is the verdict on one kept weakness.
 """
 
 import re
@@ -27,22 +27,22 @@ if TYPE_CHECKING:
 _CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"  # as in JSON
 _IN_WORDS = {_CAME_BACK: "exceeds its limit", _HOLDS: "within its limit"}
 _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What stands in no file of XML: control characters, halves of characters."""
+"""Characters that XML does not allow: control characters, lone surrogates."""
 
 
 def print_annotations(checked: "Iterable[Checked]") -> None:
     """Annotate, for GitHub, the lines of what exceeds its limit or cannot be judged."""
     for each in checked:
-        told = f"{each.regression.name}: "
+        message = f"{each.regression.name}: "
         if each.exceeded:
-            told += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
+            message += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
         elif each.failure is not None:
-            told += str(each.failure)
+            message += str(each.failure)
         else:
             continue
         for path, line in each.places or ((each.regression.specification, 1),):
             file = _escaped(normpath(path), ":,")
-            click.echo(f"::error file={file},line={line}::{_escaped(told)}")
+            click.echo(f"::error file={file},line={line}::{_escaped(message)}")
 
 
 def _escaped(text: str, more: str = "") -> str:
@@ -117,7 +117,7 @@ def _state(each: "Checked") -> str:
 
 
 def verdict_as_json(each: "Checked") -> dict[str, Any]:
-    """Return a verdict for a script."""
+    """Return a verdict as plain values."""
     regression = each.regression
     return {
         "name": regression.name,
@@ -137,7 +137,7 @@ def verdict_as_json(each: "Checked") -> dict[str, Any]:
 
 
 def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
-    """Write what became of everything as the XML that build servers read of JUnit."""
+    """Write all verdicts as JUnit's XML, which build servers read."""
     from xml.etree import ElementTree as ET
 
     from mrsfi_runtime.files import whole_file
@@ -166,7 +166,7 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
 
 
 def _legal(text: str) -> str:
-    """Return a text with escapes in the place of what XML has no character for."""
+    """Return a text in which characters that XML does not allow are escaped."""
     return _NO_XML.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
@@ -350,8 +350,7 @@ def check_command(
         tell(f"written    {junit}")
     every = [each for checked in found.values() for each in checked]
     if is_json:
-        told = {name: [*map(verdict_as_json, checked)] for name, checked in found.items()}
-        print_json(told)
+        print_json({name: [*map(verdict_as_json, some)] for name, some in found.items()})
     else:
         _print_tables(found)
     if github:
@@ -373,8 +372,8 @@ def _repeat(
     if is_json:
         print_json({"is_same": True, "digest": campaign, "archive": found, "numbers": numbers})
         return
-    told = ", ".join(f"{n} of {n} {kind}" for kind, n in numbers.items())
-    click.echo(f"same: {told}")
+    same = ", ".join(f"{n} of {n} {kind}" for kind, n in numbers.items())
+    click.echo(f"same: {same}")
     click.echo(f"campaign digest {campaign}")
     wanted = "as given" if digest else "compare it with the one that mrsfi pack printed"
     click.echo(f"archive digest {found}: {wanted}")

@@ -1,7 +1,7 @@
 """Print results to standard output and progress to standard error.
 
-Rich lays out tables, wrapped text and progress bars. It is imported where it is needed, so that
-every command may import this module. On anything but a terminal, progress is plain lines.
+Rich lays out tables, wrapped text and progress bars. Functions import it when they need it, so
+that this module is quick to import. Without a terminal, progress is plain lines.
 """
 
 import json
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 
 class Sink(FileIO):
-    """A stream of this process on which nothing fails; it keeps the first error."""
+    """A stream whose writes never raise an error; it keeps the first one."""
 
     error: OSError | None = None
 
     def write(self, content: Any) -> int:
-        """Write, as if there always were room and a reader."""
+        """Write; if that fails, act as if it had succeeded."""
         try:
             return super().write(content) or 0
         except OSError as error:
@@ -46,9 +46,9 @@ class Sink(FileIO):
 
 
 def steady_output() -> Sink | None:
-    """Let a full disk, a reader that left or a poor encoding end no command midway.
+    """Keep a command running if the disk is full, the reader has gone or a character has no code.
 
-    Returns what standard output became, unless somebody captures that.
+    Returns the new standard output; ``None`` if something captures standard output.
     """
     while None in (sys.stdin, sys.stdout, sys.stderr) and os.open(os.devnull, os.O_RDWR) < 2:
         pass  # or the next file that is opened would be standard output
@@ -65,12 +65,12 @@ def steady_output() -> Sink | None:
 
 
 def print_json(value: Any) -> None:
-    """Print a value for scripts."""
+    """Print a value as JSON."""
     click.echo(json.dumps(value, indent=2, allow_nan=False))
 
 
 def print_changes(respelt: Iterable[Path], difference: Iterable[str]) -> None:
-    """Print a unified diff of models, after the files in which more changes than was asked for."""
+    """Print a unified diff of models, after the files whose layout changes as well."""
     for path in respelt:
         click.echo(f"{path}: is not as Eclipse writes it; layout and comments will be lost")
     for line in difference:
@@ -83,22 +83,22 @@ def tell(message: str) -> None:
 
 
 _EVERY = 5.0  # seconds between two lines about a flight
-_LEAST = 16  # columns that a text which may wrap has at least, if it is as long
+_LEAST = 16  # minimum width of a column of wrapped text, unless the text is shorter
 
 
 def progress_console() -> "Console":
-    """Return the console of standard error; only on a terminal does it move and have colours."""
+    """Return the console of standard error; it has motion and colour on a terminal only."""
     from rich.console import Console
 
     return Console(file=sys.stderr, highlight=False)
 
 
 def print_table(table: "Table") -> None:
-    """Print a table to standard output, with less where it does not fit; name what is left out.
+    """Print a table to standard output; if it is too wide, leave columns out and name them.
 
-    No figure, ID or word is ever cut: where even that is too wide, it is printed in as many
-    columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
-    that a table is the same in every pipe and log file.
+    No number, ID or word is cut: if the table is still too wide, it takes the width that it needs.
+    The width is COLUMNS, or else that of the terminal, or else 100, so that a table is the same in
+    every pipe and log file.
     """
     from rich.text import Text
 
@@ -142,9 +142,9 @@ def _console() -> "Console":
 
 
 def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> "tuple[Grid, int]":
-    """Return a table in which nothing of a cell becomes markup, and in how many columns it fits.
+    """Return a table, in which cells are never read as markup, and the width that it needs.
 
-    If it is tight, numbers and their names go on below where they have spaces.
+    If it is tight, numbers and column names wrap at spaces.
     """
     from rich import box
     from rich.table import Table as Grid
@@ -164,7 +164,7 @@ def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> 
         )
     for row in table.rows:
         grid.add_row(*(Text(in_words(cell)) for cell in row))
-    whole = console.options.update(width=100_000)  # which holds any table
+    whole = console.options.update(width=100_000)  # wider than any table
     for name, column in zip(table.columns, grid.columns, strict=True):
         cells = (column.header, *column.cells)
         sizes = [console.measure(cell, options=whole) for cell in cells]
@@ -173,14 +173,14 @@ def _laid_out(console: "Console", table: "Table", *, is_tight: bool = False) -> 
             column.min_width = min(_LEAST, longest)
         elif not is_tight or name in (*table.words, *table.texts):
             column.min_width = longest
-        else:  # or else rich makes it narrower than its longest number
+        else:  # otherwise rich makes it narrower than its longest number
             column.width = max(each.minimum for each in sizes)
     return grid, console.measure(grid, options=whole).minimum
 
 
 @contextmanager
 def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgress], None]]":
-    """Yield the function to call after each generation of a campaign that may be begun already."""
+    """Yield the function to call after each generation of a new or resumed campaign."""
     settings = store.settings
     begun = _share(settings, store.n_generations, store.n_evaluations + store.n_failures)
     console = progress_console()
@@ -209,16 +209,16 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
 def plain_lines(
     settings: "CampaignSettings", clock: Callable[[], float], begun: float = 0.0
 ) -> "Callable[[CampaignProgress], None]":
-    """Return what writes a line after a generation, at most some hundred in a search."""
-    recent = deque([(clock(), begun)], maxlen=8)  # tell the pace: it may be compiled since
-    told = -1.0
+    """Return a function that prints a line after a generation, about 100 in a search."""
+    recent = deque([(clock(), begun)], maxlen=8)  # give the pace, which changes once compiled
+    printed = -1.0
 
     def tell_after(state: "CampaignProgress") -> None:
-        nonlocal told
+        nonlocal printed
         done = share_done(settings, state)
-        if done < 1.0 and (done <= begun or done - told < 0.01):
+        if done < 1.0 and (done <= begun or done - printed < 0.01):
             return
-        told = done
+        printed = done
         since, before = recent[0]
         now = clock()
         recent.append((now, done))
@@ -232,15 +232,15 @@ def plain_lines(
 
 
 def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "Observer":
-    """Return an observer that tells how far a flight of some ticks is, every few seconds."""
-    began = told = clock()
+    """Return an observer that prints every few seconds how many ticks of a flight are done."""
+    began = printed = clock()
 
     def tell_after(world: "State", *_: object) -> None:
-        nonlocal told
+        nonlocal printed
         now = clock()
-        if now - told < _EVERY:
+        if now - printed < _EVERY:
             return
-        told = now
+        printed = now
         n_done = world.mission.tick + 1
         rest = (now - began) / n_done * (duration - n_done)
         tell(f"tick {n_done:,} of {duration:,}  {time_left(rest)}")
