@@ -109,7 +109,7 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
         if timed.finish >= code.mission.duration
     )
     if unknown:
-        tell(f"{path}: faults that are not in the pool, flown as written: {', '.join(unknown)}")
+        tell(f"{path}: not in the pool, flown as written: {', '.join(unknown)}")
     for oddity in late:
         tell(oddity)
     return Written(models, pool, specification, unknown, late)

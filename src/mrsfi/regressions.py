@@ -300,9 +300,9 @@ def _why(
     try:
         cause = find_cause(flights, engine, specification, KEEP)
     except EvaluationError as error:  # under a part of the faults: it came back all the same
-        return (f"the cause is not known: {error}",)
+        return (f"The cause is not known: {error}",)
     if cause is None or not cause.places:
-        return ("without its faults, the violations occur as well",)
+        return ("Without its faults, the violations occur as well",)
     names = [fault.id for fault in engine.code.pool]
     return cause.sentences(mission, named_faults(mission, engine.code.pool, specification, names))
 

@@ -46,7 +46,7 @@ def test_a_search_that_makes_no_new_specification_says_how_many_evaluations_it_m
 
     done = mrsfi("evolve", MISSION, "--case", "still.toml", "--no-explain", "--out", "s", cwd=place)
 
-    assert "the search ended after 3 of 9 evaluations: it made no new spec" in done.stderr
+    assert "the search ended after 3 of 9 evaluations: it found no new spec" in done.stderr
     assert "campaign  s: 3 of 9 evaluations\n" in done.stdout
     assert "3 of 9 evaluations of 3 distinct spec" in (place / "s/report.md").read_text("utf-8")
 

@@ -56,7 +56,7 @@ def test_nothing_kept_is_no_pass(place, approved):
 def test_what_this_project_keeps_holds():
     done = mrsfi("check", cwd=ROOT)
 
-    assert "uuv_sampling: 1 of 1 hold" in done.stdout
+    assert "uuv_sampling: 1 of 1 kept weaknesses is within its limit" in done.stdout
 
 
 def test_what_is_kept_is_the_witness_with_what_was_recorded_of_its_goal(kept, found):
@@ -100,8 +100,11 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
         "time": "",
     }
     (failure,) = junit.iter("failure")
-    assert failure.attrib["message"] == f"it-weakness-2: missed g1 99, kept {most}"
-    assert f"{NAME}: 1 of 1 hold" in passed.stdout
+    assert (
+        failure.attrib["message"]
+        == f"it-weakness-2: g1 (missed) exceeds its limit (99, allowed {most})"
+    )
+    assert f"{NAME}: 1 of 1 kept weaknesses is within its limit" in passed.stdout
     assert not [*ET.parse(kept / "found.xml").getroot().iter("failure")]
 
 
@@ -148,8 +151,8 @@ def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
 
-    assert "it-weakness-2   missed      g1           0    99   exceeds its limit" in done.stdout
-    assert "  why is not known: " in done.stdout
+    assert "it-weakness-2   missed       g1           0    99   exceeds its limit" in done.stdout
+    assert "  The cause is not known: " in done.stdout
     assert "as without faults" in done.stdout
 
 
@@ -215,7 +218,7 @@ def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage,
     done = mrsfi("check", *REFERENCE, "--junit", "found.xml", cwd=kept, expected=code)
 
     approved(done.stderr)
-    assert f"{NAME}: 1 of 2 hold" in done.stdout
+    assert f"{NAME}: 1 of 2 kept weaknesses is within its limit" in done.stdout
     (error,) = ET.parse(kept / "found.xml").getroot().iter("error")
     assert error.attrib["message"].removeprefix("it-weakness-2: ") in done.stderr
 
@@ -235,7 +238,7 @@ def test_a_limit_that_nothing_exceeds_is_a_warning_when_it_is_kept_and_when_it_i
     )
     assert warning in kept.stderr.splitlines()
     assert warning in checked.stderr.splitlines()
-    assert f"{NAME}: 1 of 1 hold" in checked.stdout
+    assert f"{NAME}: 1 of 1 kept weaknesses is within its limit" in checked.stdout
 
 
 def test_a_limit_that_can_be_exceeded_goes_without_a_warning(kept):
@@ -255,8 +258,8 @@ def test_weaknesses_are_looked_for_at_any_depth_and_without_a_mission(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept, expected=3)
 
-    assert "a/b: 1 of 1 hold" in done.stdout
-    assert f"{NAME}: 0 of 1 hold\n" in done.stdout
+    assert "a/b: 1 of 1 kept weaknesses is within its limit" in done.stdout
+    assert f"{NAME}: 0 of 1 kept weaknesses are within their limits\n" in done.stdout
     assert f"models/{NAME}/mission.xmi:1: mission.xmi cannot be read: No such file" in done.stderr
     assert "it-weakness-2 cannot be judged: generated/stale: stale" in done.stdout
 
@@ -326,7 +329,7 @@ def test_what_came_back_is_told_to_github_at_the_line_of_its_goal(kept):
     (told,) = [text for text in done.stdout.split("\n") if text.startswith("::")]
     place, _, message = told.removeprefix("::error file=").partition("::")
     assert place == f"models/{NAME}/mission.xmi,line={line}"
-    assert message.startswith("it-weakness-2: missed g1 ")
+    assert message.startswith("it-weakness-2: g1 (missed) exceeds its limit ")
 
 
 def test_a_region_that_fails_is_told_to_github_at_its_line(kept):
