@@ -90,7 +90,7 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
     passed = mrsfi(*words, cwd=kept)
 
     assert f"it-weakness-2: g1 (missed) exceeds its limit (99, allowed {most})" in failed.stderr
-    assert "it-weakness-2 exceeds its limit. From runs/it, weakness 2 (stop_a): g1 " in failed.stdout
+    assert "it-weakness-2 exceeds its limit. From runs/it, weakness 2 (stop_a): g" in failed.stdout
     (suite,) = junit.iter("testsuite")
     assert suite.attrib | {"time": ""} == {
         "name": NAME,

@@ -107,7 +107,7 @@ def test_a_goal_that_starves_is_told_with_who_holds_its_robots(small):
     options = ("--case", "any.toml", "--evaluations", "40", "--engine", "reference")
     found = mrsfi("evolve", NAME, *options, "--workers", "1", cwd=small).stdout
 
-    held = "as Wait g0, which reacts first, keeps a in area start"
+    held = "as Wait (g0), which reacts first, keeps a in area start"
     told = "without faults, in belief at 50 ticks, in truth at 50, and fails"
     assert f"goals 'g1' is violated {told}, {held}; expected none" in said
     assert said.count(held) == 2
