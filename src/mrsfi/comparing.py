@@ -1,9 +1,9 @@
-"""Compare variants of a search with each other, and campaigns of before and after a change.
+"""Compare setups of a search, and two campaigns from before and after a change.
 
-``compared`` makes a run of each variant with each seed: the same mission, as many evaluations. A
-run is a campaign of its own, so that a finished one is not repeated; it is refused if it was made
-with other models, code or settings than today's. ``changes`` flies the weaknesses of two campaigns
-each in the mission of the other, and reports which went, came and stayed.
+``compared`` makes a run of each setup with each seed, all on one mission with the same number of
+evaluations. Each run is a campaign, so a finished run is not repeated. A run that was made with
+other models, code or settings is refused. ``changes`` simulates the weaknesses of each of two
+campaigns in the mission of the other, and reports which went, came and stayed.
 """
 
 import hashlib
@@ -46,20 +46,20 @@ from mrsfi_runtime.study.comparison import (
 from mrsfi_runtime.study.folder import ComparisonFolder
 
 _SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
-"""What the record of a run keeps beside that of any campaign."""
+"""Additional values in the record of a run."""
 
-_NOTED = 1.0  # seconds after which a run notes how long it has taken
+_NOTED = 1.0  # seconds between two notes of the time that a run has taken
 
 
 def default_folder(mission: str, case: str, kind: str = "compare") -> Path:
-    """Return where a comparison or sweep goes, unless somebody names another place."""
+    """Return the default folder of a comparison or sweep."""
     return project().runs / f"{kind}-{mission}-{Path(case).stem}"
 
 
 def settings_of(
     file: Path, code: MissionCode, variants: Sequence[Variant], evaluations: int
 ) -> Iterator[tuple[str, CampaignSettings]]:
-    """Yield the settings of each variant: those of a campaign file, and as many evaluations."""
+    """Yield name and settings of each setup: those of a campaign file, with its overrides."""
     for variant in variants:
         one = CampaignSettings.load(file, **variant.overrides, evaluations=evaluations)
         require_searchable(code, one)
@@ -76,9 +76,9 @@ def compared(
     evaluating: Callable[[MissionCode], AbstractContextManager[Evaluator]],
     progress: Callable[[RunResult, int, bool], None],
 ) -> Comparison:
-    """Make the runs that a comparison lacks, and write and return what all of them say.
+    """Make the missing runs of a comparison; write and return the result of all.
 
-    All runs are begun before the first one flies, so that an edit in the meantime changes none.
+    All runs are created before the first one simulates, so that a later edit changes none of them.
     """
     folder = ComparisonFolder.reserve(path)
     places = [folder.run(name, one.seed) for name, one in runs]
@@ -112,7 +112,7 @@ def compared(
 def _require_same(
     runs: Mapping[CampaignFolder, CampaignSettings], folders: MissionFolders, source: str, side: str
 ) -> None:
-    """Refuse what is recorded of runs unless it was made with the same as it would be today."""
+    """Refuse recorded runs that were made with other settings, files, code or engine side."""
     for place, settings in runs.items():
         if not place.database.is_file():
             continue
@@ -139,13 +139,13 @@ def _require_same(
 def _subject(
     settings: CampaignSettings, files: Mapping[str, str], source: str | None
 ) -> dict[str, Any]:
-    """Return what decides a run; campaign files count by the settings that were read of them."""
+    """Return the inputs that decide a run; campaign files count by their settings only."""
     decisive = {name: found for name, found in files.items() if not name.endswith(".toml")}
     return {**settings.as_json(), **decisive, _SOURCE: source}
 
 
 def _hash_of_ours() -> str:
-    """Return the hash of the rooms of mrsfi whose source decides what a search finds."""
+    """Return the hash of those packages of mrsfi whose source decides the result of a search."""
     digest = hashlib.sha256()
     package = Path(mrsfi_runtime.__file__).parent
     for room in ("model", "kernel", "cosimulation", "record", "search", "causes"):
@@ -181,10 +181,10 @@ WENT, CAME, STAYED, UNKNOWN = "went", "came", "stayed", "cannot be flown"
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A way to break a goal as the campaign ``before`` found it, as that ``after`` did, or both.
+    """A weakness as the campaign ``before`` found it, as the campaign ``after`` did, or both.
 
-    ``breaks`` says whether its form, flown in the mission of the campaign that it is not of (that
-    after, if both found it), breaks the goal; ``None``, with a reason, if it cannot be flown there.
+    ``breaks`` is whether its variant breaks the goal in the mission of the other campaign (of the
+    one after, if both found it). It is ``None``, with a reason, if it cannot be simulated there.
     """
 
     goal: str
@@ -196,16 +196,16 @@ class Change:
 
     @property
     def way(self) -> Way:
-        """As it was found first."""
+        """The weakness of the first campaign that found it."""
         found = self.before or self.after
         assert found is not None
         return found
 
     @property
     def verdict(self) -> str:
-        """What became of it; a weakness that no search found again, but still breaks, stayed.
+        """Whether it went, came or stayed; one that still breaks stayed, even if not found again.
 
-        One of which only a false alarm is left went, and one that was a false alarm only came.
+        It went if only a false alarm remains, and came if it was only a false alarm before.
         """
         if self.before and self.after:
             truly, now = _is_true(self.before), _is_true(self.after)
@@ -216,7 +216,7 @@ class Change:
 
     @property
     def remark(self) -> str:
-        """What stands beside the verdict."""
+        """A remark on the verdict."""
         if self.before and self.after:
             alarm = {WENT: "a false alarm remains", CAME: "was only a false alarm before"}
             usual = "by other variants" if self.breaks is False else ""
@@ -247,7 +247,7 @@ def _is_true(way: Way) -> bool:
 def changes(
     before: Path, after: Path, engine: Given, workers: Workers, tell: Tell = silent
 ) -> tuple[Change, ...]:
-    """Return what became of the weaknesses of a mission between two campaigns, each flown anew."""
+    """Return how the weaknesses of a mission changed between two campaigns, by new flights."""
     found, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
@@ -298,7 +298,7 @@ def _broken(
 
 
 def sentence(found: Iterable[Change]) -> str:
-    """Say how many weaknesses went, came and stayed."""
+    """Return in a sentence how many weaknesses went, came and stayed."""
     verdicts = [each.verdict for each in found]
     numbers = {name: verdicts.count(name) for name in (WENT, CAME, STAYED)}
     told = ", ".join(f"{n or 'none'} {name}" for name, n in numbers.items())
@@ -308,7 +308,7 @@ def sentence(found: Iterable[Change]) -> str:
 
 
 def change_table(found: Iterable[Change]) -> Table:
-    """Return a row for each weakness: what became of it, of which goal, under what."""
+    """Return a row for each weakness: verdict, faults, goal, cause and remark."""
     rows = [
         (each.verdict, " and ".join(each.way.faults), each.goal, each.cause, each.remark)
         for each in found

@@ -95,7 +95,7 @@ def _occurring(title: str, patterns: Sequence[TypePattern]) -> Table:
 
 
 def trend_in_words(trend: Trend) -> str:
-    """Return how mean fitness changed in this run; no test, because generations are dependent."""
+    """Return how mean fitness changed; not a test, because generations depend on each other."""
     rows = trend.generations
     if len(rows) < 3:
         return f"{len(rows)} finished generations are too few for a trend."
@@ -184,7 +184,7 @@ _HEAD = r"""\documentclass[twocolumn]{article}
 _SPECIAL = {
     **{letter: f"\\{letter}" for letter in "&%$#_{}"},
     "\\": r"\textbackslash{}",
-    "[": "{[}",  # which after the end of a row would say how much space to leave, as would a star
+    "[": "{[}",  # after a row's end it would set the spacing, as would a star
     "*": "{*}",
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
@@ -198,16 +198,16 @@ _SPECIAL = {
     "≤": r"$\leq$",
     "→": r"$\to$",
 }
-"""What letters become that mean something to LaTeX, or that its usual fonts lack."""
+"""Replacements of letters that are special in LaTeX or missing in its usual fonts."""
 
 _USUAL = {chr(n) for n in (*range(0x20, 0x7F), *range(0xA0, 0x17F))} - {*"ĦħĸĿŀŉŦŧ"} | {
     *"\u2018\u2019\u201c\u201d\u2014\u2022\u20ac\u2122"
 }
-"""Letters that pdfLaTeX sets with these packages; of others the number is shown."""
+"""Letters that pdfLaTeX sets with these packages; others are shown by their numbers."""
 
 
 def in_latex(text: str) -> str:
-    """Return a text in one line that LaTeX sets as it stands."""
+    """Return a text as one line of LaTeX in which nothing is a command."""
     return "".join(
         _SPECIAL.get(letter, letter if letter in _USUAL else f"{{[}}U+{ord(letter):04X}]")
         for letter in printable(text)
@@ -215,7 +215,7 @@ def in_latex(text: str) -> str:
 
 
 def to_latex(table: Table) -> str:
-    """Return a table that floats, at most as wide as the page, with its title as caption."""
+    """Return a floating table, at most as wide as the page, with its title as caption."""
 
     def line(cells: Sequence[Cell]) -> str:
         return " & ".join(in_latex(tables.in_words(cell)) for cell in cells) + r" \\"
@@ -274,7 +274,7 @@ _OF_PFTA = (
 
 
 def cut_sets(found: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
-    """Return the least sets of faults that break a goal truly or let it be missed, by size."""
+    """Return the minimal sets of faults that truly violate a goal or make it fail, by size."""
     real = {way.faults for way in found if way.goal == goal and way.shown.column.kind != "believed"}
     least = (faults for faults in real if not any({*other} < {*faults} for other in real))
     return sorted(least, key=lambda faults: (len(faults), faults))
@@ -292,11 +292,11 @@ class _Gate(NamedTuple):
 def _trees(
     mission: Mission, pool: FaultPool, found: Sequence[Way]
 ) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
-    """Return the gates of each goal, its own first; name and label of the faults below them."""
+    """Return the gates of each goal, the top gate first, and names and labels of the faults."""
     taken: set[str] = set()
 
     def named(*words: str) -> str:
-        """Return a name of ASCII letters, digits, ``_`` and ``-`` that none has in any case."""
+        """Return a new name of ASCII letters, digits, ``_`` and ``-``, whatever the case."""
         stem = "-".join(re.sub(r"\W", "_", word, flags=re.ASCII) for word in words)[:100]
         names = chain([stem], (f"{stem}-{number}" for number in count(2)))
         name = next(each for each in names if each.lower() not in taken)
@@ -328,7 +328,7 @@ def _trees(
 
 
 def as_open_psa(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> bytes:
-    """Return the fault trees in Open-PSA's exchange format, XML that many tools read."""
+    """Return the fault trees in Open-PSA's exchange format, an XML that many tools read."""
     trees, events = _trees(mission, pool, found)
     root = Element("opsa-mef")
     root.append(Comment(f" {_SAYS} "))

@@ -1,8 +1,8 @@
 """Read all evaluations of a campaign as arrays, and find their fronts.
 
-An evaluation takes tens of bytes in ``Columns``, and is no object. A specification is identified
-by eight bytes of a hash over its timed faults, in any order. Among a million specifications, two
-share a hash with a chance of three in a hundred million; one of them is then not counted.
+``Columns`` stores an evaluation in tens of bytes, not as an object. Eight bytes of a hash over its
+timed faults, in any order, identify a specification. Among a million specifications, two share a
+hash with probability 3e-8; then one of them is not counted.
 
 ``Columns`` reads, ``find_front`` and ``find_harm`` search, and ``nearest_ratio`` picks a point.
 
@@ -34,10 +34,10 @@ Rows: TypeAlias = NDArray[np.intp]
 class Columns:
     """The evaluations of a campaign, each of which has a row.
 
-    ``fitness`` is what they are ranked by, ``violations`` the campaign's own measure, shape
-    ``(n_evaluations, n_goals)``; ``costs`` say how much each has of what is minimised, 0 if nothing
-    is. ``distinct`` has the first of every specification, whose faults may stand in any order, and
-    ``tried`` how often each fault of the pool, by its ID, stands in these.
+    ``fitness`` ranks them. ``violations`` holds the campaign's measure, shape
+    ``(n_evaluations, n_goals)``. ``costs`` holds the faults or fault-ticks of each if the campaign
+    minimises them, else 0. ``distinct`` lists the first evaluation of each specification, whatever
+    the order of its faults; ``tried`` counts each fault of the pool, by its ID, in these.
     """
 
     goals: tuple[str, ...]
@@ -50,14 +50,14 @@ class Columns:
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
-        """Read the evaluations of a campaign, for goals by their IDs that the record has."""
+        """Read the evaluations of a campaign; ``goals`` are IDs that the record has."""
         measure.require(goals)
         n, n_read = store.n_evaluations, 0
         names, decoded = _decoding(measure, goals)
-        kind = np.float64 if measure.n_seeds > 1 else np.int64  # means are no whole numbers
+        kind = np.float64 if measure.n_seeds > 1 else np.int64  # means are not integers
         fitness, violations = np.empty(n), np.empty((n, len(goals)), kind)
         costs, keys = np.empty(n, np.int64), np.empty(n, np.uint64)
-        is_first, known = np.zeros(n, bool), np.empty(0, np.uint64)
+        is_first, earlier = np.zeros(n, bool), np.empty(0, np.uint64)
         tried: Counter[str] = Counter()
         for faults, texts, *numbers in store.stored(names, n, decoded):
             these = slice(n_read, n_read + len(faults))
@@ -65,7 +65,7 @@ class Columns:
             joined = ("]],[".join(sorted(each)).encode() for each in texts)
             hashes = (blake2b(each, digest_size=8).digest() for each in joined)
             keys[these] = np.frombuffer(b"".join(hashes), np.uint64)
-            known, places = _met(known, keys[these])
+            earlier, places = _merged(earlier, keys[these])
             for place in places:
                 is_first[n_read + place] = True
                 tried.update(faults[place])
@@ -86,7 +86,7 @@ class Columns:
         return tuple(self.distinct[ranked[:n]].tolist())
 
     def distinct_among(self, rows: Sequence[int]) -> Rows:
-        """Return the first of every specification among some evaluations."""
+        """Return the first evaluation of each specification among these."""
         found = np.unique(np.array(rows, np.intp))
         return found[np.sort(np.unique(self._keys[found], return_index=True)[1])]
 
@@ -99,7 +99,7 @@ def top(store: CampaignStore, measure: Measure, n: int) -> tuple[Evaluation, ...
 def _decoding(
     measure: Measure, goals: Sequence[str]
 ) -> tuple[tuple[str, ...], Callable[[Sequence[Sequence[Any]]], tuple[Any, ...]]]:
-    """Return which columns of a store are read, and what decodes some rows of them."""
+    """Return the columns of a store to read, and a function that decodes rows of them."""
     is_mean = measure.n_seeds > 1
     recorded = measure.chosen if is_mean else measure.goals
     places = [recorded.index(goal) for goal in goals]
@@ -124,14 +124,14 @@ def _decoding(
     return ("specification", "fitness", "fault_ticks", *counted), decoded
 
 
-def _met(
-    known: NDArray[np.uint64], keys: NDArray[np.uint64]
+def _merged(
+    earlier: NDArray[np.uint64], keys: NDArray[np.uint64]
 ) -> tuple[NDArray[np.uint64], list[int]]:
-    """Return all keys that were met, ascending, and where those stand that were not before."""
+    """Return all keys so far, ascending, and the places of those that are new."""
     new, first = np.unique(keys, return_index=True)
-    places = np.searchsorted(known, new)
-    is_new = np.append(known, new[-1] + 1)[places] != new
-    return np.insert(known, places[is_new], new[is_new]), sorted(first[is_new].tolist())
+    places = np.searchsorted(earlier, new)
+    is_new = np.append(earlier, new[-1] + 1)[places] != new
+    return np.insert(earlier, places[is_new], new[is_new]), sorted(first[is_new].tolist())
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,8 +147,8 @@ class FrontPoint:
 class Front:
     """The non-dominated points over chosen goals (IDs), each vector of violations once.
 
-    The points run from few violations of the first goal to many; ``counts`` says which
-    violations they are, ``minimised`` of what the front has few beside them, if of anything.
+    The points stand in ascending order of violations of the first goal. ``counts`` names the kind
+    of violations, ``minimised`` the cost that the front minimises, if any.
     """
 
     goals: tuple[str, ...]
@@ -158,13 +158,13 @@ class Front:
 
     @property
     def aims(self) -> tuple[str, ...]:
-        """What it is over."""
+        """Its objectives."""
         return self.goals if self.minimised is None else (*self.goals, self.minimised)
 
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """The wish that violations of two goals (IDs) stand as ``parts[0]`` to ``parts[1]``."""
+    """A wanted ratio of violations of two goals (IDs): ``parts[0]`` to ``parts[1]``."""
 
     goals: tuple[str, str]
     parts: tuple[float, float]
@@ -174,8 +174,8 @@ class Ratio:
 
 
 def _undominated(vectors: NDArray[Any]) -> list[int]:
-    """Return which of distinct vectors in ascending order no other dominates."""
-    # Whoever dominates another has no smaller sum, and of equal ones (by rounding) comes later.
+    """Return the places of undominated vectors; all are distinct and in ascending order."""
+    # A dominating vector has no smaller sum; with an equal sum (by rounding) it stands later.
     left = np.argsort(vectors.sum(axis=1), kind="stable")[::-1]
     kept = []
     while left.size:
@@ -192,9 +192,9 @@ def _earliest(vectors: NDArray[Any]) -> NDArray[np.intp]:
 def find_front(
     measure: Measure, columns: Columns, goals: Sequence[str], rows: Rows | None = None
 ) -> Front:
-    """Return the front of some evaluations; of equal vectors the earliest evaluation stands.
+    """Return the front of evaluations; for equal vectors, the earliest evaluation is kept.
 
-    ``rows`` are evaluations of distinct specifications; all if left out.
+    ``rows`` are evaluations of distinct specifications, by default all of them.
     """
     rows = columns.distinct if rows is None else rows
     violations = columns.of(goals)[rows]
@@ -210,8 +210,8 @@ def find_front(
 def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
     """Return the distinct vectors to be drawn, in ascending order, and how many are left out.
 
-    Of more than ten thousand the smallest of each cell of a grid is drawn, whose cells are a 200th
-    of the range of each goal: what is drawn of a point covers its cell.
+    Of more than ten thousand, only the smallest vector of each grid cell is drawn. A cell is a
+    200th of the range of each goal, which is smaller than a drawn point.
     """
     shown = found = np.unique(vectors, axis=0)
     if len(found) > 10_000:
@@ -223,7 +223,7 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
 
 @dataclass(frozen=True, slots=True)
 class Harm:
-    """The most harm with at most so many faults, or ticks of faults, each with its evaluation."""
+    """The most harm within a limit on faults or fault-ticks, and the evaluations that did it."""
 
     cost: int
     n_violated: int
@@ -233,10 +233,10 @@ class Harm:
 
 
 def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
-    """Return the front of harm against cost: an entry for each cost from which on there is more.
+    """Return the front of harm against cost: an entry for each cost at which the harm grows.
 
-    Of equally harmful specifications the one of least cost counts, then the earliest. Looked at
-    are the goals that the campaign chose.
+    Of equally harmful specifications, the one of least cost counts, then the earliest. Only goals
+    that the campaign chose count.
     """
     rows = columns.distinct[np.argsort(columns.costs[columns.distinct], kind="stable")]
     counts = columns.of(measure.chosen)[rows]
@@ -255,7 +255,7 @@ def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
 
 
 def is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which values are greater than all before; the first is."""
+    """Return which values are greater than all values before; the first is."""
     return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: len(values)]
 
 
@@ -269,14 +269,14 @@ class Pick:
 
     @property
     def offered_in_words(self) -> str:
-        """The point's own ratio."""
+        """The ratio of the point."""
         if self.point is None:
             return ""
         first, second = (self.point.violations[self.goals.index(goal)] for goal in self.ratio.goals)
         return f", which is {first / second:.3g}:1" if second else f", which is {first:g}:0"
 
     def in_words(self, measure: Measure) -> str:
-        """Return in a phrase which evaluation it is, and what it offers of the ratio's goals."""
+        """Return its evaluation and the violations of the ratio's goals as a phrase."""
         if self.point is None:
             return f"nearest to {self.ratio}: none, because no specification violates these goals"
         violations = dict(zip(self.goals, self.point.violations, strict=True))
@@ -288,7 +288,7 @@ class Pick:
 
 
 def parse_ratio(text: str) -> Ratio:
-    """Return the ratio that ``g3:g1=2:1`` asks for; any other text is a ``UsageError``."""
+    """Parse a ratio such as ``g3:g1=2:1``; raise a ``UsageError`` for any other text."""
     goal, number = r"\s*([^:=\s]+)\s*", r"\s*(\d+(?:\.\d+)?)\s*"
     match = re.fullmatch(f"{goal}:{goal}={number}:{number}", text)
     if match is not None:
@@ -301,11 +301,11 @@ def parse_ratio(text: str) -> Ratio:
 
 
 def nearest_ratio(front: Front, ratio: Ratio) -> FrontPoint | None:
-    """Return the point of the front that comes nearest to a ratio (paper, section V, RQ3).
+    """Return the point of the front nearest to a ratio (paper, section V, RQ3).
 
-    Nearest is the smallest angle between the two goals' violations and the two parts of the ratio,
-    as vectors; of equal angles the point with more violations of the two goals. Points that violate
-    neither goal have no ratio: ``None`` if all are such.
+    The nearest point has the smallest angle between the violations of the two goals and the parts
+    of the ratio, as vectors; of equal angles, the point with more violations counts. Points that
+    violate neither goal have no ratio: ``None`` if all points are such.
     """
     first, second = (front.goals.index(goal) for goal in ratio.goals)
     direction = atan2(ratio.parts[1], ratio.parts[0])

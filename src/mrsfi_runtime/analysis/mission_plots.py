@@ -30,9 +30,9 @@ from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
 Place: TypeAlias = tuple[float, float]
 
-_MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
-_MOST_LABELS = 12  # of the map of a flight
-_WAITING, _ACTIVE = 0.15, 0.75  # how dark the windows of faults are
+_MANY_OBSTACLES = 40  # above this number, obstacles have no labels
+_MOST_LABELS = 12  # on the map of a flight
+_WAITING, _ACTIVE = 0.15, 0.75  # opacity of the windows of faults
 _N_FRAMES = 100
 _TRAJECTORY: Mapping[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 
@@ -69,7 +69,7 @@ def mission_map(mission: Mission) -> Figure:
 
 
 def flight_map(story: Story) -> Figure:
-    """Draw where robots were, and where they were believed to be at ticks at which that differs."""
+    """Draw true positions of robots, and believed ones at the ticks at which they differ."""
     wrong = (story.true != story.believed).any(axis=-1)
     is_many = bool(wrong.sum() > plots.MANY_POINTS)
     mission, colours = story.mission, _colours(story.mission)
@@ -90,7 +90,7 @@ def flight_map(story: Story) -> Figure:
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id}, true")
-            for robot in mission.robots[:12]  # of more, no legend would be read
+            for robot in mission.robots[:12]  # a longer legend would be unreadable
         ]
         keys += [
             _key(".", "believed, if wrong", color=SOFT),
@@ -111,7 +111,7 @@ def flight_map(story: Story) -> Figure:
 
 
 def flight_gif(story: Story) -> bytes:
-    """Return where robots were (filled) and were believed to be (rings), as a GIF."""
+    """Return an animation as GIF: true positions (filled) and believed positions (rings)."""
     with plots.drawing((8.2, 8.2)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
@@ -121,7 +121,7 @@ def flight_gif(story: Story) -> bytes:
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
-    trail = 20 * max(1, n_ticks // _N_FRAMES)  # ticks of a robot's way that stay behind it
+    trail = 20 * max(1, n_ticks // _N_FRAMES)  # length of a robot's trail, in ticks
     with telling_of_temporary_files(), TemporaryDirectory() as folder, rc_context(plots.STYLE):
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
@@ -152,7 +152,7 @@ def _said(story: Story, tick: int) -> str:
 
 
 def flight_timeline(story: Story) -> Figure:
-    """Draw when faults were active, and goals violated, on one axis of ticks."""
+    """Draw when faults were active and goals were violated, on one axis of ticks."""
     faults = [fault for fault in story.faults if fault.window or fault.trigger]
     names = [f"{fault.name} {fault.fault.type}" for fault in faults]
     names += [goal.id for goal in story.mission.goals]
@@ -198,7 +198,7 @@ def _look_at(axes: Axes, window: tuple[float, float, float], title: str, unit: s
 
 
 def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
-    """Move labels that fall onto each other apart, up and down, until none do or time is up."""
+    """Move overlapping labels apart, up and down, in at most 60 steps; hide those that remain."""
     renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     points = 72.0 / figure.dpi
     for _ in range(60):
@@ -219,7 +219,7 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
 
 
 def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
-    """Keep as many labels as can be read in print: robots that faults strike, robots, goals."""
+    """Keep a readable number of labels: of robots that faults affect, other robots, goals."""
     struck = story.struck
     n_robots = len(story.mission.robots)
     robots = sorted(range(n_robots), key=lambda robot: robot not in struck)

@@ -61,8 +61,8 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "mrsfi",
     "text.color": INK,
-    "text.hinting": "none",  # at this resolution nobody sees it, and it takes a tenth of the time
-    "text.parse_math": False,  # a dollar in a robot's name is a dollar
+    "text.hinting": "none",  # invisible at this resolution, and takes a tenth of the time
+    "text.parse_math": False,  # names may contain dollar signs
     "xtick.color": SOFT,
     "ytick.color": SOFT,
 }
@@ -72,16 +72,16 @@ _CANVASES: dict[str, tuple[Any, int, Sequence[str]]] = {
     ".svg": (FigureCanvasSVG, 150, ("Date", "Creator")),
     ".pdf": (FigureCanvasPdf, 100, ("CreationDate", "Creator", "Producer")),
 }
-"""What draws a figure by the suffix of its file, dots per inch, and what is not said in it."""
+"""By suffix: the canvas that draws a figure, dots per inch, and the metadata to leave out."""
 
-MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
-_MOST_GENERATIONS = 2000  # beyond, a point stands for several
+MANY_POINTS = 4000  # above this number, the cloud of an SVG is a bitmap
+_MOST_GENERATIONS = 2000  # above this number, one point stands for several
 
 
 def rendered(figure: Figure, suffixes: Iterable[str] = (".png", ".svg")) -> dict[str, bytes]:
-    """Return what the files of a figure hold, by their suffixes: the same each time."""
+    """Return the files of a figure by their suffixes, always the same bytes."""
     files = {}
-    with rc_context(STYLE):  # not ``savefig``, which draws twice: once for the layout
+    with rc_context(STYLE):  # ``savefig`` would draw twice: once for the layout
         for suffix in suffixes:
             canvas, figure.dpi, unsaid = _CANVASES[suffix]
             content = BytesIO()
@@ -92,7 +92,7 @@ def rendered(figure: Figure, suffixes: Iterable[str] = (".png", ".svg")) -> dict
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
-    """Draw mean fitness of each generation, or each so-manyth, and its trend (figures 6, 8)."""
+    """Draw mean fitness of all generations, or one in several, and its trend (figures 6, 8)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
@@ -112,7 +112,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
 
 
 def best_fitness(trend: Trend, label: str) -> Figure:
-    """Draw the best fitness per generation, or of so many, and so far (figures 7 and 9)."""
+    """Draw the best fitness of each generation, or of several, and so far (figures 7, 9)."""
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
         step = every(len(trend.generations), _MOST_GENERATIONS)
@@ -160,7 +160,7 @@ def whole_front(
 
 
 def harm_front(harm: Sequence[Harm], measure: Measure) -> Figure:
-    """Draw the most violations, and the most goals violated, against what is minimised."""
+    """Draw the most violations, and the most violated goals, against the minimised cost."""
     with drawing((7.6, 6.0)) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
         costs = [each.cost for each in harm]
@@ -252,12 +252,12 @@ def legend_below(figure: Figure, *, ncols: int = 4, **keys: Any) -> None:
 
 
 def whole_numbers(n_ticks: int = 8) -> MaxNLocator:
-    """Return what marks an axis at whole numbers."""
+    """Return a locator that marks whole numbers on an axis."""
     return MaxNLocator(n_ticks, integer=True, steps=[1, 2, 5, 10])
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Name rows of bars, the first above, along an axis of whole numbers."""
+    """Name rows of bars, the first at the top, along an axis of whole numbers."""
     axes.set(ylim=(len(names) - 0.4, -0.6), yticks=range(len(names)), yticklabels=names)
     axes.xaxis.set_major_locator(whole_numbers())
     axes.tick_params(axis="y", length=0, labelcolor=INK)

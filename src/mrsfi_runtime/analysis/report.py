@@ -1,12 +1,12 @@
 """Write the report of a campaign into its folder, and the page of a campaign or a flight.
 
-``write_report``, near the end, names all files in their order. ``look_at`` flies one weakness and
-draws it in time and in space. The first half collects what the page shows as plain values:
+``write_report``, near the end, writes all files in their order. ``look_at`` simulates one weakness
+and draws it in time and in space. The first half collects the page's content as plain values:
 ``campaign_page`` for a campaign, ``flight_page`` for one flight.
 
-``document`` makes one HTML file of these values. It asks the network for nothing. Texts of a model
-or a record stay data: JSON in which no character can end its element, and which the page's script
-inserts as text. The content security policy allows that script and those styles alone, by hash.
+``document`` makes one HTML file of these values. It loads nothing from the network. Texts of a
+model or a record stay data: they stand in JSON that cannot end its element, and the page's script
+inserts them as text. The content security policy allows only that script and those styles, by hash.
 """
 
 import json
@@ -53,7 +53,7 @@ from mrsfi_runtime.record.store import CampaignStore
 
 @dataclass(frozen=True, slots=True)
 class PageEntry:
-    """What the page says of a specification that was flown; ``xmi`` is that as a file holds it."""
+    """A simulated specification on the page; ``xmi`` is the text of its file."""
 
     title: str
     sentence: str
@@ -67,7 +67,7 @@ class PageEntry:
 def flight_page(
     mission: Mission, told: PageEntry, recording: Recording, facts: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
-    """Return what the page shows of one flight; ``facts`` are named values of its record."""
+    """Return the page's content for one flight; ``facts`` are named values of its record."""
     flown = Flown(told.title, told.faults, recording, {})
     return {
         "title": told.title,
@@ -84,8 +84,8 @@ def campaign_page(
     shown: Sequence[dict[str, Any]],
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
-    """Return what the page shows of a campaign; ``next_of`` has commands by what they do."""
-    step = tables.every(summary.n_evaluations, 5000)  # at most so many are listed
+    """Return the page's content for a campaign; ``next_of`` returns labelled commands."""
+    step = tables.every(summary.n_evaluations, 5000)  # listed at most
     listed = f"One evaluation in {step} is listed." if step > 1 else "All evaluations are listed."
     evaluations = tables.short_evaluations_table(listed, store.flown(step), summary.measure)
     caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
@@ -171,7 +171,9 @@ def _matrix(summary: Summary) -> dict[str, Any]:
     guilty = {fault for way in summary.ways for fault in way.faults}
     owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
-    fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # which replace the others
+    fewest = sorted(
+        summary.ways, key=lambda way: -len(way.faults)
+    )  # the smallest last, which replaces others
     cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
     owners = groupby(owned, key=lambda each: each[0])
     return {
@@ -196,7 +198,7 @@ def _matrix(summary: Summary) -> dict[str, Any]:
 def flown_of(
     mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> tuple[Flown, tuple[str, ...]]:
-    """Fly what breaks a goal, and all of its faults but each; say what each did until it broke."""
+    """Simulate a weakness, then without each of its faults; describe the effect of each fault."""
     witness, others, said = way.shown.witness, {}, []
     faults, flight = named_faults(mission, pool, witness), record(witness)
     for place, fault in enumerate(faults):
@@ -212,7 +214,7 @@ def flown_of(
 def told_content(
     mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
-    """Return what the page shows of what was flown, and of its flight or why it has none."""
+    """Return the page's content for a specification, with its flight or why that is missing."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = story.flight_content(mission, flown, story.stride(mission, n_flights)), ""
@@ -308,7 +310,7 @@ def meanings() -> dict[str, str]:
 
 
 def document(content: Mapping[str, Any]) -> str:
-    """Return the page that shows some content: plain values, as ``page.js`` reads them."""
+    """Return the page as HTML; ``content`` has the plain values that ``page.js`` reads."""
     styles = "\n".join(map(_asset, ("uPlot.css", "page.css")))
     names = ("uPlot.js", "build.js", "flight.js", "screen.js", "page.js")
     scripts = "\n".join(map(_asset, names))
@@ -334,20 +336,20 @@ def _hash(text: str) -> str:
 
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float], str]
-"""Pool fault ID, start, finish, values by parameter name, and the ID of a trigger or nothing."""
+"""Fault ID, start, finish, values by parameter name, and the trigger's ID or an empty text."""
 
 SpecificationWriter: TypeAlias = Callable[
     [Sequence[SpecificationRow], Path, str, Sequence[str]], None
 ]
-"""Writes rows as a fault specification to a path, under an identifier, with the faults' names."""
+"""Writes rows as a fault specification to a path, with its identifier and the faults' names."""
 
 
 class Shown(NamedTuple):
-    """A way to break a goal, in words and in pictures.
+    """A weakness in sentences and figures.
 
-    ``sentences`` say by what the goal is broken, in how many forms, who sees it, and from what on,
-    if that is known; then what each of the faults did until it broke. ``figures`` are PNG of the
-    flight in time and in space; each is there as SVG, too.
+    The first of ``sentences`` describes faults, evidence, detection, and the mildest variant if it
+    is known. The others describe the effect of each fault. ``figures`` are PNG files of the flight
+    in time and in space; an SVG file stands beside each.
     """
 
     way: Way
@@ -368,11 +370,11 @@ def write_report(  # noqa: PLR0913 - most have a default
     show: Callable[[Summary], None] = lambda _: None,
     latex: bool = False,
 ) -> Summary:
-    """Write everything a person or a script wants from a campaign, finished or interrupted.
+    """Write all files of a report on a campaign, finished or interrupted.
 
-    Every file of an earlier report goes. What the page shows is flown by ``record``; where that
-    fails, the page says why. ``show`` is given what the report says once all but the page and the
-    figures is written; these are finished whatever becomes of it. A ``ratio`` is one to pick by.
+    Files of an earlier report are removed. ``record`` simulates the flights of the page; if it
+    fails, the page gives the reason. ``show`` gets the summary when all files but the page and the
+    figures are written; the figures are finished even if it fails. ``ratio`` is one to pick by.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
@@ -417,7 +419,7 @@ def write_report(  # noqa: PLR0913 - most have a default
 def look_at(
     layout: CampaignFolder, mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> Shown:
-    """Fly a way to break a goal, and draw what is missing, or older than the campaign's record."""
+    """Simulate a weakness; draw its figures if missing or older than the campaign's record."""
     flown, sentences = flown_of(mission, pool, way, record)
     told = story.story_of(flown.title, mission, flown.faults, flown.recording)
     illustrations = [
@@ -443,14 +445,14 @@ def look_at(
 def _fly(
     layout: CampaignFolder, summary: Summary, record: Record
 ) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
-    """Fly what is the least that breaks each goal; yield number, sentences, and what is shown."""
+    """Simulate one weakness of each goal; yield number, sentences and the page's content."""
     mission, pool, shown = summary.mission, summary.pool, least(summary.ways)
     n_flights = sum(1 + len(way.faults) for way in shown)
     for way in shown:
         flown: Flown | str
         try:
             flown, sentences = flown_of(mission, pool, way, record)
-        except UsageError:  # the user's folder for temporary files is full, say
+        except UsageError:  # such as a full folder for temporary files
             raise
         except MrsfiError as error:
             flown, sentences = str(error), ()
@@ -489,7 +491,7 @@ def _witness(layout: CampaignFolder, way: Way) -> Path:
 
 @contextmanager
 def _writing(folder: Path, what: str) -> Iterator[None]:
-    """Say of an error of the file system what could not be written."""
+    """Name in an error of the file system what could not be written."""
     try:
         yield
     except OSError as error:
@@ -529,14 +531,14 @@ def _write_specifications(
 def _write_figures(
     layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw
 ) -> Callable[[], None]:
-    """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
+    """Write the figures' numbers and begin to draw; the returned function waits for the end."""
     for each in shown:
         (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.table.lines))
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 
 def _emptied(folder: Path, *patterns: str) -> None:
-    """Make a folder, or remove from it what an earlier report left."""
+    """Make a folder, or remove the files of an earlier report from it."""
     folder.mkdir(exist_ok=True)
     for pattern in patterns:
         for file in sorted(folder.glob(pattern)):

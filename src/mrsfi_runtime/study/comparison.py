@@ -1,9 +1,9 @@
-"""Compares searches: algorithms, or the settings of one, by the numbers of their runs.
+"""Compare searches: algorithms, or settings of one algorithm, by the results of their runs.
 
-Each variant runs with the same seeds and the same number of evaluations. ``variants_of`` and
-``Sweep`` say what is compared, ``measure_run`` turns a campaign into a ``RunResult``, and
-``compare`` returns quartiles and tests of every criterion. A test of ranks assumes no distribution;
-p-values are adjusted, because there are several; a run that never reached a number ranks last.
+Each setup runs with the same seeds and the same number of evaluations. ``variants_of`` and
+``Sweep`` list the setups, ``measure_run`` turns a campaign into a ``RunResult``, and ``compare``
+returns quartiles and tests for each criterion. A rank test assumes no distribution. p-values are
+adjusted for the number of tests. A run that never reached a number of goals ranks last.
 
 References
 ----------
@@ -51,20 +51,20 @@ PAPERS: Mapping[str, Value] = MappingProxyType(
         if type(value) in (int, float) and key not in ("seed", "generations", "max_failures")
     }
 )
-"""Settings in numbers that a sweep can vary, with the values of the paper: neither seeds nor what
-ends a run."""
+"""Numeric settings that a sweep can vary, with the paper's values; seeds and limits of a run are
+left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """A search by its name, and what it replaces in the campaign file."""
+    """A setup of a search: its name, and the values that it replaces in the campaign file."""
 
     name: str
     overrides: Mapping[str, str | Value]
 
 
 def variants_of(algorithms: object, sweep: "Sweep | None" = None) -> tuple[Variant, ...]:
-    """Return algorithms as variants, or those of the one that a sweep varies; refuse others."""
+    """Return a setup for each algorithm, or those of a sweep; raise a ``UsageError`` else."""
     found = algorithms if isinstance(algorithms, list | tuple) else ()
     variants = [
         Variant(each, {"algorithm": each}) if isinstance(each, str) else each for each in found
@@ -82,7 +82,7 @@ def variants_of(algorithms: object, sweep: "Sweep | None" = None) -> tuple[Varia
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """Settings of one algorithm, each with the values that it takes; all are combined."""
+    """Settings of one algorithm with the values of each, which are all combined."""
 
     values: Mapping[str, tuple[Value, ...]]
 
@@ -106,34 +106,34 @@ class Sweep:
 
     @property
     def papers(self) -> str:
-        """Name of the variant with the paper's values."""
+        """Name of the setup with the paper's values."""
         return _name({key: PAPERS[key] for key in self.values})
 
     def settings(self) -> Mapping[str, Mapping[str, Value]]:
-        """Return the values of each variant by its name; the paper's come last if they are new."""
+        """Return the values of each setup by its name; the paper's come last if they are new."""
         combined = product(*self.values.values())
         grid = [dict(zip(self.values, chosen, strict=True)) for chosen in combined]
         return {_name(each): each for each in (*grid, {key: PAPERS[key] for key in self.values})}
 
     def with_values(self, values: Mapping[str, Value]) -> set[str]:
-        """Return names of combinations with some values; the paper's setting need not be one."""
+        """Return names of combinations that have these values; the paper's need not be one."""
         found = {name for name, each in self.settings().items() if values.items() <= each.items()}
         is_combined = all(PAPERS[key] in known for key, known in self.values.items())
         return found if is_combined else found - {self.papers}
 
     def as_json(self) -> dict[str, Any]:
-        """Return its values, and those of each setting by its name, as values of JSON."""
+        """Return its values, and those of each setup by its name, as values of JSON."""
         values = {key: list(each) for key, each in self.values.items()}
         return {"values": values, "papers": self.papers, "settings": dict(self.settings())}
 
     def variants(self, algorithm: str) -> tuple[Variant, ...]:
-        """Return the variants of an algorithm."""
+        """Return the setups of an algorithm."""
         found = self.settings().items()
         return tuple(Variant(name, {"algorithm": algorithm, **values}) for name, values in found)
 
 
 def _numbers(text: str) -> tuple[Value, ...]:
-    """Return the number that a text says, or some that are evenly spaced; none if it is wrong."""
+    """Return the number in a text, or evenly spaced ones; none if the text is wrong."""
     try:
         low, *others = map(Fraction, text.split(":"))
         high, n = others or (low, Fraction(1))
@@ -154,21 +154,21 @@ SCHEMA = 1
 """Version of ``comparison.json``."""
 
 MOST_OBJECTIVES = 7
-"""Of a hypervolume that is computed; its cost grows exponentially with their number."""
+"""Limit for the hypervolume, whose cost grows exponentially with the number of objectives."""
 
-_MOST_EXACT = 20_000  # divisions of the pooled values that are enumerated to be exact
+_MOST_EXACT = 20_000  # divisions of the pooled values that an exact test enumerates
 _SIGNIFICANT = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """What one algorithm, or setting of a sweep, found with one seed.
+    """Result of one setup with one seed.
 
-    ``improvements`` are numbers of evaluations at which a fitness above all before was found, and
-    that. ``at_once`` has for k = 1, 2, … the number of evaluations until one specification broke k
-    goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for all so far.
-    ``hypervolume`` is that of ``front_volume``, ``front_size`` the number of different vectors,
-    ``seconds`` are wall time.
+    ``improvements`` lists each new best fitness after its number of evaluations. ``at_once`` has,
+    for k = 1, 2, …, the number of evaluations until one specification broke k goals, or ``None``,
+    shape ``(n_goals,)``; ``together`` the same until all specifications so far broke k goals.
+    ``hypervolume`` comes from ``front_volume``. ``front_size`` counts different vectors.
+    ``seconds`` is wall time.
     """
 
     algorithm: str
@@ -189,14 +189,14 @@ class RunResult:
         return self.improvements[-1][1] if self.improvements else 0.0
 
     def best_after(self, n_evaluations: int) -> float:
-        """Return the highest fitness of the first so many evaluations."""
+        """Return the highest fitness of the first ``n_evaluations``."""
         return max(
             (value for place, value in self.improvements if place <= n_evaluations), default=0.0
         )
 
     @classmethod
     def from_text(cls, text: str) -> Self:
-        """Return the result of which a JSON text has all fields."""
+        """Return the result whose fields a JSON text has."""
         return cls(**{key: _frozen(value) for key, value in object_from_text(text).items()})
 
 
@@ -205,7 +205,7 @@ def _frozen(value: Any) -> Any:
 
 
 def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunResult:
-    """Return what a search found, in the first mission seed."""
+    """Return the result of a search, in the first mission seed."""
     settings = store.settings
     measure = replace(Measure.of(settings, mission), n_seeds=1)
     columns = Columns.read(store, measure, measure.goals)
@@ -234,17 +234,17 @@ def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunRe
 
 
 def _reached(n_broken: NDArray[Any], n_goals: int) -> tuple[int | None, ...]:
-    """Return at which place, from 1, 1, 2, … goals were broken, ``None`` where they never were."""
+    """Return the places, from 1, at which 1, 2, … goals were broken; ``None`` for never."""
     firsts = [first(n_broken >= n) for n in range(1, n_goals + 1)]
     return tuple(None if place is None else place + 1 for place in firsts)
 
 
 def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
-    """Return the hypervolume of a front, as a share of the possible.
+    """Return the hypervolume of a front, as a share of the possible volume.
 
-    Points are whole numbers from 0 on, more is better; ``best`` is the best possible one. The
-    reference point is ``(-1, …, -1)``: so a front whose points violate one goal alone counts, and
-    the volume is the share of all whole vectors that the front reaches or exceeds. ``None`` with
+    Points are integers from 0 on, larger is better; ``best`` is the best possible point. The
+    reference point is ``(-1, …, -1)``, so that a front counts whose points violate only one goal.
+    The volume is the share of all integer vectors that the front reaches or exceeds. ``None`` with
     fewer than two objectives, or more than ``MOST_OBJECTIVES``.
     """
     if not 2 <= len(best) <= MOST_OBJECTIVES:
@@ -266,7 +266,7 @@ class Quartiles:
 
 @dataclass(frozen=True, slots=True)
 class RankTest:
-    """How two samples compare.
+    """Comparison of two samples.
 
     ``u`` is the Mann-Whitney U of the first sample: pairs in which its value is larger, ties half;
     ``a12`` is the share of such pairs. ``p_value`` is two-sided. ``method`` is ``exact`` over all
@@ -280,14 +280,14 @@ class RankTest:
 
     @property
     def magnitude(self) -> str:
-        """Size of the effect in the words of Vargha and Delaney."""
+        """Size of the effect, named as by Vargha and Delaney."""
         distance = max(self.a12, 1.0 - self.a12)
         words = {0.71: "large", 0.64: "medium", 0.56: "small"}
         return next((word for least, word in words.items() if distance >= least), "negligible")
 
 
 def quartiles(values: Sequence[float]) -> Quartiles:
-    """Return the quartiles of at least one value, between neighbours by straight line."""
+    """Return the quartiles of at least one value, with linear interpolation."""
     ordered = sorted(values)
 
     def quantile(share: float) -> float:
@@ -299,7 +299,7 @@ def quartiles(values: Sequence[float]) -> Quartiles:
 
 
 def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
-    """Compare two samples of at least one value each; infinite values are ranked, too.
+    """Compare two samples of at least one value each; infinite values have ranks, too.
 
     Exact up to 20,000 divisions of the pooled values into two such samples (8 against 8); beyond,
     and for a sample of one value, the normal approximation.
@@ -316,7 +316,7 @@ def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
-    """Return p-values adjusted for being several, in the given order."""
+    """Return p-values adjusted for multiple tests, in the given order."""
     n = len(p_values)
     by_size = sorted(range(n), key=p_values.__getitem__)
     raised = (min(1.0, (n - rank) * p_values[place]) for rank, place in enumerate(by_size))
@@ -326,7 +326,7 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A number of runs: more is better (``sign`` 1), or less (-1), or it is only told (0)."""
+    """A value of a run: more is better (``sign`` 1), less is better (-1), or shown only (0)."""
 
     name: str
     sign: int
@@ -335,7 +335,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class PairTest:
-    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first is better."""
+    """A test of two setups on one measure; ``a12`` above 0.5 means that the first is better."""
 
     measure: str
     first: str
@@ -345,12 +345,12 @@ class PairTest:
 
     @property
     def effect(self) -> str:
-        """The magnitude in words, where the runs are enough to show one."""
+        """The magnitude in words, if the difference is significant."""
         return self.ranks.magnitude if self.holm_p_value < _SIGNIFICANT else "not shown"
 
     @property
     def verdict(self) -> str:
-        """Whether the first is better or worse, where the runs are enough to show it."""
+        """Whether the first is better or worse, if the difference is significant."""
         if self.holm_p_value >= _SIGNIFICANT:
             return "not shown"
         return "better" if self.ranks.a12 > 0.5 else "worse"
@@ -364,10 +364,10 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say: quartiles and tests by measure.
+    """Quartiles and tests of the runs of several setups, by measure.
 
-    Tests are of every pair; of a sweep, whose settings stand as algorithms, of each setting and the
-    paper's.
+    Each pair of algorithms is tested. In a sweep, whose setups stand in ``algorithms``, each setup
+    is tested against the paper's.
     """
 
     algorithms: tuple[str, ...]
@@ -380,11 +380,11 @@ class Comparison:
     folder: Path = Path()
 
     def of(self, algorithm: str) -> tuple[RunResult, ...]:
-        """Return the runs of an algorithm, by seed."""
+        """Return the runs of a setup, by seed."""
         return tuple(run for run in self.runs if run.algorithm == algorithm)
 
     def with_values(self, values: Mapping[str, Value]) -> tuple[float, ...]:
-        """Return the best fitness of runs of a sweep's combinations that have some values."""
+        """Return the best fitness of runs of a sweep's combinations that have these values."""
         chosen = self.sweep.with_values(values) if self.sweep else ()
         return tuple(run.best_fitness for run in self.runs if run.algorithm in chosen)
 
@@ -392,7 +392,7 @@ class Comparison:
 def compare(
     algorithms: Sequence[str], runs: Sequence[RunResult], sweep: Sweep | None = None
 ) -> Comparison:
-    """Compare algorithms, in this order, by runs on one mission with one number of evaluations."""
+    """Compare setups, in this order, by runs on one mission with one number of evaluations."""
     pairs = [*combinations(algorithms, 2)]
     if sweep is not None:
         pairs = [(name, sweep.papers) for name in algorithms if name != sweep.papers]
@@ -425,7 +425,7 @@ def compare(
 
 
 def _criteria(runs: Sequence[RunResult]) -> tuple[Criterion, ...]:
-    """Return what can be told of the runs; a number of goals that none broke is left out."""
+    """Return the criteria of the runs, without numbers of goals that no run broke."""
     criteria = [Criterion("fitness", 1, lambda run: run.best_fitness)]
     if all(run.hypervolume is not None for run in runs):
         criteria.append(Criterion("hypervolume", 1, lambda run: run.hypervolume or 0.0))
@@ -438,7 +438,7 @@ def _criteria(runs: Sequence[RunResult]) -> tuple[Criterion, ...]:
 
 def _breaking(name: str, n_goals: int) -> Criterion:
     def value(run: RunResult) -> float:
-        """Return a number of evaluations that can be ranked: never comes after any other."""
+        """Return a number of evaluations to be ranked; infinity stands for never."""
         place: int | None = getattr(run, name)[n_goals - 1]
         return inf if place is None else float(place)
 
@@ -458,7 +458,7 @@ def _tests(
 
 
 def as_json(comparison: Comparison) -> dict[str, Any]:
-    """Return a comparison as values of JSON; what was never reached is ``null``."""
+    """Return a comparison as values of JSON; infinity becomes ``null``."""
     return {
         "schema": SCHEMA,
         **({} if comparison.sweep is None else {"sweep": comparison.sweep.as_json()}),
@@ -477,5 +477,5 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
 
 
 def finite(value: float) -> float | None:
-    """Return a number, or nothing for infinity."""
+    """Return a number, or ``None`` for infinity."""
     return value if isfinite(value) else None

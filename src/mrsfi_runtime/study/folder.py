@@ -1,8 +1,8 @@
 """The folder of a comparison: a campaign for each run, tables, figures and a summary.
 
-``ComparisonFolder.write`` replaces what an earlier comparison concluded and keeps the runs. The
-figures are drawn in the style of ``analysis/plots.py``; a sweep has other figures than a comparison
-of algorithms. Tables leave a cell empty where a run never reached a number.
+``ComparisonFolder.write`` replaces the files of an earlier comparison and keeps the runs. The
+figures have the style of ``analysis/plots.py``; a sweep has other figures than a comparison of
+algorithms. In tables, an empty cell means that a run never reached a number of goals.
 """
 
 import json
@@ -35,11 +35,11 @@ from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, Criterion, Sweep, Value, finite, quartiles
 
-_COLUMNS = 3  # of panels, one for every two settings of a sweep
+_COLUMNS = 3  # of panels; each pair of settings of a sweep has a panel
 
 
 def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
-    """Yield the figures of a comparison with their names; of a sweep others."""
+    """Yield the figures of a comparison or a sweep with their names."""
     if comparison.sweep is not None:
         if len(comparison.sweep.values) > 1:
             yield "heat_maps", heat_maps(comparison, comparison.sweep)
@@ -52,7 +52,7 @@ def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
 
 
 def results(comparison: Comparison) -> Figure:
-    """Draw every run's best fitness and hypervolume, with median and quartiles."""
+    """Draw best fitness and hypervolume of each run, with median and quartiles."""
     titles = {"fitness": "Best fitness", "hypervolume": "Hypervolume"}
     shown = [m for m in comparison.criteria if m.name in titles]
     with drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
@@ -101,9 +101,9 @@ def course(comparison: Comparison) -> Figure:
 
 
 def goals(comparison: Comparison) -> Figure:
-    """Draw how many evaluations it took to break k goals by one specification, on a log scale.
+    """Draw after how many evaluations one specification broke k goals, on a log scale.
 
-    A quartile that was never reached stands at the upper edge, above the last evaluation.
+    An infinite quartile stands at the upper edge, above the last evaluation.
     """
     shown = [m for m in comparison.criteria if m.name.startswith("at_once")]
     edge = 2.0 * max(run.n_evaluations for run in comparison.runs)
@@ -134,7 +134,7 @@ def goals(comparison: Comparison) -> Figure:
 
 
 def heat_maps(comparison: Comparison, sweep: Sweep) -> Figure:
-    """Draw the median of best fitness over every two settings, of runs with all others."""
+    """Draw the median of best fitness over each pair of settings, with all values of others."""
     pairs = [*combinations(sweep.values, 2)]
     medians = {
         pair: [
@@ -164,9 +164,9 @@ def heat_maps(comparison: Comparison, sweep: Sweep) -> Figure:
 
 
 def interactions(comparison: Comparison, sweep: Sweep) -> Figure:
-    """Draw the median of best fitness over a setting, a line for each value of another.
+    """Draw the median of best fitness over a setting, with a line for each value of another.
 
-    Where lines are parallel, the two do not interact. The dashed line is the paper's setting.
+    Parallel lines mean that the two do not interact. The dashed line is the paper's setup.
     """
     keys = tuple(sweep.values)
     pairs: list[tuple[str, ...]] = [*combinations(keys, 2)] or [keys]
@@ -205,7 +205,7 @@ def _colour(row: int) -> str:
 
 
 class ComparisonFolder(CampaignFolder):
-    """Layout of the folder, which has lock and figures where a campaign's has them."""
+    """Layout of the folder; lock and figures stand where a campaign has them."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
@@ -214,7 +214,7 @@ class ComparisonFolder(CampaignFolder):
 
     @classmethod
     def reserve(cls, path: Path) -> Self:
-        """Take the folder of a comparison, or make a new one."""
+        """Take the folder of a comparison, or make a new folder."""
         folder = cls(path)
         if not (folder.runs.is_dir() and folder.lock.is_file()):
             return super().reserve(path)
@@ -231,7 +231,7 @@ class ComparisonFolder(CampaignFolder):
         return CampaignFolder(self.runs / f"{algorithm}-{seed}")
 
     def write(self, comparison: Comparison, content: Mapping[str, Any]) -> None:
-        """Write tables, figures and summary; those of before are replaced."""
+        """Write tables, figures and summary; earlier ones are replaced."""
         text = f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n"
         try:
             tables = {"runs": _runs, "quartiles": _quartiles, "tests": _tests}
@@ -252,7 +252,7 @@ class ComparisonFolder(CampaignFolder):
 
 
 def _runs(comparison: Comparison) -> Table:
-    """Return one row for each run with all measures; what was never reached is empty."""
+    """Return one row for each run with all measures; a cell is empty for infinity."""
     told, criteria = ("algorithm", "seed", "n_evaluations", "n_failures"), comparison.criteria
     rows = (
         (*attrgetter(*told)(run), *(finite(each.value(run)) for each in criteria), run.digest)
@@ -280,7 +280,7 @@ def _tests(comparison: Comparison) -> Table:
 
 
 def setting_table(comparison: Comparison) -> Table:
-    """Return the settings of a sweep, each compared with the paper's by best fitness."""
+    """Return the setups of a sweep, each compared with the paper's by best fitness."""
     assert comparison.sweep is not None
     tests = {test.first: test for test in comparison.tests if test.measure == "fitness"}
 
