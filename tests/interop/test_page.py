@@ -271,7 +271,7 @@ def test_a_click_on_a_cell_shows_its_weakness_and_what_to_do_next(chromium, camp
 
         assert cell.get_attribute("aria-pressed") == "true"
         said = page.shown.locator("#panel").inner_text()
-        assert cell.get_attribute("title").split(" breaks if ")[1] in said
+        assert cell.get_attribute("title") in said
         number = said.split("weakness ")[1].split()[0]
         commands = page.shown.locator("#next code").all_inner_texts()
         assert commands[0].endswith(f" {number}")

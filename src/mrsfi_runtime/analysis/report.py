@@ -157,11 +157,8 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "mark": "×!!?✓"[each.state],
         "grave": each.state <= State.VIOLATED,
         "cause": each.cause,
-        "by": "" if way is None else " and ".join(way.faults),
         "detection": each.detection,
-        "sure": each.strength,
-        "others": each.others,
-        "unknown": each.bound,
+        "evidence": " · ".join(each.evidence),
         "number": None if way is None else way.number,
     }
 

@@ -22,16 +22,15 @@ class Screen {
   }
 
   goalsOf() {
-    const terms = new Set(), heads = ["", "Goal and its main weakness", "Detection", "Evidence", "Other weaknesses"];
+    const terms = new Set(), heads = ["", "Goal and its main weakness", "Evidence"];
     return make("table", { id: "goals" },
       make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? said(each, terms) : make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
         const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, said(goal.state, terms)), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
-          make("td", {}, said(goal.detection, terms)), make("td", {}, goal.sure.map((each) => make("div", {}, said(each, terms)))),
-          make("td", {}, make("div", {}, said(goal.others, terms)), make("div", { class: "soft" }, said(goal.unknown, terms))));
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, said(goal.state, terms)), goal.cause ? [" ", said(goal.cause)] : "", ". ", goal.detection ? [said(goal.detection, terms), "."] : "")),
+          make("td", {}, said(goal.evidence, terms)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
       })));
