@@ -12,6 +12,7 @@ Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``,
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain, count
 from textwrap import fill
 from typing import NamedTuple
@@ -146,11 +147,15 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
         return
     mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.highlights
     yield f"## {plain(headline)}"
-    facts += [f"{each.sentence} ({', '.join(each.evidence)})" for each in summary.verdicts]
+    facts += [
+        f"{each.sentence}. Evidence: {' · '.join(each.evidence)}" for each in summary.verdicts
+    ]
     yield "\n".join(f"- {plain(each)}." for each in facts)
     if not summary.ways:
         return
-    yield from _section(matrix_table(mission, pool, summary.ways), level=3)
+    matrix = matrix_table(mission, pool, summary.ways)
+    title, key = matrix.title.split("\n")
+    yield from _section(replace(matrix, title=title), f"{key}.", level=3)
     title = "Weaknesses, by goal"
     yield from _section(
         way_table(title, mission, pool, summary.ways),
@@ -248,7 +253,8 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
     if summary.ways:
-        yield to_latex(matrix_table(mission, pool, summary.ways))
+        matrix = matrix_table(mission, pool, summary.ways)
+        yield to_latex(replace(matrix, title=matrix.title.replace("\n", ". ")))
         title = "One weakness of each goal, in its mildest variant"
         yield to_latex(way_table(title, mission, pool, least(summary.ways)))
     yield to_latex(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
