@@ -140,7 +140,7 @@ def test_failure_modes_are_titled_with_the_name_of_the_mission_as_commands_know_
 
     mrsfi("weaknesses", "runs/cover", "--goal", "within", "--fmea", page, *REFERENCE, cwd=place)
 
-    assert page.read_text().startswith(f"# Failure modes of mission {MISSION}\n\n| number | ")
+    assert page.read_text().startswith(f"# Failure modes of mission {MISSION}\n\n| weakness | ")
 
 
 def test_failure_modes_have_a_row_for_each_goal_and_set(place, told, tmp_path):

@@ -169,6 +169,12 @@ class FailureMode(NamedTuple):
     occurrence: float | None
 
 
+_FMEA_HEADS = (
+    *("weakness", "faults", "variant", "item", "failure mode", "local effect", "end effect"),
+    *("ticks by measure", "detection", "severity", "most ticks", "occurrence"),
+)
+
+
 def failure_modes(
     mission: Mission, pool: FaultPool, weaknesses: Sequence[Way], record: Record
 ) -> list[FailureMode]:
@@ -224,8 +230,14 @@ def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
 def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
     """Return failure modes of a mission, by its name, as a page in Markdown."""
     title = f"Failure modes of mission {mission}"
-    modes_table = Table(title, [name.replace("_", " ") for name in FailureMode._fields], modes)
-    return f"# {plain(title)}\n\n{to_markdown(modes_table)}\n".encode()
+    rows = [
+        each._replace(
+            measures=each.measures.replace("missed", "failed"),
+            severity=each.severity.replace("missed", "fails"),
+        )
+        for each in modes
+    ]
+    return f"# {plain(title)}\n\n{to_markdown(Table(title, _FMEA_HEADS, rows))}\n".encode()
 
 
 class State(IntEnum):
