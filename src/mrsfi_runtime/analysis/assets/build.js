@@ -1,5 +1,5 @@
 "use strict";
-// Elements of the page. Text of models only ever becomes text: no markup is parsed anywhere.
+// Elements of the page. Text of a model stays text: no markup is parsed anywhere.
 
 const svgSpace = "http://www.w3.org/2000/svg";
 
@@ -13,10 +13,10 @@ function make(tag, attributes, ...children) {
   return element;
 }
 
-const longest = 300; // letters; what is longer scrolls by itself
+const longest = 300; // letters; longer text scrolls on its own
 
-// With "terms", a set, those of its words that are terms and not in the set get their meaning as tooltip.
-const said = (text, terms) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, terms ? explained(String(text), terms) : String(text));
+// Text of any direction; with a set, terms that it lacks get tooltips and are added to it.
+const bdi = (text, terms) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, terms ? explained(String(text), terms) : String(text));
 
 const meanings = new Map();
 let anyTerm = /(?!)/g;
@@ -42,23 +42,23 @@ function explained(text, terms) {
 
 function number(value) {
   if (value === null || value === undefined) return "–";
-  if (typeof value !== "number") return said(value);
+  if (typeof value !== "number") return bdi(value);
   return Number.isInteger(value) ? String(value) : value.toFixed(Math.abs(value) < 1 ? 4 : 2);
 }
 
-let nTables = 0; // each of them is a landmark with a name of its own
+let nTables = 0; // each table is a landmark with its own name
 
 function table(header, rows, attributes) {
   const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
   const terms = new Set();
-  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? said(value, terms) : value instanceof Node ? value : number(value));
+  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? bdi(value, terms) : value instanceof Node ? value : number(value));
   return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": `table ${(nTables += 1)}` },
     make("table", attributes || {},
       make("thead", {}, make("tr", {}, header.map((value, k) => cell("th", value, k)))),
       make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));
 }
 
-const titled = ({ title, header, rows }) => [make("p", { class: "note" }, said(title, new Set())), table(header, rows)];
+const titled = ({ title, header, rows }) => [make("p", { class: "note" }, bdi(title, new Set())), table(header, rows)];
 
 function copying(text) {
   const button = make("button", { type: "button" }, "Copy");
@@ -76,7 +76,7 @@ function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 }
 
-// Series of a flight: zlib of the bytes of 32-bit differences from tick to tick, all lowest bytes first.
+// Series of a flight: 32-bit differences from tick to tick, lowest bytes of all first, in zlib.
 async function unpack(text, columns, step) {
   const raw = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));

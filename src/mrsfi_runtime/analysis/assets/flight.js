@@ -2,7 +2,7 @@
 
 const palette = ["#1b6ca8", "#d9622b", "#2a8c6a", "#8a5aa8", "#b8902a", "#c2476f", "#3a8fb7", "#5b6b2f"]; // as in the figures
 
-const believedTrail = 50; // ticks: what random positions would draw otherwise hides the mission
+const believedTrail = 50; // ticks; longer trails of random positions would hide the mission
 
 class Flight {
   constructor(data, mission) {
@@ -24,7 +24,7 @@ class Flight {
     return this;
   }
 
-  // A value of a robot at a tick; between ticks that the page has, on the straight line.
+  // A value of a robot at a tick, interpolated between the ticks of the page.
   at(name, robot, tick) {
     const n = this.mission.robots.length, values = this.series[name], place = tick / this.stride;
     const last = values.length / n - 1, low = Math.min(Math.floor(place), last), high = Math.min(low + 1, last);
@@ -94,7 +94,7 @@ class FlightView {
       this.event);
     this.details.replaceChildren(
       make("h2", {}, "The flight in numbers"),
-      make("p", { class: "note" }, said("Filled discs and solid lines show true positions. " +
+      make("p", { class: "note" }, bdi("Filled discs and solid lines show true positions. " +
         `Dashed circles and lines (of the last ${believedTrail} ticks) show believed positions; a line joins the two where they differ. Dots are samples that counted. ` +
         "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours.", terms)),
       this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
@@ -127,7 +127,7 @@ class FlightView {
       const can = this.data.flights.some((each) => each.without === k);
       const label = make("button", { type: "button", class: "fault", disabled: !can, "aria-pressed": String(this.without === k),
         title: can ? "show or hide the flight without this fault" : null,
-        on: { click: () => this.show(this.data, this.without === k ? null : k) } }, said(`${fault.name} ${fault.type}`));
+        on: { click: () => this.show(this.data, this.without === k ? null : k) } }, bdi(`${fault.name} ${fault.type}`));
       const title = `${fault.name} ${fault.type} on ${fault.target}${fault.values ? ` with ${fault.values}` : ""}`;
       return make("div", { class: "row" }, label, track(...(fault.waits ? [bar("fault waiting", ...fault.waits, title)] : []), ...(fault.window ? [bar("fault", ...fault.window, title)] : [])));
     });
@@ -139,12 +139,12 @@ class FlightView {
       const judged = this.flight.goals[k];
       const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} violated in ${kind === "true" ? "truth" : "belief"}, ticks ${first} to ${last}`)));
       if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} fails from tick ${judged.missed} on: it can no longer be met`));
-      return make("div", { class: "row" }, make("span", { title: goal.name }, said(goal.label === goal.id ? goal.id : `${goal.label} (${goal.id})`)), track(...bars));
+      return make("div", { class: "row" }, make("span", { title: goal.name }, bdi(goal.label === goal.id ? goal.id : `${goal.label} (${goal.id})`)), track(...bars));
     });
     this.cursor = make("div", { class: "cursor" });
     this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
-      make("span", { class: "key fault" }), said("fault active", terms), make("span", { class: "key believed" }), said("violated in belief", terms), make("span", { class: "key true" }), said("violated in truth", terms),
-      make("span", { class: "key missed" }), said("goal fails", terms)));
+      make("span", { class: "key fault" }), bdi("fault active", terms), make("span", { class: "key believed" }), bdi("violated in belief", terms), make("span", { class: "key true" }), bdi("violated in truth", terms),
+      make("span", { class: "key missed" }), bdi("goal fails", terms)));
   }
 
   buildCharts() {
@@ -163,18 +163,18 @@ class FlightView {
     });
   }
 
-  // With the unit that the model names, if it names one.
+  // A label with the unit of the model, if it has one.
   labelled(name) {
     const unit = this.mission.units[name];
     return unit ? `${name} (${unit})` : name;
   }
 
-  told(distance) {
+  withUnit(distance) {
     return `${distance} ${this.mission.units.x}`.trimEnd();
   }
 
   place(x, y) {
-    return this.told(`(${number(x)}, ${number(y)})`);
+    return this.withUnit(`(${number(x)}, ${number(y)})`);
   }
 
   resize() {
@@ -185,14 +185,14 @@ class FlightView {
     this.draw();
   }
 
-  // Where a point of the mission is on the canvas; y grows upwards in the mission.
+  // The point on the canvas of a point of the mission, in which y grows upwards.
   project(x, y) {
     const [cx, cy, half] = this.follows ? this.concerned() : this.data.window;
     const scale = (Math.min(this.canvas.width, this.canvas.height) / 2 / half) * this.zoom;
     return [this.canvas.width / 2 + (x - cx + this.shift[0]) * scale, this.canvas.height / 2 - (y - cy + this.shift[1]) * scale, scale];
   }
 
-  // The square around the robots that faults touch, where they are and are believed to be.
+  // The square around true and believed positions of the robots that faults affect.
   concerned() {
     const robots = this.data.robots.length ? this.data.robots : this.mission.robots.map((_, r) => r);
     const xs = robots.flatMap((r) => ["x", "believed_x"].map((name) => this.flight.at(name, r, this.tick)));
@@ -220,7 +220,7 @@ class FlightView {
     for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3] }); label(area.goal, px, py, colour("soft")); }
     mission.obstacles.forEach((obstacle) => {
       const [px, py] = disc(obstacle.x, obstacle.y, obstacle.radius, { fill: colour("rock") });
-      this.spots.push([px, py, `${obstacle.id}: obstacle at ${this.place(obstacle.x, obstacle.y)}, radius ${this.told(number(obstacle.radius))}`]);
+      this.spots.push([px, py, `${obstacle.id}: obstacle at ${this.place(obstacle.x, obstacle.y)}, radius ${this.withUnit(number(obstacle.radius))}`]);
     });
     for (const [from, to, x, y, id, radius] of this.data.displaced) if (from <= tick && tick <= to) {
       const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3] });
@@ -230,10 +230,10 @@ class FlightView {
     if (this.other) this.drawRobots(context, this.other, disc, null, 0.35);
     this.drawRobots(context, this.flight, disc, label, 1);
     this.drawLabels(context, labels.reverse());
-    this.tell(performance.now() - began);
+    this.showTick(performance.now() - began);
   }
 
-  // Labels as far as they have room, the first of them first.
+  // Labels that have room; earlier ones come first.
   drawLabels(context, labels) {
     const ratio = devicePixelRatio || 1, height = 13 * ratio, taken = [];
     context.font = `${12 * ratio}px system-ui, sans-serif`;
@@ -281,14 +281,14 @@ class FlightView {
       || (mission.robots.length <= 200 && mission.robots.some((_, r) => r !== robot && Math.hypot(x - flight.at("x", r, tick), y - flight.at("y", r, tick)) < 2 * mission.robot_radius));
   }
 
-  tell(milliseconds) {
+  showTick(milliseconds) {
     const { mission, tick, flight } = this;
     this.slider.value = tick;
     this.now.textContent = `tick ${Math.floor(tick)} of ${mission.duration}`;
     const tracks = this.timeline.querySelector(".track");
     if (tracks) this.cursor.style.left = `${tracks.offsetLeft + (tracks.offsetWidth * (tick + 0.5)) / mission.duration}px`;
     this.element.dataset.frame = milliseconds.toFixed(2);
-    const rows = mission.robots.map((robot, r) => [said(robot.id), ...["x", "y", "speed", "energy"].flatMap((name) => [flight.at(name, r, tick), flight.at(`believed_${name}`, r, tick)].map((value) => value.toFixed(flight.digits[name])))]);
+    const rows = mission.robots.map((robot, r) => [bdi(robot.id), ...["x", "y", "speed", "energy"].flatMap((name) => [flight.at(name, r, tick), flight.at(`believed_${name}`, r, tick)].map((value) => value.toFixed(flight.digits[name])))]);
     const header = ["robot", ...["x", "y", "speed", "energy"].flatMap((name) => [this.labelled(name), "believed"])];
     if (!this.playing || mission.robots.length <= 12) this.numbers.replaceChildren(table(header, rows, { id: "numbers" }));
   }
@@ -303,8 +303,8 @@ class FlightView {
     const found = direction > 0 ? ahead[0] : ahead[ahead.length - 1];
     if (!found) return;
     this.seek(found[0]);
-    const told = this.events.filter(([tick]) => tick === found[0]).map(([, text]) => text);
-    this.event.textContent = `tick ${found[0]}: ${told.join("; ")}`;
+    const texts = this.events.filter(([tick]) => tick === found[0]).map(([, text]) => text);
+    this.event.textContent = `tick ${found[0]}: ${texts.join("; ")}`;
   }
 
   zoomBy(factor) {
@@ -342,6 +342,6 @@ class FlightView {
       this.draw();
     }
     const near = this.spots.map(([px, py, text]) => [Math.hypot(px - x, py - y), text]).sort((a, b) => a[0] - b[0])[0];
-    if (near && near[0] < 20 * ratio) this.hover.replaceChildren(said(near[1]));
+    if (near && near[0] < 20 * ratio) this.hover.replaceChildren(bdi(near[1]));
   }
 }

@@ -1,13 +1,13 @@
-// The page: what breaks which goal, then what was flown, the search, the evaluations and the record.
+// The page: the first screen, then simulated specifications, search, evaluations and record.
 
 function flownOf(data) {
   return make("section", { id: "flown" }, make("h2", {}, data.heading),
     data.shown.map((shown) => make("article", {},
-      make("h3", {}, said(shown.title)),
-      shown.sentence ? make("p", {}, said(shown.sentence, new Set())) : null,
+      make("h3", {}, bdi(shown.title)),
+      shown.sentence ? make("p", {}, bdi(shown.sentence, new Set())) : null,
       table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
-      make("div", { class: "command" }, make("span", {}, "Simulate it again"), make("code", {}, said(shown.command)), copying(shown.command)),
+      make("div", { class: "command" }, make("span", {}, "Simulate it again"), make("code", {}, bdi(shown.command)), copying(shown.command)),
       make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)))));
 }
 
@@ -21,7 +21,7 @@ function chart(place, { title, x, y, lines, points }) {
 
 function searchOf(search) {
   const place = make("div", { class: "side" });
-  const element = make("section", { id: "search" }, make("h2", {}, "Search"), make("p", {}, said(search.said)), place);
+  const element = make("section", { id: "search" }, make("h2", {}, "Search"), make("p", {}, bdi(search.said)), place);
   requestAnimationFrame(() => search.charts.forEach((each) => {
     const lines = each.lines.map((line, k) => [line.label, palette[k], line.values]);
     lines.xs = each.xs;
@@ -46,7 +46,7 @@ function evaluationsOf(data) {
     Object.assign(state, { up: state.column === k ? !state.up : true, column: k });
     head.forEach((each, place) => each.setAttribute("aria-sort", place === k ? (state.up ? "ascending" : "descending") : "none"));
     fill();
-  } } }, said(name))));
+  } } }, bdi(name))));
   fill();
   return make("section", { id: "evaluations" }, make("h2", {}, "Evaluations"), make("p", { class: "note" }, data.title),
     make("p", { class: "controls" }, make("label", {}, "Rows that contain ", make("input", { type: "search", id: "filter", on: { input: (event) => { state.text = event.target.value; fill(); } } })), count),
@@ -74,7 +74,7 @@ async function main() {
   sections.push(["record", "Record", recordOf(data.record)]);
   const links = sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)));
   document.body.append(
-    make("header", {}, screen ? screen.header() : make("h1", {}, said(data.title))),
+    make("header", {}, screen ? screen.header() : make("h1", {}, bdi(data.title))),
     make("main", {}, sections.map(([, , element]) => element)),
     make("footer", { class: "note" }, make("nav", { "aria-label": "sections" }, make("ul", {}, links)),
       "Keys: space plays or pauses; ← and → move by one tick, with shift by ten; n and p go to the next or previous event; f follows robots; Home and End go to the first or last tick. CI: collective intelligence."));

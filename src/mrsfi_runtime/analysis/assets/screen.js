@@ -1,4 +1,4 @@
-// The first screen: what breaks which goal, by what least cause, seen by whom; beside it the flight.
+// The first screen: goals with their weaknesses and evidence, and beside them the flight.
 
 class Screen {
   constructor(data, view) {
@@ -17,20 +17,20 @@ class Screen {
   header() {
     const terms = new Set();
     return make("div", { class: "head" },
-      make("div", {}, make("h1", {}, said(this.headline)), make("p", { class: "note" }, said(this.about))),
-      make("ul", {}, this.facts.map((fact) => make("li", {}, said(fact, terms)))));
+      make("div", {}, make("h1", {}, bdi(this.headline)), make("p", { class: "note" }, bdi(this.about))),
+      make("ul", {}, this.facts.map((fact) => make("li", {}, bdi(fact, terms)))));
   }
 
   goalsOf() {
     const terms = new Set(), heads = ["", "Goal and its main weakness", "Evidence"];
     return make("table", { id: "goals" },
-      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? said(each, terms) : make("span", { class: "hidden" }, "state"))))),
+      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? bdi(each, terms) : make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
-        const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
+        const chosen = goal.number ? this.choosing(goal.number, bdi(goal.name)) : make("b", {}, bdi(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(`(${goal.id})`)), " ", make("b", { class: "verdict" }, said(goal.state, terms)), goal.cause ? [" ", said(goal.cause)] : "", ". ", goal.detection ? [said(goal.detection, terms), "."] : "")),
-          make("td", {}, said(goal.evidence, terms)));
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state, terms)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection, terms), "."] : "")),
+          make("td", {}, bdi(goal.evidence, terms)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
       })));
@@ -52,14 +52,14 @@ class Screen {
       return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), said("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), said("broken, detected in all variants", terms),
-        make("span", { class: "key share believed" }), said("false alarm only. Height: share of tried variants. +: only together with other faults", terms)),
+      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), bdi("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), bdi("broken, detected in all variants", terms),
+        make("span", { class: "key share believed" }), bdi("false alarm only. Height: share of tried variants. +: only together with other faults", terms)),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
-          make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
-          make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
-        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), row.id === row.name ? null : [" ", make("small", {}, said(`(${row.id})`))]), row.cells.map(cell)))))),
-      make("p", { class: "note" }, said(note, terms)));
+          make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, bdi(owner.name)))),
+          make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, bdi(fault.label)))))),
+        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, bdi(row.name), row.id === row.name ? null : [" ", make("small", {}, bdi(`(${row.id})`))]), row.cells.map(cell)))))),
+      make("p", { class: "note" }, bdi(note, terms)));
   }
 
   async choose(number, keep) {
@@ -69,15 +69,15 @@ class Screen {
     if (!keep) history.replaceState(null, "", `#weakness-${number}`);
     const shown = way.shown === null ? null : this.shown[way.shown];
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight. The first command below draws it.";
-    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
-      make("p", {}, said(`${way.said}.`, terms)), make("p", { class: "note" }, said(`${way.sure}. ${why}`, terms)));
-    this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, said(command)), copying(command))));
+    this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
+      make("p", {}, bdi(`${way.said}.`, terms)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`, terms)));
+    this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, bdi(command)), copying(command))));
     const flight = shown ? shown.flight : null;
     this.view.element.hidden = this.view.details.hidden = !flight;
     if (flight) await this.view.show(flight);
   }
 
-  // A link such as #weakness-6 shows a weakness; anything else is a section of the page.
+  // A link such as #weakness-6 shows a weakness; other links lead to sections.
   async followLink() {
     const number = Number((/^#weakness-(\d+)$/.exec(location.hash) || [])[1]);
     const first = this.goals.find((each) => each.number);
