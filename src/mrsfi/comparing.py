@@ -248,19 +248,19 @@ def changes(
     before: Path, after: Path, engine: Given, workers: Workers, tell: Tell = silent
 ) -> tuple[Change, ...]:
     """Return how the weaknesses of a mission changed between two campaigns, by new flights."""
-    found, models, names = [], [], []
+    by_cause, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
-            found.append({(way.goal, way.faults): way for way in harvested(campaign).ways})
+            by_cause.append({(way.goal, way.faults): way for way in harvested(campaign).ways})
             models.append((campaign.mission, campaign.pool))
             names.append(campaign.store.manifest.mission or campaign.mission.name)
     if names[0] != names[1]:
         what = f"{after}: found a campaign of mission '{names[1]}'"
         raise UsageError(f"{what}; expected one of '{names[0]}', as {before} is")
-    told: list[Change] = []
+    results: list[Change] = []
     for path, flown, others, (mission, pool), is_before in (
-        (after, found[0], found[1], models[0], True),
-        (before, found[1], found[0], models[1], False),
+        (after, by_cause[0], by_cause[1], models[0], True),
+        (before, by_cause[1], by_cause[0], models[1], False),
     ):
         ways = [way for key, way in flown.items() if is_before or key not in others]
         with flying_again(path, engine, workers, tell) as (campaign, evaluator, _):
@@ -270,48 +270,48 @@ def changes(
             old_one, new_one = (way, other) if is_before else (None, way)
             cause = cause_in_words(mission, pool, way)
             name = mission.label_of(way.goal)
-            told.append(Change(name, cause, old_one, new_one, *there[way.number]))
+            results.append(Change(name, cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
-    return tuple(sorted(told, key=lambda each: order.index(each.verdict)))
+    return tuple(sorted(results, key=lambda each: order.index(each.verdict)))
 
 
 def _broken(
     campaign: FlyableCampaign, evaluator: Evaluator, ways: Sequence[Way]
 ) -> Mapping[int, tuple[bool | None, str]]:
     seed, gate = campaign.store.settings.mission_seed, Gate(campaign.mission, campaign.pool)
-    told: dict[int, tuple[bool | None, str]] = {}
+    outcomes: dict[int, tuple[bool | None, str]] = {}
     flyable = {}
     for way in ways:
         try:
             form = gate.admitted(way.shown.witness)
         except SpecificationError as error:
-            told[way.number] = None, str(error)
+            outcomes[way.number] = None, str(error)
             continue
         if way.goal in campaign.mission.goal_ids:
             flyable[way.number, way.shown.column] = form
         else:
-            told[way.number] = None, f"the mission has no goal {way.goal}"
+            outcomes[way.number] = None, f"the mission has no goal {way.goal}"
     breaking = Breaking(campaign.mission, evaluator.evaluate_many, [seed])
     for (number, column), broken in zip(flyable, breaking([*flyable.values()], seed), strict=True):
-        told[number] = column in broken, ""
-    return told
+        outcomes[number] = column in broken, ""
+    return outcomes
 
 
-def sentence(found: Iterable[Change]) -> str:
+def sentence(weaknesses: Iterable[Change]) -> str:
     """Return in a sentence how many weaknesses went, came and stayed."""
-    verdicts = [each.verdict for each in found]
+    verdicts = [each.verdict for each in weaknesses]
     numbers = {name: verdicts.count(name) for name in (WENT, CAME, STAYED)}
-    told = ", ".join(f"{n or 'none'} {name}" for name, n in numbers.items())
+    counts = ", ".join(f"{n or 'none'} {name}" for name, n in numbers.items())
     unknown = verdicts.count(UNKNOWN)
     rest = f"; {counted(unknown, 'weaknesses')} can no longer be flown" if unknown else ""
-    return f"Weaknesses: {told}{rest}"
+    return f"Weaknesses: {counts}{rest}"
 
 
-def change_table(found: Iterable[Change]) -> Table:
+def change_table(weaknesses: Iterable[Change]) -> Table:
     """Return a row for each weakness: verdict, faults, goal, cause and remark."""
     rows = [
         (each.verdict, " and ".join(each.way.faults), each.goal, each.cause, each.remark)
-        for each in found
+        for each in weaknesses
     ]
     columns = ("verdict", "faults", "goal", "cause", "remark")
     return Table("Weaknesses before and after", columns, rows, columns[:2], columns[2:])

@@ -31,7 +31,7 @@ from mrsfi_runtime.analysis import documents
 from mrsfi_runtime.analysis.report import (
     Shown,
     SpecificationWriter,
-    look_at,
+    draw_weakness,
     specification_rows,
     write_report,
 )
@@ -436,7 +436,7 @@ def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
     wanted = least(found) if number is None else (way_of(path, found, number).at_least,)
     with _flying(campaign) as record:
         for way in wanted:
-            yield look_at(campaign.folder, campaign.mission, campaign.pool, way, record)
+            yield draw_weakness(campaign.folder, campaign.mission, campaign.pool, way, record)
 
 
 @contextmanager

@@ -27,7 +27,7 @@ from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import named_faults
 
-_POPULAR = (
+_FREQUENT = (
     "A frequent fault type need not be harmful. Compare its occurrences with the two expected "
     "numbers, which follow from its share in the pool and in all specifications of the campaign. A "
     "type may also be frequent because it occurs together with a harmful one."
@@ -53,7 +53,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
         *_top(summary),
-        *_section(_occurring("Fault types in these specifications", summary.patterns), _POPULAR),
+        *_section(_occurring("Fault types in these specifications", summary.patterns), _FREQUENT),
         *_linked(captions, "fault_types"),
     ]
     if summary.ways:
@@ -130,16 +130,16 @@ def _top(summary: Summary) -> Iterator[str]:
         "and changed a value. *target* is the affected property, after its message, if any."
     )
     of_each = zip(top, summary.faults, summary.contained, strict=True)
-    for rank, (evaluation, faults, found) in enumerate(of_each, 1):
+    for rank, (evaluation, faults, known) in enumerate(of_each, 1):
         title = f"Specification {rank}, evaluation {evaluation.index}"
         yield from _section(tables.fault_table(title, faults, evaluation.outcome), level=3)
         yield (
             f"Generation {evaluation.generation}, {evaluation.fault_ticks} fault-ticks, "
             f"file [critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
         )
-        if found:
-            some = (f"{way.number} ({way.goal} by {' and '.join(way.faults)})" for way in found)
-            yield f"It contains the weaknesses {', '.join(some)}."
+        if known:
+            listed = (f"{way.number} ({way.goal} by {' and '.join(way.faults)})" for way in known)
+            yield f"It contains the weaknesses {', '.join(listed)}."
 
 
 def _weaknesses(summary: Summary) -> Iterator[str]:
@@ -267,11 +267,11 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         )
 
 
-_SAYS = (
+_COMMENT = (
     "Known minimal sets of faults that truly violate a goal of the mission or make it fail. For a "
     "goal that is not listed, none is known."
 )
-_OF_PFTA = (
+_PFTA_COMMENT = (
     "For pfta 0.4 or newer. The probability of an event is the likelihood of the fault in its "
     "pool, or nan if the pool gives none; then probabilities that depend on it are unknown. That "
     "of a gate is the sum over its sets (order 1), an upper bound; an exact one (all orders) takes "
@@ -279,9 +279,11 @@ _OF_PFTA = (
 )
 
 
-def cut_sets(found: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
+def cut_sets(weaknesses: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
     """Return the minimal sets of faults that truly violate a goal or make it fail, by size."""
-    real = {way.faults for way in found if way.goal == goal and way.shown.column.kind != "believed"}
+    real = {
+        way.faults for way in weaknesses if way.goal == goal and way.shown.column.kind != "believed"
+    }
     least = (faults for faults in real if not any({*other} < {*faults} for other in real))
     return sorted(least, key=lambda faults: (len(faults), faults))
 
@@ -296,7 +298,7 @@ class _Gate(NamedTuple):
 
 
 def _trees(
-    mission: Mission, pool: FaultPool, found: Sequence[Way]
+    mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]
 ) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
     """Return the gates of each goal, the top gate first, and names and labels of the faults."""
     taken: set[str] = set()
@@ -309,7 +311,7 @@ def _trees(
         taken.add(name.lower())
         return name
 
-    sets = {goal.id: cut_sets(found, goal.id) for goal in mission.goals}
+    sets = {goal.id: cut_sets(weaknesses, goal.id) for goal in mission.goals}
     tops = {goal: named(goal) for goal in sets if sets[goal]}
     used = {fault for some in sets.values() for faults in some for fault in faults}
     event = {fault.id: named(fault.id) for fault in pool if fault.id in used}
@@ -333,11 +335,11 @@ def _trees(
     ]
 
 
-def as_open_psa(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> bytes:
+def as_open_psa(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> bytes:
     """Return the fault trees in Open-PSA's exchange format, an XML that many tools read."""
-    trees, events = _trees(mission, pool, found)
+    trees, events = _trees(mission, pool, weaknesses)
     root = Element("opsa-mef")
-    root.append(Comment(f" {_SAYS} "))
+    root.append(Comment(f" {_COMMENT} "))
     for tree in trees:
         of_goal = SubElement(root, "define-fault-tree", name=tree[0].name)
         joint = {gate.name for gate in tree}
@@ -346,9 +348,9 @@ def as_open_psa(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> byte
             formula = SubElement(defined, gate.kind) if len(gate.inputs) > 1 else defined
             for name in gate.inputs:
                 SubElement(formula, "gate" if name in joint else "basic-event", name=name)
-    known = SubElement(root, "model-data")
+    data = SubElement(root, "model-data")
     for name, label, fault in events:
-        defined = _defined(known, "basic-event", name, label)
+        defined = _defined(data, "basic-event", name, label)
         if fault.likelihood is not None:
             SubElement(defined, "float", value=repr(fault.likelihood))
     indent(root)
@@ -362,11 +364,11 @@ def _defined(parent: Element, what: str, name: str, label: str) -> Element:
     return defined
 
 
-def as_pfta(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> bytes:
+def as_pfta(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> bytes:
     """Return the fault trees as text for ``pfta``."""
-    trees, events = _trees(mission, pool, found)
-    said = fill(f"{_SAYS} {_OF_PFTA}", 98, initial_indent="# ", subsequent_indent="# ")
-    parts = [said, "- times: nan\n- computational_order: 1"]
+    trees, events = _trees(mission, pool, weaknesses)
+    comment = fill(f"{_COMMENT} {_PFTA_COMMENT}", 98, initial_indent="# ", subsequent_indent="# ")
+    parts = [comment, "- times: nan\n- computational_order: 1"]
     for gate in (gate for tree in trees for gate in tree):
         kind = gate.kind.upper() if len(gate.inputs) > 1 else "NULL"
         inputs = ", ".join(gate.inputs)

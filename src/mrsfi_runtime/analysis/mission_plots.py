@@ -47,14 +47,14 @@ def mission_map(mission: Mission) -> Figure:
         labels = _labelled(near, mission, colours)
         x, y, half = working_window(mission)
         title = f"Mission {mission.name}: working area"
-        _look_at(near, (x, y, half), title, mission.distance_unit)
+        _set_window(near, (x, y, half), title, mission.distance_unit)
 
         far = figure.add_subplot(grid[0, 1])
         _draw_mission(far, mission, colours, is_small=True)
         centre, radius = mission.area.center, mission.area.radius
         corner, width = (x - half, y - half), 2 * half
         far.add_patch(Rectangle(corner, width, width, fill=False, ec=INK, lw=1.2))
-        _look_at(far, (centre.x, centre.y, radius * 1.08), "", "")
+        _set_window(far, (centre.x, centre.y, radius * 1.08), "", "")
         far.set(anchor="NW", xlabel="", ylabel="")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
@@ -78,7 +78,7 @@ def flight_map(story: Story) -> Figure:
         _draw_mission(axes, mission, colours)
         labels = _foremost(_labelled(axes, mission, colours), story)
         *centre, half = window = window_around(mission, story.true)
-        _look_at(axes, window, story.title, mission.distance_unit)
+        _set_window(axes, window, story.title, mission.distance_unit)
         is_outside = (abs(story.believed - centre) > half).any(axis=-1)
         for k, robot in enumerate(mission.robots):
             colour = colours[robot.id]
@@ -116,7 +116,7 @@ def flight_gif(story: Story) -> bytes:
         axes = figure.add_subplot()
         _draw_mission(axes, story.mission, _colours(story.mission))
         window, unit = window_around(story.mission, story.true), story.mission.distance_unit
-        _look_at(axes, window, fill(story.title, 70), unit)
+        _set_window(axes, window, fill(story.title, 70), unit)
     n_ticks, n_robots, _ = story.true.shape
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
@@ -126,7 +126,7 @@ def flight_gif(story: Story) -> bytes:
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
         true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
-        told = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
+        caption = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
         path = Path(folder) / "flight.gif"
         FigureCanvasAgg(figure)
         writer = PillowWriter(fps=12)
@@ -136,12 +136,12 @@ def flight_gif(story: Story) -> bytes:
                     line.set_data(*story.true[max(0, tick - trail) : tick + 1, k].T)
                 true.set_offsets(story.true[tick])
                 believed.set_offsets(story.believed[tick])
-                told.set_text(_said(story, tick))
+                caption.set_text(_caption(story, tick))
                 writer.grab_frame()
         return path.read_bytes()
 
 
-def _said(story: Story, tick: int) -> str:
+def _caption(story: Story, tick: int) -> str:
     now = [so for *so, first, last in windows(story) if first <= tick <= last]
     active = [name for kind, name, _ in now if kind == "fault"]
     broken = [name for kind, name, what in now if (kind, what) == ("goal", "truly violated")]
@@ -163,12 +163,12 @@ def flight_timeline(story: Story) -> Figure:
             drawn += [(fault.window, _ACTIVE)] if fault.window else []
             for (first, last), alpha in drawn:
                 axes.barh(row, last - first + 1, left=first, height=0.62, color=INK, alpha=alpha)
-        for row, said in enumerate(story.goals, len(faults)):
-            for windows, place, colour in ((said.believed, -0.2, BELIEVED), (said.true, 0.2, TRUE)):
+        for row, goal in enumerate(story.goals, len(faults)):
+            for windows, place, colour in ((goal.believed, -0.2, BELIEVED), (goal.true, 0.2, TRUE)):
                 bars = [(first, last - first + 1) for first, last in windows]
                 axes.broken_barh(bars, (row + place - 0.19, 0.38), color=colour, lw=0)
-            if said.missed is not None:
-                axes.plot([said.missed] * 2, [row - 0.42, row + 0.42], color=INK, lw=2.2)
+            if goal.missed is not None:
+                axes.plot([goal.missed] * 2, [row - 0.42, row + 0.42], color=INK, lw=2.2)
         axes.set(xlim=(0, story.mission.duration), title=story.title)
         time = story.mission.time_unit
         axes.set_xlabel(f"time ({time})" if time else "tick")
@@ -190,7 +190,7 @@ def _colours(mission: Mission) -> dict[str, str]:
     return {robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)}
 
 
-def _look_at(axes: Axes, window: tuple[float, float, float], title: str, unit: str) -> None:
+def _set_window(axes: Axes, window: tuple[float, float, float], title: str, unit: str) -> None:
     x, y, half = window
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", anchor="N")
     unit = unit or "distance units"
@@ -209,9 +209,9 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
             return
         upper, lower = sorted(first, key=lambda each: -(each[1].y0 + each[1].y1))
         by = (lower[1].y1 - upper[1].y0) / 2 * points + 0.5
-        for (label, _), way in ((upper, by), (lower, -by)):
+        for (label, _), shift in ((upper, by), (lower, -by)):
             x, y = label.get_position()
-            label.set_position((x, y + way))
+            label.set_position((x, y + shift))
     for one, other in combinations(labels, 2):
         near = [label.get_window_extent(renderer) for label in (one, other)]
         if one.get_visible() and near[0].overlaps(near[1]):

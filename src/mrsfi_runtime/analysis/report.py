@@ -1,7 +1,7 @@
 """Write the report of a campaign into its folder, and the page of a campaign or a flight.
 
-``write_report``, near the end, writes all files in their order. ``look_at`` simulates one weakness
-and draws it in time and in space. The first half collects the page's content as plain values:
+``write_report``, near the end, writes all files in their order. ``draw_weakness`` simulates and
+draws one weakness in time and in space. The first half collects the page's content as plain values:
 ``campaign_page`` for a campaign, ``flight_page`` for one flight.
 
 ``document`` makes one HTML file of these values. It loads nothing from the network. Texts of a
@@ -65,15 +65,15 @@ class PageEntry:
 
 
 def flight_page(
-    mission: Mission, told: PageEntry, recording: Recording, facts: Iterable[tuple[str, Any]]
+    mission: Mission, entry: PageEntry, recording: Recording, facts: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
     """Return the page's content for one flight; ``facts`` are named values of its record."""
-    flown = Flown(told.title, told.faults, recording, {})
+    flown = Flown(entry.title, entry.faults, recording, {})
     return {
-        "title": told.title,
+        "title": entry.title,
         "mission": story.mission_content(mission),
         "heading": "Faults and outcome",
-        "shown": [told_content(mission, told, flown, 1)],
+        "shown": [entry_content(mission, entry, flown, 1)],
         "record": list(facts),
     }
 
@@ -108,20 +108,20 @@ def campaign_page(
 def _first_screen(
     summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
 ) -> dict[str, Any] | None:
-    known, mission, pool = summary.harvest, summary.mission, summary.pool
-    if known is None:
+    harvest, mission, pool = summary.harvest, summary.mission, summary.pool
+    if harvest is None:
         return None
     headline, *facts = summary.highlights
-    told = least(summary.ways)
-    places = {way.number: place for place, way in enumerate(told)}
+    described = least(summary.ways)
+    places = {way.number: place for place, way in enumerate(described)}
     names = {each.goal: each.name for each in summary.verdicts}
-    shown = {way.number: way for way in (*summary.ways, *told)}
+    shown = {way.number: way for way in (*summary.ways, *described)}
     guilty = {fault for way in summary.ways for fault in way.faults}
     about = (
         f"Campaign {summary.folder.name} on mission {summary.name}",
         counted(len(mission.robots), "robots"),
         f"{len(guilty)} of {counted(len(pool), 'faults')} in a weakness",
-        counted(summary.n_evaluations + known.n_flights, "flights"),
+        counted(summary.n_evaluations + harvest.n_flights, "flights"),
     )
     return {
         "headline": headline,
@@ -148,17 +148,17 @@ def _first_screen(
     }
 
 
-def _goal(each: GoalVerdict) -> dict[str, Any]:
-    way = each.way
+def _goal(verdict: GoalVerdict) -> dict[str, Any]:
+    way = verdict.way
     return {
-        "id": each.goal,
-        "name": each.name,
-        "state": each.words,
-        "mark": "×!!?✓"[each.state],
-        "grave": each.state <= State.VIOLATED,
-        "cause": each.cause,
-        "detection": each.detection,
-        "evidence": " · ".join(each.evidence),
+        "id": verdict.goal,
+        "name": verdict.name,
+        "state": verdict.words,
+        "mark": "×!!?✓"[verdict.state],
+        "grave": verdict.state <= State.VIOLATED,
+        "cause": verdict.cause,
+        "detection": verdict.detection,
+        "evidence": " · ".join(verdict.evidence),
         "number": None if way is None else way.number,
     }
 
@@ -168,9 +168,7 @@ def _matrix(summary: Summary) -> dict[str, Any]:
     guilty = {fault for way in summary.ways for fault in way.faults}
     owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
-    fewest = sorted(
-        summary.ways, key=lambda way: -len(way.faults)
-    )  # the smallest last, which replaces others
+    fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # the smallest last
     cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
     owners = groupby(owned, key=lambda each: each[0])
     return {
@@ -196,39 +194,39 @@ def flown_of(
     mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> tuple[Flown, tuple[str, ...]]:
     """Simulate a weakness, then without each of its faults; describe the effect of each fault."""
-    witness, others, said = way.shown.witness, {}, []
+    witness, others, effects = way.shown.witness, {}, []
     faults, flight = named_faults(mission, pool, witness), record(witness)
     for place, fault in enumerate(faults):
         twin = record(without(witness, place))
         linked = chain(mission, flight, twin)
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
-        said.append(sentence(mission, fault, replace(linked, verdicts=verdicts)))
+        effects.append(sentence(mission, fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
     title, since = mission.label_of(way.goal), way.shown.since or 0
-    return Flown(title, faults, flight, others, way.goal, since), tuple(said)
+    return Flown(title, faults, flight, others, way.goal, since), tuple(effects)
 
 
-def told_content(
-    mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
+def entry_content(
+    mission: Mission, entry: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
     """Return the page's content for a specification, with its flight or why that is missing."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = story.flight_content(mission, flown, story.stride(mission, n_flights)), ""
-    faults = tables.fault_table("", told.faults, told.outcome)
-    nearest = tables.nearest_in_words(mission, told.outcome)
-    sentences = told.sentences or [""] * len(told.faults)
+    faults = tables.fault_table("", entry.faults, entry.outcome)
+    nearest = tables.nearest_in_words(mission, entry.outcome)
+    sentences = entry.sentences or [""] * len(entry.faults)
     columns = (*faults.columns, "effect")
     rows = [(*row, did) for row, did in zip(faults.rows, sentences, strict=True)]
     return {
-        "title": told.title,
-        "sentence": told.sentence,
+        "title": entry.title,
+        "sentence": entry.sentence,
         "faults": tables.to_page(replace(faults, columns=columns, rows=rows)),
         "counts": tables.to_page(
-            tables.goal_table(f"{tables.COUNTS} {nearest}".rstrip(), mission, told.outcome)
+            tables.goal_table(f"{tables.COUNTS} {nearest}".rstrip(), mission, entry.outcome)
         ),
-        "command": shlex.join(told.command),
-        "xmi": told.xmi,
+        "command": shlex.join(entry.command),
+        "xmi": entry.xmi,
         "flight": flight,
         "no_flight": reason,
     }
@@ -259,8 +257,8 @@ def _scatter(title: str, x: str, y: str, points: Sequence[Sequence[float]]) -> d
 def _chart(
     title: str, x: str, y: str, xs: Sequence[float], lines: Mapping[str, Sequence[float]]
 ) -> dict[str, Any]:
-    told = [{"label": label, "values": values} for label, values in lines.items()]
-    return {"title": title, "x": x, "y": y, "xs": xs, "lines": told}
+    series = [{"label": label, "values": values} for label, values in lines.items()]
+    return {"title": title, "x": x, "y": y, "xs": xs, "lines": series}
 
 
 def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]:
@@ -386,7 +384,7 @@ def write_report(  # noqa: PLR0913 - most have a default
         try:
             with _writing(folder, "flights"):
                 flown = [*_fly(layout, summary, record)]
-            summary = replace(summary, sentences={number: said for number, said, _ in flown})
+            summary = replace(summary, sentences={number: words for number, words, _ in flown})
             with _writing(folder, "report"):
                 listed = store.flown(tables.every(summary.n_evaluations, tables.MOST_LISTED))
                 table = tables.evaluations_table("Evaluations", listed, summary.measure)
@@ -401,8 +399,8 @@ def write_report(  # noqa: PLR0913 - most have a default
                     layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
             show(summary)
             with _writing(folder, "page"):
-                told = [content for *_, content in flown]
-                page = campaign_page(summary, store, told, partial(_next, layout, summary))
+                entries = [content for *_, content in flown]
+                page = campaign_page(summary, store, entries, partial(_next, layout, summary))
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with _writing(folder, "figures"):
@@ -413,17 +411,17 @@ def write_report(  # noqa: PLR0913 - most have a default
     return summary
 
 
-def look_at(
+def draw_weakness(
     layout: CampaignFolder, mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> Shown:
     """Simulate a weakness; draw its figures if missing or older than the campaign's record."""
     flown, sentences = flown_of(mission, pool, way, record)
-    told = story.story_of(flown.title, mission, flown.faults, flown.recording)
+    scene = story.story_of(flown.title, mission, flown.faults, flown.recording)
     illustrations = [
         Illustration(
             f"weakness_{way.number:02d}_{what}",
-            Drawing(f"flight_{what}", (told,), "mission_plots"),
-            table(told),
+            Drawing(f"flight_{what}", (scene,), "mission_plots"),
+            table(scene),
         )
         for what, table in (("timeline", story.timeline_table), ("map", story.places_table))
     ]
@@ -435,8 +433,8 @@ def look_at(
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
             _write_figures(layout, illustrations, draw_here)()
-    said = (weaknesses.broken_by(way, mission.units), *sentences)
-    return Shown(way, flown.title, said, files[: len(illustrations)])
+    described = (weaknesses.broken_by(way, mission.units), *sentences)
+    return Shown(way, flown.title, described, files[: len(illustrations)])
 
 
 def _fly(
@@ -453,7 +451,7 @@ def _fly(
             raise
         except MrsfiError as error:
             flown, sentences = str(error), ()
-        told = PageEntry(
+        entry = PageEntry(
             title=mission.label_of(way.goal),
             sentence=weaknesses.broken_by(way, mission.units),
             faults=named_faults(mission, pool, way.shown.witness),
@@ -462,7 +460,7 @@ def _fly(
             command=_command(layout, summary, way),
             xmi=_witness(layout, way).read_text(encoding="utf-8"),
         )
-        content = told_content(mission, told, flown, n_flights)
+        content = entry_content(mission, entry, flown, n_flights)
         yield way.number, sentences, content
 
 

@@ -253,12 +253,12 @@ class ComparisonFolder(CampaignFolder):
 
 def _runs(comparison: Comparison) -> Table:
     """Return one row for each run with all measures; a cell is empty for infinity."""
-    told, criteria = ("algorithm", "seed", "n_evaluations", "n_failures"), comparison.criteria
+    fixed, criteria = ("algorithm", "seed", "n_evaluations", "n_failures"), comparison.criteria
     rows = (
-        (*attrgetter(*told)(run), *(finite(each.value(run)) for each in criteria), run.digest)
+        (*attrgetter(*fixed)(run), *(finite(each.value(run)) for each in criteria), run.digest)
         for run in comparison.runs
     )
-    columns = (*told, *(criterion.name for criterion in criteria), "digest")
+    columns = (*fixed, *(criterion.name for criterion in criteria), "digest")
     return Table("Runs", columns, rows)
 
 
@@ -292,6 +292,6 @@ def setting_table(comparison: Comparison) -> Table:
         found = tests[name]
         return (*cells, found.ranks.a12, found.holm_p_value, found.ranks.magnitude, found.verdict)
 
-    told = ("n_runs", "median", "a12", "holm_p_value", "magnitude", "verdict")
+    results = ("n_runs", "median", "a12", "holm_p_value", "magnitude", "verdict")
     rows = [row(name, values) for name, values in comparison.sweep.settings().items()]
-    return Table("Settings", (*comparison.sweep.values, *told), rows, ("magnitude", "verdict"))
+    return Table("Settings", (*comparison.sweep.values, *results), rows, ("magnitude", "verdict"))
