@@ -260,7 +260,7 @@ def test_a_campaign_that_minimises_reports_harm_against_it(tmp_path):
         ["3", "1", "1", "4", "0"],
     ]
     report = (tmp_path / "run" / "report.md").read_text()
-    assert "## Most harm with how few faults (true violations, g2)\n" in report
+    assert "## Most violations for each limit on faults (true violations, g2)\n" in report
     assert "(figures/figure_harm.png)" in report
     assert "| 3 | 1 | 1 | 4 | 0 |" in report
     assert "## Pareto front: 2 trade-offs between g2, faults (true violations)\n" in report

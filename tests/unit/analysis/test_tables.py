@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.analysis.fronts import Columns, _met
+from mrsfi_runtime.analysis.fronts import Columns, _merged
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.analysis.tables import (
     MOST_LISTED,
@@ -214,7 +214,7 @@ def test_at_most_a_hundred_thousand_are_listed(n_evaluations, step):
 def test_keys_are_new_where_none_before_is_the_same(known, keys, places):
     known, keys = (np.array(each, np.uint64) for each in (known, keys))
 
-    met, new = _met(known, keys)
+    met, new = _merged(known, keys)
 
     assert new == places
     assert met.tolist() == sorted({*known.tolist(), *keys.tolist()})
