@@ -1,11 +1,11 @@
 """Evaluation on a dask cluster, in chunks of fault specifications.
 
 A worker may be on another machine. A ``Shipment`` carries the mission's code to it, once;
-``MissionPlugin`` unpacks that in an empty folder, builds an engine for each of the settings, and
-keeps both. A worker whose environment would give other bits refuses. A ``Cluster`` is the
+``MissionPlugin`` unpacks it in an empty folder, builds an engine for each of the settings, and
+keeps both. A worker whose environment could give other results refuses. A ``Cluster`` is the
 connection: tasks go out, results or clear errors come back. ``ClusterPool`` is the evaluator.
 
-The size of chunks decides no result. A chunk whose worker was lost is evaluated on another one.
+Results do not depend on the size of chunks. A chunk of a lost worker goes to another worker.
 """
 
 import logging
@@ -45,10 +45,10 @@ from mrsfi_runtime.record.engine_settings import LOCAL, EngineSettings
 
 @dataclass(frozen=True, slots=True)
 class Shipment:
-    """The generated code of a mission, and what a worker needs to fly it with the same bits.
+    """The generated code of a mission, and all that a worker needs to get identical results.
 
-    Its name follows from the content. ``given`` and ``absolute`` are the folder it comes from, as
-    the user names it and from the root; ``environment`` is what the worker has to have.
+    Its name is a hash of the content. ``given`` and ``absolute`` are the paths of its folder, as
+    the user names it and from the root; ``environment`` is required of the worker.
     """
 
     name: str
@@ -83,13 +83,13 @@ class Shipment:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
 
-    def told_as_at_home(self, text: str, folder: Path) -> str:
-        """Return a message or traceback with the places of the code where it comes from."""
+    def with_original_paths(self, text: str, folder: Path) -> str:
+        """Return a message or traceback with the paths of the folder that the code comes from."""
         framed = text.replace(f'File "{folder}', f'File "{self.absolute}')
         return framed.replace(str(folder), self.given)
 
     def differences(self) -> str:
-        """Return what of this process is not as it has to be, for a message; empty if nothing."""
+        """Return how this process differs from the required environment; empty if it does not."""
         found = environment()
         return ", ".join(
             f"{name} {found[name]} where this command has {expected}"
@@ -100,7 +100,7 @@ class Shipment:
 
 @cache
 def environment() -> dict[str, str]:
-    """Return what decides the bits of a result, and whether two processes understand each other."""
+    """Return the versions on which results and the communication of processes depend."""
     return {
         "mrsfi": f"{_version('mrsfi')} (source {_source_hash()})",
         "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
@@ -129,15 +129,15 @@ def _version(name: str) -> str:
 
 
 EvaluatedChunk: TypeAlias = tuple[list[Evaluated], float]
-"""What came of a chunk, in its order, and how many seconds the evaluations took."""
+"""The results of a chunk, in its order, and the seconds that the evaluations took."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Specifications for any worker, on which unpickling this evaluates them in one go.
+    """Specifications for any worker, which evaluates them by unpickling the chunk.
 
-    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on. It
-    names the ``MissionPlugin`` that has the mission.
+    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on.
+    ``plugin`` names the ``MissionPlugin`` that has the mission.
     """
 
     plugin: str
@@ -154,10 +154,10 @@ def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
 
 
 class MissionPlugin(WorkerPlugin):
-    """Keeps the code of a mission on a worker, and its engines, one for each of their settings.
+    """Keeps the code of a mission on a worker, and one engine for each of the settings.
 
-    A worker evaluates one chunk at a time. Compiled code shares it among the worker's threads;
-    plain Python would gain nothing from them, and a region need not know of threads.
+    A worker evaluates one chunk at a time. Compiled code spreads it over the worker's threads.
+    Plain Python would gain nothing from threads, and regions need not be thread-safe.
     """
 
     def __init__(self, name: str, shipment: Shipment) -> None:
@@ -165,7 +165,7 @@ class MissionPlugin(WorkerPlugin):
         self._shipment = shipment
 
     def setup(self, worker: Any) -> None:
-        """Unpack the code into the folder of a worker that finds the same results."""
+        """Unpack the code into the folder of a worker; refuse a differing environment."""
         self._address = str(worker.address)
         self._folder = Path(worker.local_directory) / self.name
         self._n_threads = int(worker.state.nthreads)
@@ -180,7 +180,7 @@ class MissionPlugin(WorkerPlugin):
             ) from error
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
-        """Give up engines and folder."""
+        """Close the engines, and remove the folder."""
         for engine in self._engines.values():
             engine.close()
         shutil.rmtree(self._folder, ignore_errors=True)
@@ -188,9 +188,9 @@ class MissionPlugin(WorkerPlugin):
     def evaluate(
         self, seed: int, settings: EngineSettings, specifications: tuple[Specification, ...]
     ) -> EvaluatedChunk:
-        """Evaluate a chunk; errors and failures tell of the places of the code at home."""
+        """Evaluate a chunk; errors and failures have the original paths of the code."""
         self._require_same_environment()  # it may have joined late
-        told = partial(self._shipment.told_as_at_home, folder=self._folder)
+        original = partial(self._shipment.with_original_paths, folder=self._folder)
         with self._lock:
             try:
                 engine = self._engine(seed, settings)
@@ -198,10 +198,10 @@ class MissionPlugin(WorkerPlugin):
                 results = [*engine.evaluate_many(specifications, seed)]
                 seconds = perf_counter() - start
             except MrsfiError as error:
-                raise type(error)(told(str(error))) from error
+                raise type(error)(original(str(error))) from error
         for place, each in enumerate(results):
             if isinstance(each, FailedFlight):
-                results[place] = FailedFlight(told(each.traceback))
+                results[place] = FailedFlight(original(each.traceback))
         return results, seconds
 
     def _require_same_environment(self) -> None:
@@ -245,7 +245,7 @@ class Cluster(AbstractContextManager["Cluster"]):
         self._plugins: dict[str, str] = {}
         with ExitStack() as stack:
             for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
-                log = logging.getLogger(name)  # what matters becomes an error
+                log = logging.getLogger(name)  # relevant messages become errors
                 stack.callback(log.setLevel, log.level)
                 log.setLevel(_SILENT)
             target = _local(n_workers, stack) if address == LOCAL else address
@@ -260,18 +260,18 @@ class Cluster(AbstractContextManager["Cluster"]):
         self._stack.close()
 
     def n_workers(self) -> int:
-        """Return how many workers there are now, but not 0: who waits will see about that."""
+        """Return the current number of workers, at least 1; ``wait`` reports if there are none."""
         return max(self._count_workers(), 1)
 
     def ship(self, shipment: Shipment) -> str:
-        """Give every worker, also those to come, a mission's code once; name it for chunks."""
+        """Send a mission's code once to each present and later worker; return the plugin's name."""
         if shipment.name not in self._plugins:
-            name = f"{shipment.name}-{self._client.id}"  # another command's end must not take it
+            name = f"{shipment.name}-{self._client.id}"  # another command's end must not remove it
             try:
                 self._client.register_plugin(MissionPlugin(name, shipment), name)
             except MrsfiError:
                 raise
-            except Exception as error:  # dask tells in a bare one what a worker cannot load
+            except Exception as error:  # dask's type if a worker cannot load it
                 raise TransportError(
                     f"a worker of {self.address} cannot take the mission's code: {error}; "
                     f"{_INSTALL}"
@@ -282,17 +282,17 @@ class Cluster(AbstractContextManager["Cluster"]):
     def begin(self, chunk: Chunk) -> Any:
         """Have a chunk evaluated on any worker; return dask's future for it."""
         key = f"evaluate-{uuid4()}"
-        with self._told():
+        with self._translated():
             return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
 
     def result(self, future: Any) -> EvaluatedChunk:
-        """Return what came of a chunk, or raise why nothing did."""
-        with self._told():
-            found: EvaluatedChunk = future.result()
-        return found
+        """Return the results of a chunk, or raise the reason why there are none."""
+        with self._translated():
+            evaluated: EvaluatedChunk = future.result()
+        return evaluated
 
     def wait(self, futures: Iterable[Any]) -> None:
-        """Wait until another chunk is done, or for a moment; without workers not for long."""
+        """Wait for another chunk, at most a second; raise if workers are missing for too long."""
         open_ones = [future for future in futures if not future.done()]
         with suppress(TimeoutError, CancelledError), self._client.as_current():
             if open_ones:
@@ -306,13 +306,13 @@ class Cluster(AbstractContextManager["Cluster"]):
             )
 
     def give_up(self, futures: Sequence[Any]) -> None:
-        """Drop chunks that nobody waits for any more."""
+        """Cancel chunks that are no longer needed."""
         if futures and self._client.status == "running":
             with suppress(OSError, CancelledError):
                 self._client.cancel(futures)
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _translated(self) -> Iterator[None]:
         try:
             yield
         except KilledWorker as error:
@@ -359,7 +359,7 @@ class Cluster(AbstractContextManager["Cluster"]):
         return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
 
     def _count_workers(self) -> int:
-        with self._told():
+        with self._translated():
             return len(self._client.nthreads())
 
     def _take_back(self) -> None:
@@ -370,7 +370,7 @@ class Cluster(AbstractContextManager["Cluster"]):
 
 
 def _require_certificates(address: str) -> None:
-    """Refuse an address with TLS while dask's configuration has nothing to connect with."""
+    """Refuse an address with TLS while dask's configuration has no certificates."""
     if not address.startswith("tls:"):
         return
     try:
@@ -398,14 +398,14 @@ def _local(n_workers: int, stack: ExitStack) -> Any:
 
 
 CHUNK_SECONDS = 0.35
-"""What a chunk should take: long beside dask's 2 ms for a task, short if its worker is lost."""
+"""Duration of a chunk: long beside dask's 2 ms for a task, short enough to repeat elsewhere."""
 
 
 class ClusterPool(Evaluator):
     """The workers of a cluster, with an engine each; every one gets the generated code once.
 
-    An engine that cannot be opened is told before any worker begins. Workers keep their engines for
-    the next pool of the cluster.
+    An engine that cannot be opened is reported before any worker begins. Workers keep their engines
+    for the next pool of the cluster.
     """
 
     def __init__(
@@ -432,8 +432,8 @@ class ClusterPool(Evaluator):
                 n_wanted = 2 * n_workers - sum(not future.done() for future in waiting)
                 while first < len(specifications) and n_wanted > 0:
                     size = self._pace.chunk_size(len(specifications), n_workers)
-                    some = tuple(specifications[first : first + size])
-                    chunk = Chunk(self._plugin, seed, self._settings, some)
+                    chunked = tuple(specifications[first : first + size])
+                    chunk = Chunk(self._plugin, seed, self._settings, chunked)
                     waiting.append(self._cluster.begin(chunk))
                     first += size
                     n_wanted -= 1
@@ -448,18 +448,18 @@ class ClusterPool(Evaluator):
 
 
 class Pace:
-    """Follows how long one evaluation takes on a worker; only the speed depends on it."""
+    """Estimates how long an evaluation takes on a worker; it only affects the speed."""
 
     def __init__(self) -> None:
         self._seconds: float | None = None
 
     def learn(self, n_evaluations: int, seconds: float) -> None:
-        """Take a chunk into account; the later it came, the more it counts."""
-        found = seconds / n_evaluations
-        self._seconds = found if self._seconds is None else (self._seconds + found) / 2
+        """Take a chunk into account; later chunks have more weight."""
+        latest = seconds / n_evaluations
+        self._seconds = latest if self._seconds is None else (self._seconds + latest) / 2
 
     def chunk_size(self, n_specifications: int, n_workers: int) -> int:
-        """Return how many of some specifications to evaluate in one go, all workers alike."""
+        """Return the size of the next chunks, equal for all workers."""
         seconds = 0.05 if self._seconds is None else self._seconds
         most = max(1, int(CHUNK_SECONDS / max(seconds, 1e-6))) * n_workers
         n_rounds = max(1, -(-n_specifications // most))

@@ -1,11 +1,11 @@
-"""What an engine is, and the reference engine.
+"""The interface of engines, and the reference engine.
 
-An ``Evaluator`` evaluates fault specifications. An ``Engine`` also flies single missions, and
-checks what it is given before it does: overlaps, unknown faults, effects without a region. Every
-engine gives the same outcome and the same digest for the same specification and mission seed.
+An ``Evaluator`` evaluates fault specifications. An ``Engine`` also flies single missions. First it
+checks the specification for overlaps, unknown faults and effects without a region. Every engine
+gives the same outcome and the same digest for the same specification and mission seed.
 
-A ``PlainEngine`` flies on plain Python objects; its subclasses bring the messages of every tick
-over some bus. ``ReferenceEngine`` takes the in-process bus and the generated interface.
+A ``PlainEngine`` flies on plain Python objects; its subclasses carry the messages of every tick
+over a bus. ``ReferenceEngine`` uses the in-process bus and the generated interface.
 
 References
 ----------
@@ -40,7 +40,7 @@ class Evaluator(ABC):
     """Evaluates fault specifications of one mission; as a context manager it closes itself."""
 
     engine: "Engine | None" = None
-    """The engine in this process that it evaluates on; ``None`` if others evaluate."""
+    """The engine in this process that evaluates; ``None`` if other processes evaluate."""
     n_workers = 1
 
     def __enter__(self) -> Self:
@@ -55,12 +55,12 @@ class Evaluator(ABC):
     ) -> Iterator[Evaluated]:
         """Evaluate with one mission seed, and yield the results in order, as they come."""
 
-    def close(self) -> None:  # noqa: B027 - as a rule there is nothing
-        """Give up what it holds, if anything; a second time does no harm."""
+    def close(self) -> None:  # noqa: B027 - most have nothing to release
+        """Release its resources, if any; it may be called again."""
 
 
 class Request(NamedTuple):
-    """What an engine is to fly: a specification without overlaps, and who observes the flight."""
+    """A flight for an engine: a specification without overlaps, and an observer."""
 
     specification: Specification
     seed: int
@@ -70,7 +70,7 @@ class Request(NamedTuple):
 
 
 class Engine(Evaluator):
-    """Flies the mission itself, with its own mission seed where none is named."""
+    """Flies the mission; ``seed`` is the mission seed of flights that name none."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
         self.code = code
@@ -86,11 +86,11 @@ class Engine(Evaluator):
         observer: Observer | None = None,
         tallies: list[FaultTally] | None = None,
     ) -> Outcome:
-        """Fly the mission under a fault specification, of its own pool or another.
+        """Fly the mission under a fault specification, of the mission's pool or another.
 
-        The observer is called at every tick, in any thread. Before the first one the tallies
-        receive a record for each timed fault. It is filled as the fault acts: at a tick its
-        ``first_changed`` is already up to date; counts are complete when the flight has ended.
+        The observer is called at every tick, in any thread. Before the first tick, ``tallies``
+        receives a tally for each timed fault, which counts while the fault acts: at each tick its
+        ``first_changed`` is up to date; counts are complete when the flight has ended.
         """
         pool = self.code.pool if pool is None else pool
         require_effects(self.code.pool, pool)
@@ -100,12 +100,12 @@ class Engine(Evaluator):
         return self._evaluate(Request(specification, seed, pool, observer, tallies))
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
-        """Fly the mission under a specification of its own pool, and return every tick."""
+        """Fly the mission under a specification of its pool, and return every tick."""
         specification = Gate(self.code.mission, self.code.pool).admitted(specification)
         return self._record(specification, self.seed if seed is None else seed)
 
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
-        """Evaluate a specification; the failure of a region is a result too."""
+        """Evaluate a specification; an error in a region is a result too."""
         try:
             return self.evaluate(specification, seed)
         except WorkerLost:
@@ -137,13 +137,13 @@ class PlainEngine(Engine):
     """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
     interface: SimInterface
-    """Brings the messages of the simulation, and takes commands for it."""
+    """Receives the messages of the simulation, and sends it commands."""
     patience = 0.0
-    """Seconds for which it may wait for the simulation in a tick."""
+    """The most seconds to wait for the simulation in a tick."""
 
     @abstractmethod
     def _fly(self, flight: Flight, seed: int) -> None:
-        """Begin a flight, and fly it to its last tick."""
+        """Fly from the first tick to the last."""
 
     def _evaluate(self, request: Request) -> Outcome:
         code, (specification, seed, pool, observer, tallies) = self.code, request
@@ -158,10 +158,10 @@ class PlainEngine(Engine):
         def tick() -> int:
             return flight.world.mission.tick
 
-        def told(error: BaseException) -> EvaluationError:
+        def located(error: BaseException) -> EvaluationError:
             return failed(error, code.directory, f"the mission stopped at tick {tick()}")
 
-        with fenced(told, tick, self.patience):
+        with fenced(located, tick, self.patience):
             self._fly(flight, seed)
             counts = (
                 *(getattr(flight.verdicts, name) for name in COUNTED),
@@ -169,18 +169,18 @@ class PlainEngine(Engine):
                 [tally.applied for tally in laid_out.tallies],
                 [tally.changed for tally in laid_out.tallies],
             )
-            found = flight.verdicts
-            margins = zip(found.margin, found.nearest, self.measured, strict=True)
-            detection = zip(found.broken, found.undetected, strict=True)
+            verdicts = flight.verdicts
+            margins = zip(verdicts.margin, verdicts.nearest, self.measured, strict=True)
+            detection = zip(verdicts.broken, verdicts.undetected, strict=True)
             states = state_bytes(flight.world), state_bytes(flight.belief)
             return digested(counts, margins, detection, *states)
 
 
-def require_effects(known: FaultPool, pool: FaultPool) -> None:
-    """Refuse faults whose effects are regions that were not generated for the known pool."""
-    if pool is known:
+def require_effects(generated: FaultPool, pool: FaultPool) -> None:
+    """Refuse faults whose effects are regions that the code generated for a pool lacks."""
+    if pool is generated:
         return
-    regions = {fault.type for fault in known}
+    regions = {fault.type for fault in generated}
     for fault in pool:
         if fault.kind.mode is Mode.OWN and fault.type not in regions:
             raise SpecificationError(
@@ -197,17 +197,17 @@ def digested(
     world: bytes | memoryview,
     belief: bytes | memoryview,
 ) -> Outcome:
-    """Return an outcome, and its digest over counts and last states, but not what is beside it.
+    """Return an outcome; its digest covers counts and last states, not margins and detection.
 
-    A margin comes with whether its goal has one.
+    Each margin comes with whether its goal has one.
     """
     believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
     listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())
     sha.update(world)
     sha.update(belief)
-    found = [(left, at) if has_one and left != NO_MARGIN else None for left, at, has_one in margins]
-    return Outcome(*listed, sha.hexdigest(), tuple(found), tuple(detection))
+    closest = ((m, at) if has_one and m != NO_MARGIN else None for m, at, has_one in margins)
+    return Outcome(*listed, sha.hexdigest(), tuple(closest), tuple(detection))
 
 
 class ReferenceEngine(PlainEngine):

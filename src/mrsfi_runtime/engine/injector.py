@@ -1,13 +1,13 @@
-"""The engine that injects faults into an external node, which is the collective intelligence.
+"""The engine for an external node as the collective intelligence, with faults in its messages.
 
-The node receives on topics of its own what it would believe, and the engine flies its commands.
-Either the world is ours, in this process, and the node joins a server that is embedded here; or the
-world is external, and world, injector and node are on one server.
+The node receives the faulty reports on topics of its own, and the engine flies its commands. Either
+the built-in simulation runs in this process, and the node joins an embedded server; or the
+simulation is external, and simulation, injector and node are on one server.
 
-A keeper process stands between engine and node: run as ``python -m mrsfi_runtime.engine.injector``,
-``Keeper`` reads from a connection which node to start or end, and answers how nodes ended. When
-the other end of the connection is gone, for whatever reason, the keeper ends the node with all that
-it started. ``NodeProcess`` is the engine's side of it. Begin with ``InjectorEngine``, at the end.
+A keeper process starts and ends the node: run as ``python -m mrsfi_runtime.engine.injector``,
+``Keeper`` reads from a connection which node to start or end, and reports how nodes ended. When the
+connection closes, for any reason, the keeper ends the node and all processes that it started.
+``NodeProcess`` is the engine's side of it. Begin with ``InjectorEngine``, at the end.
 """
 
 import os
@@ -70,7 +70,7 @@ class _Child:
             self._lines.append(line[:500])
 
     def end(self) -> None:
-        """End the node and all that it started."""
+        """End the node and all processes that it started."""
         for number in (signal.SIGTERM, signal.SIGKILL):
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self.process.pid, number)
@@ -83,24 +83,24 @@ class _Child:
         code = self.process.returncode
         how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         lines = [line.decode(errors="replace").strip() for line in self._lines]
-        said = " / ".join(line for line in lines if line)
-        return f"{how}{': ' if said else ''}{said}"
+        output = " / ".join(line for line in lines if line)
+        return f"{how}{': ' if output else ''}{output}"
 
 
 class Keeper:
-    """Keeps one node at a time, as a connection says."""
+    """Starts and ends nodes, one at a time, as a connection requests."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._child: _Child | None = None
 
     def serve(self) -> None:
-        """Start what words name that come, or end what runs if none do; until nobody speaks."""
+        """Start each command received, or only end the node if it is empty; until disconnected."""
         with suppress(EOFError, OSError):
             while True:
                 child = self._child
                 if child is not None and child.process.poll() is not None:
-                    self._end()  # what it started, too
+                    self._end()  # the processes that it started, too
                     self._connection.send(("ended", child.last_words()))
                 if wait([self._connection], None if self._child is None else 0.05):
                     self._change(self._connection.recv())
@@ -124,8 +124,8 @@ class Keeper:
 class NodeProcess:
     """A node that dies with this process; ``pid`` is that of the last one that was started.
 
-    ``command`` is a line in which ``{url}``, ``{host}``, ``{port}`` and ``{seed}`` are filled in:
-    where it finds the server, and the mission seed. One that makes no sense is a ``UsageError``.
+    In ``command``, ``{url}``, ``{host}``, ``{port}`` and ``{seed}`` are replaced by the place of
+    the server and the mission seed. An invalid command is a ``UsageError``.
     """
 
     def __init__(self, command: str, url: str) -> None:
@@ -156,19 +156,19 @@ class NodeProcess:
             for name, value in filled.items():
                 word = word.replace(name, value)  # noqa: PLW2901 - one after the other
             words.append(word)
-        self._say(words)
+        self._request(words)
 
     def stop(self) -> None:
         """End the node if it runs."""
-        self._say([])
+        self._request([])
 
     def ended(self) -> str:
         """Return how the node ended and what it wrote last, or nothing while it runs."""
         with suppress(EOFError, OSError):
             if self._connection.poll():
-                _, said = self._connection.recv()
+                _, ending = self._connection.recv()
                 self.pid = 0
-                return str(said)
+                return str(ending)
         return ""
 
     def close(self) -> None:
@@ -180,25 +180,25 @@ class NodeProcess:
             self._keeper.kill()
             self._keeper.wait()
 
-    def _say(self, words: list[str]) -> None:
-        """Have the keeper start what words name, or end what it keeps if there are none."""
+    def _request(self, words: list[str]) -> None:
+        """Have the keeper start a command, or only end the node if the command is empty."""
         try:
             self._connection.send(words)
-            kind, said = "ended", ""
-            while kind == "ended":  # of the one before
-                kind, said = self._connection.recv()
+            kind, answer = "ended", ""
+            while kind == "ended":  # about the previous node
+                kind, answer = self._connection.recv()
         except (EOFError, OSError) as error:
             raise TransportClosed("the process that supervises the node has ended") from error
         if kind == "failed":
-            raise TransportError(f"the node did not start: {said}; check --node")
-        self.pid = int(said or 0)
+            raise TransportError(f"the node did not start: {answer}; check --node")
+        self.pid = int(answer or 0)
 
 
 class InjectorEngine(PlainEngine):
-    """Flies missions with a node between what is heard and what is commanded.
+    """Flies missions with an external node as the collective intelligence.
 
-    What a node does wrong that is started here is an ``EvaluationError`` if it does so twice: it
-    belongs to the specification. All else that goes wrong on the way is a ``TransportError``.
+    If a node that is started here fails twice under a specification, that is an
+    ``EvaluationError`` of the specification. Every other problem is a ``TransportError``.
     """
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
@@ -244,7 +244,7 @@ class InjectorEngine(PlainEngine):
         self._opened.close()
 
     def _join(self, types: TypeTable, opened: ExitStack) -> PrefixedTransport:
-        """Return the transport of the node, after that of the world was made."""
+        """Create the transport of the simulation; return the transport of the node."""
         settings, code = self._settings, self.code
         self._embedded: EmbeddedTransport | None = None
         if settings.url is not None:
@@ -256,9 +256,9 @@ class InjectorEngine(PlainEngine):
             if settings.is_bundled:
                 self._world = BundlingTransport.of_ci(world)
             return PrefixedTransport(joined, settings.node_prefix)
-        # other users of this machine are no part of the mission
+        # the token keeps out other users of this machine
         token = secrets.token_urlsafe() if "{url}" in (settings.node or "") else None
-        limits = Limits(service_s=2 * settings.patience.handshake)  # who waits is the first to tell
+        limits = Limits(service_s=2 * settings.patience.handshake)  # the engine reports first
         server = ServerSettings(token=token, types=types, limits=limits)
         bridge = opened.enter_context(EmbeddedBridge(server))
         self._url = bridge.url if token is None else f"{bridge.url}/?token={token}"
@@ -287,7 +287,7 @@ class InjectorEngine(PlainEngine):
         return flights[len(flights) // 2]
 
     def _flown_well(self, request: Request) -> Outcome:
-        """Fly; what the node does wrong twice belongs to the specification."""
+        """Fly; if the node fails twice, that is an error of the specification."""
         for is_last in (request.observer is not None, True):
             try:
                 return super()._evaluate(request)

@@ -1,6 +1,6 @@
 """Opens the engine that settings name, and finds out which one ``auto`` stands for.
 
-The imports of engines stand in the function that opens them: each brings what the others need not.
+The function that opens an engine imports it, because each needs packages that others do not.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ Tell: TypeAlias = Callable[[str], None]
 def open_engine(
     settings: EngineSettings, code: "MissionCode", seed: int, n_threads: int = 1
 ) -> "Engine":
-    """Return the engine, ready to evaluate, or raise why it cannot be; the caller closes it."""
+    """Return the engine, ready to evaluate, or raise why it cannot open; the caller closes it."""
     settings.require_sense()
     settings = named(settings, code, seed, lambda _: None)
     if settings.name == REFERENCE:
@@ -41,8 +41,8 @@ def open_engine(
             return CompiledEngine(code, seed, n_threads)
         except (ImportError, MemoryError, OSError) as error:
             lacking = str(error) or "no more memory"
-            told = f"the compiled engine cannot be loaded: {lacking}; {LIMITED}"
-            raise EvaluationError(told) from error
+            message = f"the compiled engine cannot be loaded: {lacking}; {LIMITED}"
+            raise EvaluationError(message) from error
     if settings.side == INJECTOR:
         from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
 
@@ -55,7 +55,7 @@ def open_engine(
 def named(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) -> EngineSettings:
     """Return settings that name an engine: auto becomes compiled, if all of it compiles.
 
-    Otherwise it becomes reference, and ``tell`` receives what does not.
+    Otherwise it becomes reference, and ``tell`` receives the reason.
     """
     if settings.name != AUTO:
         return settings
@@ -69,9 +69,9 @@ def named(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) 
 
 
 def tried(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) -> EngineSettings:
-    """Fly the mission without faults, and return settings that name an engine; as ``named``.
+    """Fly the mission without faults, and return settings that name an engine, as ``named`` does.
 
-    An external simulation is not asked to fly.
+    An external simulation does not fly.
     """
     settings = named(settings, code, seed, tell)
     if settings.side != CI:

@@ -29,7 +29,7 @@ from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
 class WorkerPool(Evaluator):
     """Worker processes that each load the generated code once, or threads of compiled code.
 
-    One worker is this process. An engine that cannot be opened is told before any worker starts.
+    One worker is this process. An engine that cannot open is reported before any worker starts.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class WorkerPool(Evaluator):
         self._executor = ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
 
     def close(self) -> None:
-        """Stop the workers; what they have not begun is dropped."""
+        """Stop the workers; evaluations that they have not begun are dropped."""
         if self.engine is not None:
             self.engine.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
@@ -79,7 +79,7 @@ class WorkerPool(Evaluator):
 def starting_workers() -> Iterator[None]:
     """Start workers apart from the terminal and the script of this process.
 
-    They inherit that Ctrl-C is held back, so it never hits them half-made. Unlike other spawned
+    They inherit that Ctrl-C is blocked, so it never interrupts their start. Unlike other spawned
     workers they do not run the script again, so a script need not guard its lines.
     """
     held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -93,13 +93,13 @@ def starting_workers() -> Iterator[None]:
 
 
 def start_worker() -> None:
-    """Begin a process that works for this one: it outlives neither it nor its interruption."""
+    """Set up a worker process: it ignores Ctrl-C, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
     Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:
-    """End this worker when its parent is gone, killed even: the pool alone would wait forever."""
+    """End this worker when its parent ends, even if killed: the pool alone would wait forever."""
     parent = parent_process()
     if parent is not None:
         parent.join()

@@ -36,7 +36,7 @@ SIDES = ("world", "belief")
 """The states of a tick: truth and belief."""
 
 VERDICTS = get_type_hints(Verdicts)
-"""What is judged and counted for each goal."""
+"""The verdicts and counts of each goal, with their types."""
 
 KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("<f8", (N_MEMORY,))}
 """Layout of the fields of records, by their types; each takes words of 8 bytes."""
@@ -48,7 +48,7 @@ def record_type(record: type) -> np.dtype[Any]:
 
 
 def recorded_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what is recorded of a state; compiled ones begin with it."""
+    """Return the layout of the recorded part of a state; compiled states begin with it."""
     return np.dtype(
         [
             (name, record_type(get_args(hint)[0]), (len(getattr(state, name)),))
@@ -178,7 +178,7 @@ class Recording:
 
 
 class Part:
-    """What has a name in each tick of a recording, and names of its own."""
+    """A named part of each tick of a recording, which has named parts itself."""
 
     def __init__(self, whole: Recording, path: tuple[str, ...], dtype: np.dtype[Any]) -> None:
         self.dtype = dtype
@@ -201,12 +201,12 @@ class Part:
 
 
 def _close(stream: "SpooledTemporaryFile[bytes]") -> None:
-    with suppress(OSError):  # what a full disk did not take is still to be written
+    with suppress(OSError):  # if the disk is full, closing tries to write again
         stream.close()
 
 
 def _leaves(path: tuple[str, ...], words: Records) -> Iterator[tuple[tuple[str, ...], _Column]]:
-    """Yield the columns of records in whose place the numbers of their words stand."""
+    """Yield the columns of records; ``words`` has the numbers of words in place of values."""
     if words.dtype.names is None:
         yield path, _Column(words.dtype, words.view(np.uint64))
     else:
@@ -223,7 +223,7 @@ Record: TypeAlias = Callable[[Specification], Recording]
 
 
 class Recorder:
-    """Observer that records a flight, like that of a state of the mission."""
+    """Observer that records a flight, in the layout of a state of the mission."""
 
     def __init__(self, state: State) -> None:
         self._recording = Recording(moment_type(state))
@@ -260,7 +260,7 @@ class Recorder:
 
 
 def _unpack(rows: npt.NDArray[np.float64], states: Records) -> None:
-    """Bring what ``kernel.packing.state_bytes`` returned of some states into records."""
+    """Write packed states, as ``kernel.packing.state_bytes`` returns them, into records."""
     for name, columns in COLUMNS.items():
         shape = (*states[name].shape, len(columns))
         values, rows = np.split(rows, [shape[1] * shape[2]], axis=1)

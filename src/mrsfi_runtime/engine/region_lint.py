@@ -1,15 +1,15 @@
-"""What is wrong with regions, before anything flies and without running or compiling them.
+"""Finds errors in regions before a flight, without running or compiling them.
 
 Errors are certain: a name or a field that does not exist ends a flight as soon as its line is
-reached. Warnings are for the compiled engine alone, and so for functions marked ``@kernel``: a
-line that compiles to something else than Python runs. The compiler itself reports what does not
+reached. Warnings concern only the compiled engine, and so functions marked ``@kernel``: a line
+whose compiled code behaves differently than Python. The compiler itself reports code that does not
 compile. The rest of a file, constants and tables included, stays plain Python on every engine.
 
 Every warning was measured, CPython 3.11 against numba 0.68 on x86-64: see
-``tests/conformance/test_region_lint.py``. Syntax without a rule was found to be the same, such as
-``//``, ``%``, ``round(x)``, ``math.sqrt`` and, on this processor family, ``math.sin``. A value that
-only a flight knows, such as the argument of ``math.sqrt`` or the size of a product of names, is
-left to the engine, which compares first ticks with the reference engine.
+``tests/conformance/test_region_lint.py``. Syntax without a rule behaved the same, such as
+``//``, ``%``, ``round(x)``, ``math.sqrt`` and, on this processor family, ``math.sin``. Values that
+are known only in flight, such as the argument of ``math.sqrt`` or the size of a product of names,
+are left to the engine, which compares first ticks with the reference engine.
 
 ``_RULES`` are the warnings, ``_ERRORS`` the errors; ``lint_regions`` at the end applies both.
 """
@@ -70,7 +70,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         ),
     }
 )
-"""What is said of functions of libraries: why it matters, and what to write instead."""
+"""Warnings about library functions: the reason, and what to write instead."""
 
 _DRAWS = (
     "draws other numbers when compiled, if it compiles at all; write randomness.uniform or "
@@ -79,16 +79,16 @@ _DRAWS = (
 
 
 def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, str]]:
-    """Yield lines of a function that will be compiled: what was found, why, and what to write."""
+    """Yield lines and warnings of a function that will be compiled."""
     at = _Function(function, source)
     for node in at.nodes:
-        for why in _said(node, at):
+        for why in _reasons(node, at):
             text = ast.unparse(node).partition("\n")[0]
             shown = text if len(text) <= 50 else text[:50] + "..."
             yield getattr(node, "lineno", function.lineno), f"found `{shown}`, which {why}"
 
 
-def _said(node: ast.AST, at: "_Function") -> Iterator[str]:
+def _reasons(node: ast.AST, at: "_Function") -> Iterator[str]:
     name = at.dotted(node)
     if name in NAMES or name.startswith(("random.", "numpy.random.")):
         yield NAMES.get(name, _DRAWS)
@@ -180,7 +180,7 @@ def _targets(node: ast.Assign | ast.AugAssign) -> Iterator[ast.AST]:
 
 
 def _cuts_off(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
-    """Whether a float goes where integers are kept."""
+    """Whether a float is stored where integers belong."""
     is_float = any(at.of(value) is float for _, value in bound(node))
     kept = [each for each in _targets(node) if isinstance(each, ast.Attribute | ast.Subscript)]
     return is_float and any(at.of(target) is int for target in kept)
@@ -199,10 +199,10 @@ def _adds_floats(node: ast.Call, at: _Function) -> bool:
 
 
 class Rule(NamedTuple):
-    """What is said of some syntax: kinds of nodes, and calls of functions and ``.methods``.
+    """A warning about some syntax: kinds of nodes, and calls of functions and ``.methods``.
 
-    ``applies`` says whether it has something to say of such a node of a function; ``why`` says why
-    it matters and what to write instead, ``{}`` for what ``applies`` returned.
+    ``applies`` returns whether it applies to such a node of a function. ``why`` has the reason and
+    what to write instead, with ``{}`` for the value that ``applies`` returned.
     """
 
     syntax: str
@@ -307,18 +307,18 @@ _CERTAIN = (
     messages.PercentFormatPositionalCountMismatch,
     messages.PercentFormatUnsupportedFormatCharacter,
 )
-"""What pyflakes finds that Python refuses as soon as it reaches the line."""
+"""Findings of pyflakes that Python refuses as soon as it reaches the line."""
 
 _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
 def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
-    """Return what is wrong with the regions of a mission, and the team's files they import."""
+    """Return all findings in a mission's regions, and in the team's files that they import."""
     return _found(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
 
 
 def require_sound_regions(directory: Path) -> None:
-    """Raise EvaluationError of all regions that cannot run, one a line."""
+    """Raise an EvaluationError that lists the regions that cannot run, one a line."""
     errors = _found(directory, _ERRORS)
     if errors:
         raise EvaluationError("\n".join(map(str, errors)))
@@ -335,25 +335,25 @@ def _found(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, 
 
 
 def _no_python(source: Source) -> Iterator[tuple[int, str]]:
-    """Yield why a file is no Python; no other rule finds anything there."""
+    """Yield why a file is not valid Python; no other rule finds anything there."""
     if source.error is not None:
         what = source.error.msg if isinstance(source.error, SyntaxError) else str(source.error)
         yield getattr(source.error, "lineno", None) or 1, f"is not valid Python: {what}"
 
 
 def _undefined(source: Source) -> Iterator[tuple[int, str]]:
-    """Yield names that are defined nowhere, and what else pyflakes is sure of."""
-    for said in Checker(source.tree, str(source.path)).messages:
-        if isinstance(said, messages.UndefinedName):
+    """Yield names that are defined nowhere, and other certain findings of pyflakes."""
+    for finding in Checker(source.tree, str(source.path)).messages:
+        if isinstance(finding, messages.UndefinedName):
             where = "" if source.regions is None else " in the region 'imports' or 'helpers'"
-            found = f"found `{said.message_args[0]}`, which is not defined; import or define it"
-            yield said.lineno, found + where
-        elif isinstance(said, _CERTAIN):
-            yield said.lineno, f"found an error: {said.message % said.message_args}"
+            text = f"found `{finding.message_args[0]}`, which is not defined; import or define it"
+            yield finding.lineno, text + where
+        elif isinstance(finding, _CERTAIN):
+            yield finding.lineno, f"found an error: {finding.message % finding.message_args}"
 
 
 def _missing(source: Source) -> Iterator[tuple[int, str]]:
-    """Yield lines that ask a record for a field, or a module of ours for a name, in vain."""
+    """Yield lines with a field that a record lacks, or a name that a module of mrsfi lacks."""
     for function in source.functions.values():
         kinds = Kinds(function, source)
         for node in ast.walk(function):
@@ -390,4 +390,4 @@ def _compiled(source: Source) -> Iterator[tuple[int, str]]:
 
 
 _ERRORS: Mapping[_Rule, str] = dict.fromkeys((_no_python, _undefined, _missing), RUNS)
-"""What a region must not have if anything is to fly."""
+"""Rules whose findings prevent any flight."""

@@ -4,7 +4,7 @@
 ``Source``. ``Kinds`` then infers the kinds of the expressions of one function. A kind is a type as
 an annotation gives it, such as ``float``, ``RobotState`` or ``list[int]``; ``None`` is an unknown
 one. Fields have the kinds that the records of the state declare. A local name has a kind only if
-the function assigns the same to it everywhere.
+the function assigns the same expression to it everywhere.
 """
 
 import ast
@@ -28,8 +28,8 @@ from mrsfi_runtime.kernel.state import State
 class Source:
     """A file of Python; if it is generated, only its regions are the team's.
 
-    ``regions`` has the region of each line that stands in one, ``None`` where all is the team's;
-    ``tree`` is empty if it is no Python, ``error`` says why.
+    ``regions`` has the region of each line inside one; ``None`` if the whole file is the team's.
+    ``tree`` is empty if the file is not valid Python; ``error`` is the reason.
     """
 
     def __init__(self, path: Path, *, has_regions: bool = False) -> None:
@@ -39,7 +39,7 @@ class Source:
         self.tree = ast.Module([], [])
         self.error: SyntaxError | ValueError | None = None
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python says them again when it loads the file
+            warnings.simplefilter("ignore")  # Python repeats them when it loads the file
             try:
                 tree = ast.parse(text)
                 compile(tree, str(path), "exec")  # finds a `return` outside of functions, say
@@ -64,7 +64,7 @@ class Source:
 
     @cached_property
     def constants(self) -> Mapping[str, ast.expr]:
-        """What is assigned to its global names."""
+        """The expressions that are assigned to its global names."""
         return {
             target.id: node.value
             for node in self.tree.body
@@ -110,8 +110,8 @@ def sources(directory: Path) -> Iterator[Source]:
 def imported_files(directory: Path, modules: Iterable[str] = ()) -> dict[str, Path]:
     """Return the files that generated code and some modules may import, by where Python finds each.
 
-    Import statements lead to them, wherever they stand; what is read as it is imported comes with
-    them if a text of the module names a file beside it.
+    All import statements count, also those inside functions. A data file beside a module is
+    included if a text in the module names it.
     """
     found: dict[str, Path] = {}
     names = [*modules]
@@ -133,11 +133,11 @@ def imported_files(directory: Path, modules: Iterable[str] = ()) -> dict[str, Pa
 
 
 def _specs(name: str) -> Iterator[ModuleSpec]:
-    """Yield a module of a dotted name, and all that it is part of, as far as they can be found."""
+    """Yield the packages and the module of a dotted name, as far as they can be found."""
     first, *rest = name.split(".")
     try:
-        spec = find_spec(first)  # the one that is loaded, or else the one that would be
-    except (ImportError, ValueError):  # of what has no file, such as the script that runs
+        spec = find_spec(first)  # of the loaded module, or else of the one that would be loaded
+    except (ImportError, ValueError):  # of a module without a file, such as the running script
         return
     while spec is not None:
         yield spec
@@ -175,12 +175,12 @@ _CALLS: Mapping[str, Kind] = {
     **_NUMBERS, "len": int, "range": list[int], "round": int, "set": set, "math.sqrt": float,
 }  # fmt: skip
 _ANNOTATIONS: Mapping[str, Kind] = {**_NUMBERS, f"{API}State": State, f"{API}OwnFault": OwnFault}
-_GREATEST = 2**12  # number of which powers are worked out
+_GREATEST = 2**12  # the largest number whose powers are evaluated
 
 
 @cache
 def fields(kind: Kind) -> Mapping[str, Kind]:
-    """Return the kinds of the fields of the state or of a record in it; none of anything else."""
+    """Return the kinds of the fields of the state or of a record in it; otherwise none."""
     return get_type_hints(kind) if is_dataclass(kind) else {}
 
 
@@ -214,7 +214,7 @@ def literal(node: ast.AST | None) -> int | float | None:
 
 
 def bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
-    """Yield what a node assigns to, and what is assigned, if that can be told."""
+    """Yield the targets of a node's assignments, each with its value, if that is known."""
     match node:
         case ast.Assign():
             yield from ((target, node.value) for target in node.targets)
@@ -229,7 +229,7 @@ def bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
 class Kinds:
     """Kinds of the expressions of one function of a file.
 
-    ``local`` are its arguments and the names that it assigns to, with the kinds of what they hold.
+    ``local`` has the kinds of its arguments and of the names that it assigns to.
     """
 
     def __init__(self, function: ast.FunctionDef, source: Source) -> None:
@@ -262,7 +262,7 @@ class Kinds:
         return None if name in self.local else literal(self._constants.get(name))
 
     def of(self, node: ast.AST | None) -> Kind:
-        """Return the kind of an expression, or ``None`` where it cannot be told."""
+        """Return the kind of an expression; ``None`` if it is unknown."""
         number = literal(node)
         if number is not None:
             return type(number)
@@ -302,7 +302,7 @@ def _of_call(kinds: Kinds, node: ast.Call) -> Kind:
 
 
 def _common(kinds: Kinds, nodes: Sequence[ast.AST]) -> Kind:
-    """Return the kind of what may be any of these: int and float make float."""
+    """Return the kind of a value that may be any of these: int and float make float."""
     found = {*map(kinds.of, nodes)}
     if len(found) == 1:
         return found.pop()
@@ -313,7 +313,7 @@ _KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
     ast.Constant: lambda _, node: type(node.value),
     ast.arg: _of_argument,
     ast.Name: _of_name,
-    ast.Attribute: lambda kinds, node: (  # a module's is no field
+    ast.Attribute: lambda kinds, node: (  # attributes of modules are no fields
         None if kinds.dotted(node) else _FIELDS.get(node.attr)
     ),
     ast.Subscript: _of_part,

@@ -1,12 +1,12 @@
 """The engine over rosbridge: simulation and CI as two processes on a server.
 
-They meet on the topics of the mission only, in lock-step, as ROS messages. Results are those of
+They exchange only the ROS messages of the mission's topics, in lock-step. Results are those of
 the reference engine, bit for bit.
 
 ``serve_simulation`` is the simulation's side, in this process. ``SimulationProcess`` runs it in
-another one, ``python -m mrsfi_runtime.engine.rosbridge``: that reads from a connection what to
-serve, answers when it is ready or why it failed, and ends when the other end of the connection is
-gone, for whatever reason. ``RosbridgeEngine`` is the CI's side.
+another one, ``python -m mrsfi_runtime.engine.rosbridge``. That process receives its mission over a
+connection, reports that it is ready or why not, and ends when the connection closes, for any
+reason. ``RosbridgeEngine`` is the CI's side.
 
 References
 ----------
@@ -51,8 +51,8 @@ def serve_simulation(
 ) -> None:
     """Serve the simulation of a mission until it is stopped, on the settings' server or its own.
 
-    Their patience is how long the collective intelligence may be silent in mid-run; ``on_ready`` is
-    told the server's URL, and the host that it may stop. Lost messages are a TransportError.
+    Their patience is how long the collective intelligence may be silent in mid-run; ``on_ready``
+    receives the server's URL, and the host, to stop it. Lost messages are a TransportError.
     """
     with _transport(settings) as (transport, reached):
         bundling = BundlingTransport.of_simulation(transport)
@@ -77,7 +77,7 @@ def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
         with closing(RosbridgeTransport(url, settings.client, ros)) as joined:
             yield PrefixedTransport(joined, settings.world_prefix), url
         return
-    token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
+    token = secrets.token_urlsafe()  # keeps out other users of this machine
     try:
         with (
             EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
@@ -89,31 +89,31 @@ def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
 
 
 def main(number: int) -> None:
-    """Serve what the first message on a connection asks for; say there why that ended early."""
+    """Serve the mission that a connection's first message names; report there an early end."""
     connection = Connection(number)
     directory, settings = connection.recv()
 
     def on_ready(reached: str, host: SimulationHost) -> None:
         Thread(target=_stop_with_parent, args=(connection, host), daemon=True).start()
-        _say(connection, url=reached)
+        _send(connection, url=reached)
 
     try:
         serve_simulation(load_code(directory), settings, on_ready)
     except MrsfiError as error:
-        _say(connection, error=str(error))
-    except BaseException as error:  # noqa: BLE001 - the parent tells it
-        _say(connection, error=f"{type(error).__name__}: {error}")
+        _send(connection, error=str(error))
+    except BaseException as error:  # noqa: BLE001 - the parent reports it
+        _send(connection, error=f"{type(error).__name__}: {error}")
 
 
 def _stop_with_parent(connection: Connection, host: SimulationHost) -> None:
     with suppress(EOFError, OSError):
-        connection.recv()  # the parent says nothing more; its end ends this
+        connection.recv()  # nothing more comes; it returns when the parent ends
     host.stop()
 
 
-def _say(connection: Connection, **said: str) -> None:
+def _send(connection: Connection, **message: str) -> None:
     with suppress(BrokenPipeError):
-        connection.send(said)
+        connection.send(message)
 
 
 _LAST_WORDS = 2.0  # seconds for a process to end
@@ -123,8 +123,8 @@ class SimulationProcess:
     """The simulation of a mission in a process of its own, which dies with this one.
 
     It joins the server that the settings name, or embeds one if they name none; their patience is
-    how long to wait for it, and how long it waits in mid-run. ``url`` is the server on which it is
-    found, with its token if it asks for one. That it cannot serve is a TransportError.
+    how long to wait for it, and how long it waits in mid-run. ``url`` is the URL of its server,
+    with the token if one is needed. If it cannot serve, that is a TransportError.
     """
 
     def __init__(self, code: MissionCode, settings: EngineSettings) -> None:
@@ -138,42 +138,42 @@ class SimulationProcess:
                 stdout=DEVNULL,
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
-        # the CI, which knows more, is the first to tell; a URL may hold a token: no argument
+        # the CI, which knows more, reports first; a URL may hold a token, so it is no argument
         patient = replace(settings, timeout=settings.timeout + 5.0)
-        with suppress(BrokenPipeError):  # what it says, or its end, tells why
+        with suppress(BrokenPipeError):  # its message, or how it ended, explains why
             self._connection.send((code.directory.resolve(), patient))
-        said = self._heard(patience.handshake)
-        if "url" not in said:
-            reason = said.get("error") or self._ending()
+        message = self._received(patience.handshake)
+        if "url" not in message:
+            reason = message.get("error") or self._ending()
             raise TransportError(f"the simulation process did not start: {reason}")
-        self.url, self.pid = said["url"], self._process.pid
+        self.url, self.pid = message["url"], self._process.pid
 
     def wait(self) -> None:
         """Return when the process has ended."""
         self._process.wait()
 
     def last_words(self) -> str:
-        """Return why the process ended, or nothing if it has not."""
+        """Return why the process ended; empty if it has not."""
         try:
             self._process.wait(_LAST_WORDS)
         except TimeoutExpired:
             return ""
-        return self._heard().get("error") or self._ending()
+        return self._received().get("error") or self._ending()
 
     def close(self) -> None:
-        """Have the process end, and wait for that."""
+        """End the process, and wait until it has ended."""
         self._connection.close()
         self._ending()
 
-    def _heard(self, timeout: float = 0.0) -> dict[str, str]:
-        """Return what the process says next, if it says anything."""
-        said: dict[str, str] = {}
+    def _received(self, timeout: float = 0.0) -> dict[str, str]:
+        """Return the next message of the process; empty if none comes."""
+        message: dict[str, str] = {}
         with suppress(EOFError, OSError):
-            said = self._connection.recv() if self._connection.poll(timeout) else said
-        return said
+            message = self._connection.recv() if self._connection.poll(timeout) else message
+        return message
 
     def _ending(self) -> str:
-        """Return how the process ended; it is ended if it does not do so soon."""
+        """Return how the process ended; kill it if it does not end soon."""
         try:
             code = self._process.wait(_LAST_WORDS)
         except TimeoutExpired:
@@ -186,7 +186,7 @@ class RosbridgeEngine(PlainEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
     A seed is at most 2**63 - 1. A server or a simulation that cannot be reached is a
-    TransportError, what does not go together a UsageError.
+    TransportError; settings that contradict each other are a UsageError.
     """
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
@@ -203,7 +203,7 @@ class RosbridgeEngine(PlainEngine):
                 opened.callback(transport.close)
                 return transport
 
-            if url is not None:  # first: it tells best what is wrong with the URL
+            if url is not None:  # first: it explains best what is wrong with the URL
                 self._transport = join(url)
             if has_simulation:
                 self.simulation = SimulationProcess(code, settings)
@@ -211,7 +211,7 @@ class RosbridgeEngine(PlainEngine):
             if url is None and self.simulation is not None:
                 self._transport = join(self.simulation.url)
             self._opened = opened.pop_all()
-        self._may_be_deaf = settings.is_bundled and not has_simulation
+        self._may_ignore_bundles = settings.is_bundled and not has_simulation
         world = PrefixedTransport(self._transport, settings.world_prefix)
         transport = BundlingTransport.of_ci(world) if settings.is_bundled else world
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
@@ -224,7 +224,7 @@ class RosbridgeEngine(PlainEngine):
         self._opened.close()
 
     def _watch(self, simulation: SimulationProcess) -> None:
-        """Let nobody wait for a simulation that has ended; a server that lives on is silent."""
+        """Stop waiting for a simulation that has ended; its server would only be silent."""
         simulation.wait()
         self._transport.report(TransportClosed("the simulation no longer runs"))
 
@@ -233,7 +233,7 @@ class RosbridgeEngine(PlainEngine):
         try:
             self._lockstep.fly(flight, seed)
         except TransportTimeout as error:
-            if not self._may_be_deaf or self._lockstep.tick:
+            if not self._may_ignore_bundles or self._lockstep.tick:
                 raise
             raise TransportTimeout(
                 f"{error}; --bundle expects it to know {GO_BUNDLE.name}; if not, omit --bundle"

@@ -89,7 +89,7 @@ def test_texts_of_a_worker_name_the_places_at_home():
     shipment = replace(Shipment.of(GENERATED), given="generated/x", absolute="/home/me/generated/x")
     text = 'File "/far/away/a.py", line 3\nError: /far/away/a.py:3: wrong'
 
-    told = shipment.told_as_at_home(text, Path("/far/away"))
+    told = shipment.with_original_paths(text, Path("/far/away"))
 
     assert told == 'File "/home/me/generated/x/a.py", line 3\nError: generated/x/a.py:3: wrong'
 

@@ -14,7 +14,7 @@ from mrsfi_runtime.engine.compiled.machine_code import LIBRARY, MANIFEST, PROCES
 
 
 def build(folder: Path) -> None:
-    """Compile the kernel into a library in a folder, and write what it is of beside it."""
+    """Compile the kernel into a library in a folder, with a manifest of its sources beside it."""
     os.environ.update(NUMBA_CPU_NAME=PROCESSOR, NUMBA_CPU_FEATURES="")  # read as numba is imported
     import llvmlite.binding as llvm  # noqa: PLC0415 - in this order
 
@@ -30,8 +30,8 @@ def build(folder: Path) -> None:
         flags = ("-shared", "--strip-all", "--no-undefined", "-z", "noexecstack")
         subprocess.run(["ld", *flags, "-o", library, code], check=True)
     seal = library_seal(compiled.names, library.read_bytes())
-    told = {"seal": seal, "names": compiled.names, "processor": PROCESSOR}
-    (folder / MANIFEST).write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    manifest = {"seal": seal, "names": compiled.names, "processor": PROCESSOR}
+    (folder / MANIFEST).write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,12 @@
-"""Compiles the kernel's flight, and the regions of a team, to object files; this alone needs numba.
+"""Compiles the kernel's flight and a team's regions to object files; only this module needs numba.
 
-Numba's pipeline has two changes here. ``Checked`` refuses what Python refuses: to numba a list of
-the state is an array, with more attributes and operators, and a record of an array of the team's
-is like one of the state. ``Inlined`` keeps functions as they were lowered and optimises them once,
-in what calls them; numba would optimise and write each of them by itself. That takes some two
-fifths of compilation away.
+Numba's pipeline has two changes here. ``Checked`` refuses operations that Python refuses: to numba,
+a list of the state is an array, with more attributes and operators, and a record of a team's array
+is like one of the state. ``Inlined`` leaves functions unoptimised until they are inlined in their
+callers; numba would optimise and write each separately. That saves two fifths of the time.
 
-``compiled_kernel`` and ``compiled_region`` are the entrances. ``explain`` says which line of which
-region cannot be compiled, and why, in plain words.
+Begin with ``compiled_kernel`` and ``compiled_region``. ``explain`` names the line and region that
+cannot be compiled, and the reason in plain words.
 """
 
 import ast
@@ -61,7 +60,7 @@ _KNOWN = tuple(
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class _LikePython(AnalysisPass):
-    """Refuses what objects of the reference engine do not have."""
+    """Refuses attributes and operators that objects of the reference engine do not have."""
 
     _name = "like_python"
 
@@ -93,10 +92,10 @@ def _refused(kind: Any, op: str, name: str) -> bool:
 
 
 class Checked(Compiler):
-    """Numba's pipeline, and what Python refuses refused."""
+    """Numba's pipeline, which refuses operations that Python refuses."""
 
     def define_pipelines(self) -> list[Any]:
-        """Return it."""
+        """Return the pipeline."""
         passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_LikePython, NopythonTypeInference)
         passes.finalize()
@@ -120,13 +119,13 @@ class _Library(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, _: str) -> int:
-        """Return the address of nothing."""
+        """Return no address: there is no machine code yet."""
         self.linked()
         return 0
 
     @property
     def codegen(self) -> SimpleNamespace:
-        """What sets environments: there is no machine code yet that could have one."""
+        """The setter of environments, without effect: there is no machine code yet."""
         return SimpleNamespace(set_env=lambda *_: None)
 
     def linked(self) -> Any:
@@ -162,7 +161,7 @@ def _closure(first: _Library) -> list[Any]:
 
 
 def _rank(library: Any) -> int:
-    """Return when to link: of numba's own code only what is called by then is taken."""
+    """Return when to link: numba's own code last, because only functions in use are taken."""
     return 2 if library is rtsys.library else not isinstance(library, _Library)
 
 
@@ -173,7 +172,7 @@ def _code(library: Any) -> Any:
 
 
 jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)
-"""Lets compiled code call a function, which stays as it is."""
+"""Lets compiled code call a function, and leaves the function unchanged."""
 
 
 _REASONS = (
@@ -218,7 +217,7 @@ _REASONS = (
         "'{0}' does not compile for these arguments; a function cannot call itself",
     ),
 )
-"""What numba says, and what that is in plain words."""
+"""Patterns of numba's messages, and what they mean in plain words."""
 
 _UNKNOWN: Mapping[type[ast.AST], str] = {
     ast.GeneratorExp: "a generator expression; write a loop",
@@ -231,7 +230,7 @@ _UNKNOWN: Mapping[type[ast.AST], str] = {
     ast.ClassDef: "a class; write functions, or constants in the region 'helpers'",
     ast.Delete: "a `del`; leave the name alone",
 }
-"""What numba knows in no place, where it says little of why and now and then another line."""
+"""Syntax that numba never supports, for which its messages are vague and may name another line."""
 
 
 def explain(
@@ -260,7 +259,7 @@ def explain(
 
 
 def _unknown(function: FunctionType) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a team's function that no compiler would take, and why."""
+    """Yield the lines of a team's function that have unsupported syntax, and the reason."""
     if not function.__module__.startswith("mrsfi_runtime."):
         with suppress(OSError, SyntaxError):  # no file, or a function within a line
             lines, first = inspect.getsourcelines(function)
@@ -339,7 +338,7 @@ def register(functions: Iterable[FunctionType]) -> None:
 
 
 def _called(region: Region) -> Callable[..., Any]:
-    """Return what the kernel calls: every region returns an integer."""
+    """Return a region as the kernel calls it: it returns an integer."""
     function = region.function
 
     def apply(ci: Any, inbox: Any, fault: Any) -> int:
@@ -360,7 +359,7 @@ def _called(region: Region) -> Callable[..., Any]:
 
 @contextmanager
 def _by_address() -> Iterator[None]:
-    """Have regions call what a task says where the kernel has it: much of it compiles long."""
+    """Have regions call functions of tasks in the kernel, because they take long to compile."""
     register(_STAND_INS)
     register(_STAND_INS.values())
     _TYPING.refresh()
@@ -381,7 +380,7 @@ def _know(function: FunctionType, kind: Any) -> None:
 
 
 def _stand_in(role: str, task: int) -> Any:
-    """Return what calls by address what a task says."""
+    """Return a function that calls the function of a task by address."""
     place = 1 + ROLES.index(role)
 
     def check(view: Any, g: int) -> bool:
@@ -400,7 +399,7 @@ _STAND_INS: dict[Any, Any] = {
     for task, function in enumerate(functions)
     if function is not None
 }
-"""Of what generated regions call, in regions of a team."""
+"""Replacements, in a team's regions, of the functions that generated regions call."""
 
 
 def _reached_by(first: Any) -> list[FunctionType]:
@@ -442,10 +441,10 @@ def _compiled(
 
 
 def _optimised(codegen: Any, module: Any, name: str) -> Any:
-    """Return a module of which one function is called from elsewhere, optimised.
+    """Return an optimised module, of which other modules call one function.
 
-    Loops are short as a rule: more optimisation takes longer, and makes flights slower. So does a
-    second function in the same module, because what both call is not inlined.
+    Loops are mostly short: more optimisation takes longer, and makes flights slower. So does a
+    second function in the same module, because functions that both call are not inlined.
     """
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:

@@ -1,10 +1,10 @@
 """The compiled engine: many flights in one call of machine code.
 
 ``CompiledFlight`` is that code: the kernel, compiled once for an installation, and a mission's
-regions. ``require_same`` compares its flights with those of the reference engine before anything
-relies on them. Every process does so, on as many first ticks as the time allows, with every fault
-of the pool active: code that compiles to something else mostly differs at once. A compiled flight
-that fails is repeated on the reference engine, whose errors name the line.
+regions. ``require_same`` compares its flights with those of the reference engine before any result
+is used. Every process does so, on as many first ticks as the time allows, with every fault of the
+pool active: code that behaves differently when compiled mostly differs at once. A compiled flight
+that ends with an error is repeated on the reference engine, whose errors name the line.
 
 Begin with ``CompiledEngine``, at the end.
 
@@ -52,7 +52,7 @@ from mrsfi_runtime.model.mission import Evaluated, Mission, Outcome
 
 
 class CompiledFlight:
-    """Flies a mission compiled; all of it was found in the cache unless it ``is_new``."""
+    """Flies a mission compiled; ``is_new`` unless all code came from the cache."""
 
     def __init__(self, code: MissionCode) -> None:
         self._directory = code.directory
@@ -89,7 +89,7 @@ class CompiledFlight:
     def __call__(self, frame: Frame, first: int, last: int) -> None:
         """Fly the specifications ``first … last - 1`` of a frame."""
 
-        def told(error: BaseException) -> EvaluationError:
+        def located(error: BaseException) -> EvaluationError:
             if not isinstance(error, TimeLimitReached):
                 return EvaluationError(words(error))
             return WorkerLost(
@@ -97,7 +97,7 @@ class CompiledFlight:
                 f"tick {frame.tick}: {error}; --engine reference names the line"
             )
 
-        with fenced(told, lambda: (frame.at, frame.tick)):
+        with fenced(located, lambda: (frame.at, frame.tick)):
             in_thread(partial(self._call, frame, first, last))
 
     def _call(self, frame: Frame, first: int, last: int) -> None:
@@ -108,7 +108,7 @@ class CompiledFlight:
 
 
 def kernel() -> tuple[MachineCode | Library, bool]:
-    """Return the kernel: prebuilt, or of the cache, compiled if need be, and whether it was."""
+    """Return the kernel, prebuilt, cached or compiled now, and whether it was compiled now."""
     prebuilt = prebuilt_kernel()
     return (prebuilt, False) if prebuilt else kept_code(kernel_key(), _compiled_kernel)
 
@@ -119,13 +119,13 @@ def _compiled_kernel() -> MachineCode:
     log = logging.getLogger(__name__)
     log.warning("compiling the kernel, once for this installation; it takes about ten seconds")
     began = perf_counter()
-    found = compiled_kernel()
+    code = compiled_kernel()
     log.warning("compiled the kernel in %.1f s", perf_counter() - began)
-    return found
+    return code
 
 
 SECONDS = 0.05
-"""How long the reference engine flies for it."""
+"""How long the reference engine flies for the comparison."""
 
 _HINT = (
     "look for code that differs when compiled (`mrsfi validate` warns of it), or use "
@@ -137,7 +137,7 @@ _UNREPEATED = (
 )
 
 Record = Callable[[Specification, int], Recording | None]
-"""Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
+"""Flies compiled, and returns the first ticks; ``None`` if that ended with an error."""
 
 
 def trials(gate: Gate) -> list[Specification]:
@@ -159,20 +159,21 @@ def trials(gate: Gate) -> list[Specification]:
 def require_same(
     reference: Engine, record: Record, flown: Sequence[Specification], seconds: float
 ) -> None:
-    """Refuse compiled flights that differ: an EvaluationError says where, and in which region.
+    """Refuse compiled flights that differ: an EvaluationError names the tick and the region.
 
-    What the reference engine itself does not repeat is a ReplayMismatch.
+    If flights of the reference engine differ themselves, that is a ReplayMismatch.
     """
     for specification in flown:
-        seen, failure = _seen(reference, specification, process_time() + seconds / len(flown))
-        recording = record(specification, len(seen))
+        ends = process_time() + seconds / len(flown)
+        moments, failure = _first_moments(reference, specification, ends)
+        recording = record(specification, len(moments))
         if recording is None:
             continue
-        found = _difference(reference.code.mission, recording, seen)
-        if found is not None:
+        difference = _difference(reference.code.mission, recording, moments)
+        if difference is not None:
             if reference.evaluate(specification) != reference.evaluate(specification):
-                raise unrepeated(reference, specification)  # nothing could be held to it
-            tick, what, a, b = found
+                raise unrepeated(reference, specification)  # a comparison would mean nothing
+            tick, what, a, b = difference
             acting = [one.fault for one in specification if one.start <= tick <= one.finish]
             where, under = reference.code.directory, ", ".join(acting) or "no fault"
             raise EvaluationError(
@@ -184,50 +185,47 @@ def require_same(
 
 
 def unrepeated(engine: Engine, specification: Specification) -> ReplayMismatch:
-    """Return the error of a mission whose flights differ; it says what does first, and why."""
+    """Return the error of a mission whose flights differ, with the first difference and a hint."""
     what = differing(engine.code, specification, engine.seed)
     return ReplayMismatch(f"the mission does not repeat itself: {what}")
 
 
 def differing(code: MissionCode, specification: Specification, seed: int) -> str:
-    """Fly twice what does not repeat itself, from fresh code; return what differs first, and why.
-
-    The specification is of the mission's own pool.
-    """
+    """Fly a specification of the mission's pool twice, from fresh code; describe the difference."""
     engine = ReferenceEngine(load_code(code.directory, code.pool), seed)
     try:
         first, second = (engine.record(specification) for _ in range(2))
-        found = _difference(code.mission, second, _moments(first))
+        pair = _difference(code.mission, second, _moments(first))
     except EvaluationError as error:
         return f"{error}; {_UNREPEATED}"
-    place = "at tick {}, {} is {}, then {}".format(*found) if found else "two more flights agree"
+    place = "at tick {}, {} is {}, then {}".format(*pair) if pair else "two more flights agree"
     return f"{place}; {_UNREPEATED}"
 
 
 class _EnoughError(MrsfiError):
-    """Ends a flight of which enough was recorded."""
+    """Ends a flight when enough ticks are recorded."""
 
 
-def _seen(
+def _first_moments(
     reference: Engine, specification: Specification, ends: float
 ) -> tuple[list[list[Any]], EvaluationError | None]:
-    """Return as many ticks as there is time for, two at least, and how the flight failed if so."""
-    seen: list[list[Any]] = []
+    """Return as many ticks as there is time for, two at least, and the flight's error if any."""
+    moments: list[list[Any]] = []
 
     def observe(world: State, belief: State, verdicts: Verdicts) -> None:
         judged = [list(getattr(verdicts, name)) for name in VERDICTS]
-        seen.append([*judged, state_bytes(world), state_bytes(belief)])
-        if len(seen) > 1 and process_time() > ends:
+        moments.append([*judged, state_bytes(world), state_bytes(belief)])
+        if len(moments) > 1 and process_time() > ends:
             raise _EnoughError
 
     try:
         with suppress(_EnoughError):
             reference.evaluate(specification, observer=observe)
-    except WorkerLost:  # it got no further, which is no result
+    except WorkerLost:  # the flight hung, which is no result
         raise
     except EvaluationError as error:
-        return seen, error
-    return seen, None
+        return moments, error
+    return moments, None
 
 
 def _moments(recording: Recording) -> Iterator[list[Any]]:
@@ -240,7 +238,7 @@ def _moments(recording: Recording) -> Iterator[list[Any]]:
 def _difference(
     mission: Mission, recording: Recording, expected: Iterable[list[Any]]
 ) -> tuple[int, str, Any, Any] | None:
-    """Return what differs first: the tick, in words the field and its region, and both values."""
+    """Return the first difference: tick, description of field and region, and both values."""
     pairs = enumerate(zip(expected, _moments(recording), strict=True))
     tick, moments = next(((tick, both) for tick, both in pairs if both[0] != both[1]), (0, ()))
     if not moments:
@@ -263,13 +261,13 @@ def _difference(
 
 
 _TRUSTED: set[tuple[str, str]] = set()
-"""What this process has compared with the reference engine: compiled code by key, and missions."""
+"""The keys of compiled code, and missions, that this process has compared with the reference."""
 
 
 class CompiledEngine(Engine):
-    """Flies the mission many times in one call, on threads that truly run side by side.
+    """Flies the mission many times in one call, on threads that run in parallel.
 
-    A flight that fails is repeated on the reference engine, which can tell where and why.
+    A flight that ends with an error is repeated on the reference engine, which reports where.
     """
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
@@ -289,7 +287,7 @@ class CompiledEngine(Engine):
         self._threads.shutdown()
 
     def require_same(self) -> None:
-        """Hold compiled code to the reference engine once in a process; differing, compile anew."""
+        """Compare with the reference engine once in a process; recompile cached code on failure."""
         if self._mission in _TRUSTED:
             return
         check = partial(
@@ -297,7 +295,7 @@ class CompiledEngine(Engine):
         )
         try:
             check()
-        except WorkerLost:  # code that gets no further is no difference
+        except WorkerLost:  # a flight that hangs is no difference
             raise
         except EvaluationError:
             if self._fly_many.is_new:
@@ -310,7 +308,7 @@ class CompiledEngine(Engine):
         return self._recorded(self._batch([specification], self.code.pool), self.seed, n_ticks)
 
     def _recorded(self, batch: Batch, seed: int, n_ticks: int) -> Recording | None:
-        """Fly a batch of one, and return its first ticks; ``None`` if that failed."""
+        """Fly a batch of one, and return its first ticks; ``None`` if it ended with an error."""
         frame = Frame(self._fresh(seed), self._fly_many.calls, batch, (0, 1))
         recording = Recording(self._moment_type)
         begins = [*range(0, max(n_ticks, 1), recording.chunk)]
@@ -354,7 +352,7 @@ class CompiledEngine(Engine):
     ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order."""
         self.require_same()
-        seed, n_most = self.seed if seed is None else seed, 64  # are laid out in one call
+        seed, n_most = self.seed if seed is None else seed, 64  # specifications in a call
         for first in range(0, len(specifications), n_most):
             yield from self._evaluate_chunk(specifications[first : first + n_most], seed)
 
@@ -392,9 +390,9 @@ class CompiledEngine(Engine):
         return Batch(plans, self._moment_type, allowed)
 
     def _fly(self, frame: Frame, first: int, last: int) -> list[int]:
-        """Fly some specifications of a frame, and return which of them failed.
+        """Fly some specifications of a frame, and return those that ended with an error.
 
-        All have failed if one of them wrote to a table, as it may have misled those after it.
+        If one of them wrote to a table, all are returned, because it may have affected later ones.
         """
         failed = []
         everyone = list(range(first, last))
@@ -403,7 +401,7 @@ class CompiledEngine(Engine):
                 self._fly_many(frame, first, last)
             except WorkerLost:
                 raise
-            except EvaluationError:  # the reference engine tells what and where
+            except EvaluationError:  # the reference engine reports what and where
                 failed.append(max(frame.at, first))
                 first = failed[-1] + 1
             else:

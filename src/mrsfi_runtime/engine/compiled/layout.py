@@ -1,13 +1,13 @@
 """The layout of many flights in arrays, which compiled code reads and writes.
 
 States and fault plans are words in a row, field by field as their records declare them
-(``entries``). Compiled code knows a state, a plan or the verdicts by the address of a directory:
-where the parts of a record of lists lie, and how long they are. So sizes are data, and one compiled
-flight serves every mission.
+(``entries``). Compiled code gets a state, a plan or the verdicts as the address of a directory,
+which has the addresses and lengths of the parts of a record of lists. So sizes are data, and one
+compiled flight serves every mission.
 
-``FreshState`` is a state before the first tick. A ``Batch`` has the plans of some specifications
-side by side, and room for their results; a ``Frame`` adds the three states in which one thread
-flies them. Whoever holds a directory also holds the arrays that it points to.
+``FreshState`` is a state before the first tick. A ``Batch`` has the plans of specifications side by
+side, and room for their results; a ``Frame`` adds the three states in which one thread flies them.
+An object with a directory also keeps the arrays that it points to.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
@@ -39,10 +39,10 @@ from mrsfi_runtime.model.mission import COUNTED, Outcome
 N_ALLOWED = 6
 ALLOWED = " allowed"  # no name that a region could use
 OWN = np.dtype([*record_type(OwnFault).descr, (ALLOWED, "<i8", (N_ALLOWED,))])
-"""A fault of a team's own type, and which words of the belief it may change; all others follow."""
+"""A user-defined fault, and the words of the belief that it may change, see ``allowed_words``."""
 
 RECORDED, CALLS = " recorded", " calls"
-"""Lists of a state that no region can name: words that are recorded, what its regions are."""
+"""Lists of a state that no region can name: the recorded words, and the addresses of regions."""
 
 _HIDDEN: Mapping[type, tuple[str, ...]] = {State: (RECORDED, CALLS)}
 
@@ -112,7 +112,7 @@ _RECORDED, _TABLES = ({_ENTRIES[name].place for name in names} for names in (COL
 
 @dataclass(frozen=True)
 class FreshState:
-    """A state before the first tick, as words: what is recorded, what else changes, tables.
+    """A state before the first tick, as words: the recorded part, other variables, tables.
 
     ``places`` has for each entry of a directory the first word, and the number of elements;
     ``samples`` has the valid ones of each sensor, tick after tick.
@@ -135,7 +135,7 @@ class FreshState:
         return self.places[_ENTRIES["mission"].place][0] + _TICK
 
     def directory(self, words: Words, calls: Words) -> Words:
-        """Return the directory of a state that lies in words, and what its regions are."""
+        """Return the directory of a state that lies in words, with the addresses of its regions."""
         found = np.zeros((n_entries(State), 2), np.int64)
         found[: len(self.places)] = self.places
         found[:, 0] = found[:, 0] * 8 + words.ctypes.data
@@ -144,14 +144,14 @@ class FreshState:
         return found
 
     def allowed_words(self, listed: str, target: int, columns: Sequence[str]) -> list[int]:
-        """Return the words of some columns of a record, in order; then one beyond them."""
+        """Return the words of some columns of a record, in order, filled up with ``n_recorded``."""
         numbers = np.arange(self.n_recorded).view(self.recorded)[0][listed][target]
         found = sorted(int(numbers[column].view(np.int64)) for column in columns)
         return found + [self.n_recorded] * (N_ALLOWED - len(found))
 
 
 def laid_out(state: State) -> FreshState:
-    """Return a state as words, by which others of its mission are laid out."""
+    """Return a state as words, the model for the other states of its mission."""
     parts = dict(_parts(State, state, 0))
     places = {}
     n_words = n_changing = 0
@@ -188,7 +188,7 @@ def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.
 
 
 def sample_table(state: State) -> npt.NDArray[np.uint8]:
-    """Return what ``kernel.samples.valid_samples`` does, shape ``(n_ticks, n_sensors)``."""
+    """Return the ``kernel.samples.valid_samples`` of all ticks, shape ``(n_ticks, n_sensors)``."""
     ticks: Any = np.arange(state.mission.duration, dtype=np.uint64)  # drawn all at once
     table = np.empty((len(ticks), len(state.sensors)), np.uint8)
     for sensor, chances in enumerate(reached(state)):
@@ -199,7 +199,7 @@ def sample_table(state: State) -> npt.NDArray[np.uint8]:
 
 
 def packed(states: Records) -> list[memoryview]:
-    """Return what ``kernel.packing.state_bytes`` returns of states, as recorded."""
+    """Return the ``kernel.packing.state_bytes`` of recorded states."""
     places, is_float, end = _packing(states.dtype)
     as_words = np.dtype([("words", "<i8", (states.dtype.itemsize // 8,))])
     words = states.view(as_words)["words"].take(places, axis=1)
@@ -227,7 +227,7 @@ def _packing(
 
 
 def read_recorded(state: State, recorded: Any) -> None:
-    """Bring a state up to what was recorded of one."""
+    """Set a state to recorded values."""
     for name in COLUMNS:
         columns = recorded[name].dtype.names
         for record, values in zip(getattr(state, name), recorded[name].tolist(), strict=True):
@@ -241,8 +241,8 @@ _PLACES = {name: entry.place for name, entry in entries(Plan).items()}
 class Batch:
     """Plans of some specifications, one after the other, and room for their results.
 
-    ``plans`` and ``verdicts`` have a directory a specification. Of own faults, ``allowed`` returns
-    which words of the belief they may change.
+    ``plans`` and ``verdicts`` have a directory a specification. ``allowed`` returns the words of
+    the belief that a user-defined fault may change.
     """
 
     def __init__(
@@ -273,7 +273,7 @@ class Batch:
         self.results: Records = np.zeros(len(plans), result_type)
 
     def _listed(self, name: str, records: Records, lists: Iterable[Sized]) -> Records:
-        """Return the records of all plans, and enter in the directories where each plan's lie."""
+        """Return the records of all plans, and enter their places in the plans' directories."""
         sizes = np.array([*map(len, lists)], np.int64)
         begins = np.cumsum(sizes) - sizes
         self._plans[:, _PLACES[name], 0] = records.ctypes.data + begins * records.itemsize
@@ -281,7 +281,7 @@ class Batch:
         return records
 
     def _triggered(self, plans: Sequence[PlanRows]) -> tuple[Records, ...]:
-        """Return the records of what sets faults off, which plans without any do not have."""
+        """Return the records of triggers, which plans without triggers do not have."""
         sources = np.array([number for one in plans for number in one.sources], np.int64)
         found = [self._listed("sources", sources, [one.sources for one in plans])]
         for name, kind in (("triggers", TriggerState), ("waiting", WaitingState)):
@@ -293,7 +293,7 @@ class Batch:
         return tuple(found)
 
     def plans(self, first: int, last: int) -> tuple[Words, Any]:
-        """Return the directories of some plans, and the room in which they hold messages back."""
+        """Return the directories of some plans, and the room for messages that they delay."""
         held = np.zeros(max(self._n_held[first:last], default=0))
         found = self._plans.copy()
         found[:, _PLACES["held"], 0] = held.ctypes.data
@@ -301,7 +301,7 @@ class Batch:
 
     @cached_property
     def verdicts(self) -> Words:
-        """Directories of the verdicts, which are part of the results."""
+        """The directories of the verdicts, which are part of the results."""
         fields: Any = self.results.dtype.fields
         rows = self.results.ctypes.data + np.arange(len(self.results)) * self.results.itemsize
         found = np.zeros((len(self.results), n_entries(Verdicts), 2), np.int64)
@@ -311,7 +311,7 @@ class Batch:
         return found
 
     def outcome(self, k: int, measured: Sequence[bool]) -> Outcome:
-        """Return what the flight of one specification found; ``measured`` goals have a margin."""
+        """Return the outcome of one specification; goals that are ``measured`` have a margin."""
         of_goals, of_faults, beside, states = self._columns
         first, last = self._tallied[k]
         counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
@@ -320,13 +320,13 @@ class Batch:
         return digested(counts, margins, zip(*detection, strict=True), *(s[k] for s in states))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
-        """Return what each fault of one specification did."""
+        """Return the tally of each fault of one specification."""
         first, last = self._tallied[k]
         return [FaultTally(*row) for row in self._tallies[first:last].tolist()]
 
     @cached_property
     def _columns(self) -> tuple[list[Any], ...]:
-        """Counts of goals and of faults, what is not digested, and the last states."""
+        """Counts of goals and of faults, values outside the digest, and the last states."""
         world = self.results["world"]
         goals = [*(self.results[name] for name in COUNTED), world["goals"]["count"]]
         faults = [self._tallies["applied"], self._tallies["changed"]]
@@ -344,7 +344,7 @@ def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) 
 
 
 class Frame:
-    """Three states, and what is flown in them: all of the mission, unless ``keep`` says else."""
+    """Three states, and the flights in them: of all ticks, unless ``keep`` sets others."""
 
     def __init__(
         self, fresh: FreshState, calls: Words, batch: Batch, span: tuple[int, int]
@@ -375,7 +375,7 @@ class Frame:
         self.directory: Words = np.array(list(zip(addresses, sizes, strict=True)), np.int64)
 
     def keep(self, moments: Records, begin: int, end: int) -> None:
-        """Fly from one tick on and before another next, and keep as many as there is room for."""
+        """Fly next from ``begin`` to before ``end``; keep ticks as ``moments`` has room."""
         self._at[1:] = begin, end
         self._n_moments[0] = len(moments)
         self._moments = moments
@@ -393,7 +393,7 @@ class Frame:
 
     @property
     def has_written_to_tables(self) -> bool:
-        """Whether a flight has changed what none may change."""
+        """Whether a flight has changed a table, which none may change."""
         n = self._fresh.n_changing
         return any(not np.array_equal(words[n:], self._fresh.words[n:]) for words in self._states)
 

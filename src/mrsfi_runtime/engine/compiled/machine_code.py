@@ -1,9 +1,9 @@
 """Machine code: kept in a cache, each function under a key, and loaded without numba.
 
 A process that loads compiled code runs it. So mrsfi reads nothing from a folder to which other
-users may write, nor an entry that is not, byte for byte, what was sealed under its key. The first
-half is this cache; ``kept`` is its entrance. The second half makes keys, loads object files, and
-finds the kernel that a wheel brings as a library, which needs no compiler.
+users may write, and no entry whose bytes differ from those sealed under its key. The first half is
+this cache; begin with ``kept``. The second half makes keys, loads object files, and finds the
+kernel that a wheel contains as a library, which needs no compiler.
 """
 
 import atexit
@@ -33,11 +33,11 @@ from mrsfi_runtime.files import telling_of_temporary_files
 
 FILE = "code"
 N_KEPT = 512
-"""Regions and kernels that the cache keeps; a region takes some 10 kB, a kernel 140."""
+"""Number of regions and kernels in the cache; a region takes about 10 kB, a kernel 140 kB."""
 
 
 def cache_folder() -> Path:
-    """Return ``MRSFI_CACHE``, else the user's cache folder, or tell the user of another one."""
+    """Return ``MRSFI_CACHE``, else the user's cache folder, or a temporary one with a warning."""
     users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
     try:
@@ -49,7 +49,7 @@ def cache_folder() -> Path:
 
 
 def _distrusted(folder: Path) -> str:
-    """Return why nothing is to be kept in a folder; empty if it is this user's alone."""
+    """Return why a folder cannot be used; empty if only this user can write to it."""
     about = folder.stat()
     if about.st_uid != os.getuid():
         return f"it belongs to user {about.st_uid}, expected {os.getuid()}"
@@ -59,7 +59,7 @@ def _distrusted(folder: Path) -> str:
 
 
 def temporary(folder: Path, why: str) -> Path:
-    """Return a folder for this process and those that it starts, in the place of another."""
+    """Return a temporary folder for this process and its children, in place of another."""
     try:
         own = mkdtemp(prefix="mrsfi_")
     except OSError as error:
@@ -75,7 +75,7 @@ def temporary(folder: Path, why: str) -> Path:
 
 
 def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
-    """Return what is kept under a key, made if need be, and whether it was."""
+    """Return the content of a key, made if it is missing, and whether it was made now."""
     folder = cache_folder()
     try:
         return _kept_in(folder / key, make)
@@ -85,12 +85,12 @@ def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
 
 
 def forget(key: str) -> None:
-    """Have it made anew when it is asked for next."""
+    """Remove an entry, so that the next request makes it again."""
     (cache_folder() / key / FILE).unlink(missing_ok=True)
 
 
 def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
-    """Return what an entry keeps; one process at a time makes it, and seals it in the end."""
+    """Return the content of an entry; one process at a time makes it, and then seals it."""
     _make_room(entry)
     if entry.is_symlink() or entry.is_file():
         entry.unlink()
@@ -109,12 +109,12 @@ def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
 
 
 def sealed(key: str, content: bytes) -> bytes:
-    """Return the seal of what is kept under a key; under another key it has another one."""
+    """Return the seal of a content under a key; it differs between keys."""
     return sha256(key.encode() + b"\n" + content).hexdigest().encode()
 
 
 def _make_room(new: Path) -> None:
-    """Remove the oldest entries but for one less than are kept; who uses one has it."""
+    """Remove the oldest entries to make room for one; processes have loaded those they use."""
     if not new.exists():
         known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob(f"*/{FILE}")]
         for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
@@ -127,7 +127,7 @@ _LOADED: dict[bytes, tuple[Any, list[int]]] = {}
 FOLDER = Path(__file__).with_name("prebuilt")
 PROCESSOR = "x86-64-v3"
 _FEATURES = {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
-"""What Linux calls the features of a processor on which the library runs."""
+"""The processor features that the library needs, as Linux names them."""
 
 LIBRARY, MANIFEST = "kernel.so", "kernel.json"
 
@@ -148,7 +148,7 @@ class Library:
 
 @dataclass(frozen=True, slots=True)
 class MachineCode:
-    """An object file, the names of functions in it, and of what it takes from elsewhere."""
+    """An object file, the names of functions in it, and of external symbols that it needs."""
 
     names: tuple[str, ...]
     binary: bytes
@@ -173,7 +173,7 @@ class MachineCode:
 
 
 def lend_runtime() -> None:
-    """Make known what compiled code takes from numba."""
+    """Register the symbols of numba that compiled code needs."""
     from numba.core.registry import cpu_target  # noqa: PLC0415 - slow
     from numba.core.runtime.nrt import rtsys  # noqa: PLC0415 - slow
 
@@ -207,7 +207,7 @@ def _machine() -> Any:
 
 @cache
 def sources_key() -> str:
-    """Return a key of the text of all that the kernel is compiled from."""
+    """Return a key of the sources of the kernel."""
     root = Path(str(mrsfi_runtime.__file__)).parent
     known = (path for name in _SOURCES for path in (root / name).rglob("*.py"))
     files = sorted({*known, *(root / name for name in _SOURCES if name.endswith(".py"))})
@@ -216,7 +216,7 @@ def sources_key() -> str:
 
 @cache
 def kernel_key() -> str:
-    """Return a key of all that decides how the kernel compiles: its text, compiler, machine."""
+    """Return a key of all that the compiled kernel depends on: its text, compiler, machine."""
     if find_spec("numba") is None:
         raise UsageError("compilation needs numba; install it with: pip install 'mrsfi[fast]'")
     parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
@@ -229,7 +229,7 @@ def key_of(*parts: str) -> str:
 
 
 def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
-    """Return what the cache keeps under a key, compiled if need be, and whether it was."""
+    """Return the code of a key, cached or compiled now, and whether it was compiled now."""
 
     def make() -> bytes:
         code = compile_()
@@ -243,24 +243,24 @@ def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCod
 
 @cache
 def prebuilt_kernel() -> Library | None:
-    """Return the library, if there is one of these very sources that this machine can run."""
+    """Return the library, if it was built from these sources and this machine can run it."""
     try:
-        told = json.loads((FOLDER / MANIFEST).read_text(encoding="utf-8"))
-        is_ours = told["seal"] == library_seal(told["names"], (FOLDER / LIBRARY).read_bytes())
+        about = json.loads((FOLDER / MANIFEST).read_text(encoding="utf-8"))
+        is_ours = about["seal"] == library_seal(about["names"], (FOLDER / LIBRARY).read_bytes())
         is_known = (sys.platform, platform.machine()) == ("linux", "x86_64")
         features = Path("/proc/cpuinfo").read_text(encoding="utf-8").split() if is_known else ()
         if is_ours and _FEATURES.issubset(features):
-            return Library(FOLDER / LIBRARY, tuple(told["names"]))
+            return Library(FOLDER / LIBRARY, tuple(about["names"]))
     except (OSError, ValueError, KeyError):
         pass
     return None
 
 
 def library_seal(names: Sequence[str], library: bytes) -> str:
-    """Return the seal of a library: of these very sources, and of its functions in this order."""
+    """Return the seal of a library of these sources, with functions in this order."""
     return sealed(key_of(sources_key(), *names), library).decode()
 
 
 _POINTERS = (ctypes.POINTER(ctypes.c_int64), ctypes.POINTER(ctypes.c_void_p), ctypes.c_void_p)
 FLIGHT = ctypes.CFUNCTYPE(ctypes.c_int32, *_POINTERS, ctypes.c_int64, ctypes.c_int64)
-"""How compiled code is called: where the result goes, and an error; then what flies."""
+"""The arguments of compiled code: addresses for result and error; the frame, and its span."""

@@ -1,11 +1,11 @@
-"""Which regions of a mission a team wrote, and all that their machine code depends on.
+"""Finds the regions that a team wrote, and all values that their machine code depends on.
 
-``own_regions`` compares the code of a mission with what its generator writes: only a region that
-does more than call the function of its goal's task has to be compiled for itself.
+``own_regions`` compares the code of a mission with what its generator writes. A region that only
+calls the function of its goal's task is not compiled separately.
 
-Machine code holds globals, defaults and constants as they were when it was made. So ``Reached``
-writes all that functions reach, however deep, as a text in which every value differs from every
-other; the cache's key is made of it. A value that has no such text cannot be compiled.
+Machine code contains globals, defaults and constants as they were when it was compiled. So
+``Reached`` writes all values that functions reach, at any depth, as a text; different values have
+different texts. The cache's key depends on it. A value without such a text cannot be compiled.
 """
 
 import builtins
@@ -44,7 +44,7 @@ class CompilationError(EvaluationError):
 
 
 class Region(NamedTuple):
-    """What a team wrote, and the place of its address among the calls of a state."""
+    """A function that a team wrote, and the place of its address among the calls of a state."""
 
     function: Callable[..., Any]
     role: str
@@ -76,7 +76,7 @@ def own_regions(
 
 
 def measured_goals(code: MissionCode) -> tuple[bool, ...]:
-    """Return which goals have a margin: those of which a team wrote neither check nor progress."""
+    """Return which goals have a margin: those whose check and progress no team wrote."""
     goals, roles = range(len(code.mission.goals)), ("check", "progress")
     try:
         own = {each.place // len(ROLES) for each in own_regions(code, roles) if each.role in roles}
@@ -119,7 +119,7 @@ def _odd(code: MissionCode, role: str) -> CompilationError:
 
 
 def _is_default(function: Any, role: str, goal: int, task: int) -> bool:
-    """Return whether a region only calls what its goal's task says, by whatever name."""
+    """Return whether a region only calls the function of its goal's task, by any name."""
     default = _default(role, task)
     names = function.__code__.co_names if is_kernel(function) else ()
     if default is None or len(names) < 2 or not function.__code__.co_varnames:
@@ -137,7 +137,7 @@ def _is_default(function: Any, role: str, goal: int, task: int) -> bool:
 
 
 def _is_written(function: Any, head: str, body: list[str]) -> bool:
-    """Return whether a function has such a text, but for its own text of what it does."""
+    """Return whether a function has this code, apart from its docstring."""
     if not isinstance(function, FunctionType):
         return False
     lines = [head, *([repr(function.__doc__)] if function.__doc__ else []), *body]
@@ -161,14 +161,14 @@ _Write: TypeAlias = "Callable[[Reached, Any, frozenset[str]], str]"
 
 
 class _UnknownError(Exception):
-    """What was found has no text; nobody else sees this."""
+    """A value has no text; it never leaves this module."""
 
 
 class Reached:
-    """What some functions reach: ``functions`` of the kernel, each once, and ``text``.
+    """The values that functions reach: ``functions`` marked as kernels, each once, and ``text``.
 
-    The text holds all that machine code of them may hold; not of functions that others call, if it
-    is not deep. A CompilationError names what has no text, such as an object of a class.
+    The text covers all that their machine code may contain, without called functions if it is not
+    deep. A CompilationError names a value without a text, such as an object of a class.
     """
 
     def __init__(self, functions: Sequence[Callable[..., Any]], *, is_deep: bool = True) -> None:
@@ -176,30 +176,30 @@ class Reached:
         self._extended = dict(_extensions())
         self.functions: list[FunctionType] = []
         self._numbers: dict[Any, int] = {}
-        self._kept: list[Any] = []  # a number of what is gone would be given to another
+        self._kept: list[Any] = []  # else another object could get the ID of a deleted one
         self.text = self._all(functions, frozenset())
 
     def _all(self, values: Any, names: frozenset[str]) -> str:
         return f"[{', '.join(self._of(value, names) for value in values)}]"
 
     def _of(self, value: Any, names: frozenset[str]) -> str:
-        """Return a text that no other value has; of a module, that of what has such a name."""
+        """Return a text that no other value has; of a module, only of the attributes ``names``."""
         kind = type(value)
         if id(value) in self._extended:
             raise _UnknownError(f"what {self._extended[id(value)]} replaces when compiled")
         if kind in _PLAIN or kind.__module__ == "numpy.dtypes":
             return f"{kind.__name__} {value!r}"
-        np: Any = sys.modules.get("numpy")  # whoever has values of it imported it
+        np: Any = sys.modules.get("numpy")  # imported if there are values of it
         arrays = [(np.ndarray | np.generic, Reached._array)] if np else []
         for kinds, write in (*self._written, *arrays):
             if isinstance(value, kinds):
                 return f"{kind.__module__}.{kind.__qualname__} {write(self, value, names)}"
-        if hasattr(value, "py_func"):  # compiled by numba, by whomever
+        if hasattr(value, "py_func"):  # compiled by numba
             return f"{kind} {value.targetoptions} {self._once(value.py_func, names, Reached._deep)}"
         return _named(value)
 
     def _once(self, value: Any, names: frozenset[str], write: _Write) -> str:
-        """Return the text of what may reach itself; from the second time on a number."""
+        """Return the text of a value that may reach itself; from the second time on, a number."""
         key = (id(value), names if isinstance(value, ModuleType) else None)
         if key in self._numbers:
             return f"#{self._numbers[key]}"
@@ -207,12 +207,12 @@ class Reached:
         self._kept.append(value)
         try:
             return write(self, value, names)
-        except _UnknownError:  # what it reaches is in no text yet
+        except _UnknownError:  # no text contains the values that it reached
             self._numbers = {each: n for each, n in self._numbers.items() if n < number}
             raise
 
     def _function(self, function: FunctionType, names: frozenset[str]) -> str:
-        """Return the text of a function; what is not marked is not compiled."""
+        """Return the text of a function; unmarked functions are not compiled."""
         if is_kernel(function) and self.functions and not self._is_deep:
             return str(id(function))
         if is_kernel(function):
@@ -246,7 +246,7 @@ class Reached:
             raise _refusal(function, f"it reads {error} by the name '{name}'") from None
 
     def _code(self, code: CodeType, _: frozenset[str] = frozenset()) -> str:
-        """Return the text of a function's code, without what file and line it stands in."""
+        """Return the text of a function's code, without file and line."""
         parts = [repr(getattr(code, f"co_{name}")) for name in _CODE.split()]
         return f"{' '.join(parts)} {self._all(code.co_consts, frozenset())}"
 
@@ -266,7 +266,7 @@ class Reached:
         return f"{array.dtype!r} {array.shape} {array.strides} {content}"
 
     def _class(self, kind: type, names: frozenset[str]) -> str:
-        """Return the name of a class, and what numba knows of one: members or fields."""
+        """Return the name of a class, and the parts that numba uses: members or fields."""
         if type(kind).__module__.startswith("numba"):
             raise _UnknownError(f"the compiled class {kind.__qualname__}")
         known: Any = kind
@@ -286,7 +286,7 @@ class Reached:
         (ModuleType, partial(_once, write=_module)),
         (type, partial(_once, write=_class)),
     )
-    """How the values of some kinds are written; what may come to itself again, but once."""
+    """How the values of some kinds are written; those that may reach themselves, only once."""
 
 
 def _named(value: Any) -> str:
@@ -317,9 +317,9 @@ def _refusal(function: FunctionType, why: str) -> CompilationError:
 
 
 def _extensions() -> Iterator[tuple[int | str, str]]:
-    """Yield what others than numba have numba compile in another way, and who does.
+    """Yield the functions and attributes whose compilation extensions of numba change, and which.
 
-    It is a function by its ID, an attribute by its name; an empty one if no name leads to it.
+    A function is given by its ID, an attribute by its name, operators and built-ins by "".
     """
     templates: Any = sys.modules.get("numba.core.typing.templates")
     known = templates.builtin_registry if templates else None
@@ -336,7 +336,7 @@ def _package(value: object) -> str:
 
 
 def names_of(code: CodeType) -> Iterator[str]:
-    """Yield the names of a function that are not its own, those in its comprehensions too."""
+    """Yield the names that a function does not define itself, those in comprehensions included."""
     yield from (*code.co_names, *code.co_freevars)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):

@@ -1,11 +1,11 @@
-"""A state as compiled code sees it, and the flights of a batch as it flies them.
+"""The state in compiled code, and the function that flies a batch.
 
 To numba a record of lists is a ``View``: the address of a directory, whose fields read as in
 Python. A directory never changes while compiled code runs, which the loads declare to LLVM
 (``invariant.load``). The first half types views, their attributes, and calls by address.
 
-The second half runs compiled only, and takes views. ``fly_many`` flies the specifications of a
-batch one after the other. For each goal it calls the function of the goal's task, or, by its
+The second half runs only compiled, and takes views. ``fly_many`` flies the specifications of a
+batch one after the other. For each goal it calls the function of the goal's task or, by its
 address, the region that a team wrote.
 """
 
@@ -85,7 +85,7 @@ class _Attributes(AttributeTemplate):
 
 
 def _word(builder: Any, directory: Any, place: int) -> Any:
-    """Return an entry's word, which is always the same."""
+    """Return an entry's word, which never changes."""
     word = builder.load(builder.gep(directory, [ir.Constant(_WORD, place)]))
     word.set_metadata("invariant.load", builder.module.add_metadata([]))
     return word
@@ -142,12 +142,12 @@ TASK_SIGNATURE = (_STATE, types.int64, types.int64)
 
 
 def arguments_of(role: str) -> tuple[Any, ...]:
-    """Return the types of what a region is called with; effects of a team's own take more."""
+    """Return the types of a region's arguments; effects of user-defined fault types have more."""
     return (_STATE, _STATE, from_dtype(OWN)) if role == EFFECT else (_STATE,)
 
 
 def _called(address: Any, *arguments: Any) -> Any:
-    """Type and write a call of a compiled region, whose error is one of the caller."""
+    """Type and write a call of a compiled region; its error becomes one of the caller."""
     result = types.int64
 
     def written(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -171,13 +171,13 @@ def call(_context: Any, address: Any, view: Any) -> Any:
 
 @_intrinsic
 def call_by_task(_context: Any, address: Any, view: Any, g: Any, task: Any) -> Any:
-    """Call what a task says by its address, with a state, a goal and the task."""
+    """Call the function of a task by its address, with a state, a goal and the task."""
     return _called(address, view, g, task)
 
 
 @_intrinsic
 def call_effect(_context: Any, address: Any, ci: Any, inbox: Any, fault: Any) -> Any:
-    """Call the effects of a team's own by their address."""
+    """Call the effects of user-defined fault types by their address."""
     return _called(address, ci, inbox, fault)
 
 
@@ -234,31 +234,31 @@ def react(ci: Any) -> None:
 
 @kernel
 def progress_by_task(view: Any, g: int, task: int) -> int:
-    """Note what a goal has to remember, as a task says: what regions call by address."""
+    """Update the memory of a goal, as a task defines it; regions call this by address."""
     table.progress(view, g, task)
     return 0
 
 
 @kernel
 def check_by_task(view: Any, g: int, task: int) -> int:
-    """Return whether a goal is violated, as a task says; by address, likewise."""
+    """Return whether a goal is violated, as a task defines it; called by address, too."""
     return 1 if table.violated(view, g, task) else 0
 
 
 @kernel
 def react_by_task(ci: Any, g: int, task: int) -> int:
-    """Command the members of a goal, as a task says; by address, likewise."""
+    """Command the members of a goal, as a task defines it; called by address, too."""
     table.react(ci, g, task)
     return 0
 
 
 TASK_FUNCTIONS = (progress_by_task, check_by_task, react_by_task)
-"""They stand behind the calls of all goals and those of a team's effects."""
+"""Their addresses follow those of all goals and of user-defined effects."""
 
 
 @kernel
 def apply(ci: Any, inbox: Any, fault: Any) -> None:
-    """Let a fault of a team's own type act; fail if it changes what its type does not allow."""
+    """Let a user-defined fault act; raise an error if it changes more than its type allows."""
     calls = getattr(ci, CALLS)
     address = calls[3 * len(ci.goals)]
     if address == 0:
@@ -303,12 +303,12 @@ def add_record(total: int, record: Any, n_words: int) -> int:
 
 @dataclass(slots=True)
 class Flights:
-    """What some flights read and write.
+    """The data that flights read and write.
 
     ``states`` are the directories of truth, belief and inbox; ``plans`` and ``verdicts`` have one a
-    specification. ``fresh`` is what changes in a state, before the first tick; ``world, belief,
-    inbox`` the same of the states themselves; ``samples`` the valid ones of each sensor, tick after
-    tick. ``results`` has a row a specification: words of the last truth and belief, then verdicts;
+    specification. ``fresh`` is the changing part of a state before the first tick; ``world, belief,
+    inbox`` are that part of the states; ``samples`` has the valid samples of each sensor, tick
+    after tick. ``results`` has a row a specification: words of last truth and belief, and verdicts;
     ``moments`` one for each of ``n_moments`` ticks. ``at`` receives the number of the specification
     that flies, and holds its first tick and the one after its last.
     """
