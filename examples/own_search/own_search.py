@@ -1,4 +1,4 @@
-"""A fitness function, a mutation and a whole search of one's own, named in campaign files.
+"""A user-defined fitness function, mutation and search algorithm, named in campaign files.
 
 Run from this folder, or with it on PYTHONPATH::
 
@@ -18,14 +18,14 @@ from mrsfi_runtime.search.space import SearchSpace, random_specification
 
 
 def unseen_danger(findings: FitnessInput) -> float:
-    """Return the ticks at which a goal was violated and nobody knew, and the samples missed."""
+    """Return the undetected violations of a goal in ticks, and the missing samples."""
     return float(sum(findings.outcome.masked)) + 1000.0 / (1.0 + sum(findings.outcome.samples))
 
 
 def shorter(
     space: SearchSpace, specification: Specification, rng: Random, share: float
 ) -> Specification:
-    """Cut some windows in half, to see which short disturbance is enough."""
+    """Cut some windows in half, to find short faults that suffice."""
     return space.ordered(
         timed._replace(finish=(timed.start + timed.finish) // 2) if rng.random() < share else timed
         for timed in specification
@@ -76,7 +76,7 @@ class HillClimber:
         return self._best[2]
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
-        """Keep the best and say how the generation went."""
+        """Keep the best and return the summary of the generation."""
         numbered = enumerate(zip(scores, self._asked, strict=True), self._n_asked)
         found = [(score.fitness, number, asked) for number, (score, asked) in numbered]
         self._best = max([*found, *([self._best] if self._best else [])], key=lambda one: one[0])

@@ -1,4 +1,4 @@
-"""A warehouse of six robots, eleven goals and all nine tasks: written, checked, flown, searched."""
+"""Write, check, fly and search a warehouse of six robots, eleven goals and all nine tasks."""
 
 import os
 import sys
@@ -94,4 +94,4 @@ for found in mission.validate():
     print(found)
 print(mission.fly().violations("true"))
 campaign = mission.evolve(population=10, generations=4, faults=4)
-print(*(f"{way.goal}: {' '.join(way.faults)}" for way in campaign.ways), sep="\n")
+print(*(f"{weakness.goal}: {' '.join(weakness.faults)}" for weakness in campaign.ways), sep="\n")

@@ -1,4 +1,4 @@
-"""A rosbridge server as a simulation sees it: names, types and times of one ROS, and bundles."""
+"""A simulation's connection to a rosbridge server: names, types and times of ROS, and bundles."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -14,17 +14,17 @@ _FAILURE = "/mission/failure"
 
 
 class Bus:
-    """Topics and services of a server, under a prefix and in the words of a version of ROS.
+    """Topics and services of a server, with a prefix and the names of a version of ROS.
 
     Names in a bundle have no prefix; the topic of the bundle has it.
 
-    What goes wrong in a callback is told to all on ``/mission/failure``, then to ``fail``;
+    An error in a callback is published on ``/mission/failure``, then passed to ``fail``;
     roslibpy would only log it.
 
     Attributes
     ----------
     where
-        Tells where in a run the simulation is, for what is told of a failure.
+        Returns run and tick of the simulation, for the messages of failures.
     """
 
     def __init__(
@@ -43,12 +43,12 @@ class Bus:
         self._topic(_GO_BUNDLE, "std_msgs/String").subscribe(self._safe(self._take_apart))
 
     def advertise(self, name: str, type_name: str) -> None:
-        """Make a topic ready to be published on."""
+        """Advertise a topic."""
         self._topics[name] = self._topic(name, type_name)
         self._topics[name].advertise()
 
     def subscribe(self, name: str, type_name: str, callback: Callback) -> None:
-        """Have a callback hear a topic, whether its messages come alone or in a bundle."""
+        """Have a callback receive a topic, whether its messages are bundled or not."""
 
         def hear(message: Message) -> None:
             self._is_bundling = False
@@ -58,13 +58,13 @@ class Bus:
         self._topic(name, type_name).subscribe(self._safe(hear))
 
     def provide(self, name: str, answer: Callable[[], tuple[bool, str]]) -> None:
-        """Serve a trigger by a function that returns whether it went well, and a message."""
+        """Serve a trigger with a function that returns success and a message."""
 
         def handle(_request: Any, response: Any) -> bool:
             try:
                 is_success, text = answer()
-            except Exception as error:  # noqa: BLE001 - whatever it is ends the simulation
-                is_success, text = False, self._tell(error)
+            except Exception as error:  # noqa: BLE001 - any error ends the simulation
+                is_success, text = False, self._report(error)
             response.update(success=is_success, message=text)
             return True
 
@@ -72,7 +72,7 @@ class Bus:
         roslibpy.Service(self._ros, self._prefix + name, kind).advertise(handle)
 
     def publish(self, messages: Sequence[tuple[str, Message]]) -> None:
-        """Publish the messages of a tick: as a bundle if those before them came as one."""
+        """Publish the messages of a tick, as a bundle if its commands came as one."""
         if self._is_bundling:
             text = json.dumps(messages, allow_nan=False, separators=(",", ":"))
             messages = [(_TICK_BUNDLE, {"data": text})]
@@ -101,12 +101,12 @@ class Bus:
         def hear(message: Message) -> None:
             try:
                 callback(message)
-            except Exception as error:  # noqa: BLE001 - whatever it is ends the simulation
-                self._tell(error)
+            except Exception as error:  # noqa: BLE001 - any error ends the simulation
+                self._report(error)
 
         return hear
 
-    def _tell(self, error: Exception) -> str:
+    def _report(self, error: Exception) -> str:
         reason = f"{self.where()}: {type(error).__name__}: {error}"
         self._topics[_FAILURE].publish({"data": reason})
         self._fail(reason)

@@ -1,4 +1,4 @@
-"""What every world shares: robots that are told heading and speed, take samples, spend energy."""
+"""Shared by all worlds: robots that obey heading and speed, take samples and spend energy."""
 
 import tomllib
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ Place: TypeAlias = tuple[float, float, float]
 
 @dataclass(slots=True)
 class Sensor:
-    """A sensor, and whether its robot was told to have it on."""
+    """A sensor, and its commanded state (``is_wanted``)."""
 
     name: str
     samples_per_tick: int
@@ -28,9 +28,9 @@ class Sensor:
 
 @dataclass(slots=True)
 class Robot:
-    """A robot, what it was told, and where it is; distances in those of the mission.
+    """A robot, its commands and its place; distances in units of the mission.
 
-    It is told a unit heading in the plane and a distance per tick. At the end of a tick,
+    Commands are a unit heading in the plane and a distance per tick. At the end of a tick,
     ``position`` and ``speed`` are true.
     """
 
@@ -42,7 +42,7 @@ class Robot:
     sensors: list[Sensor]
     energy: float = 0.0
     heading: tuple[float, float] = (0.0, 0.0)
-    told_speed: float = 0.0
+    commanded_speed: float = 0.0
     position: Place = (0.0, 0.0, 0.0)
     speed: float = 0.0
 
@@ -53,13 +53,13 @@ class Robot:
 
     @property
     def wanted_speed(self) -> float:
-        """The speed that it was told, as far as it obeys; 0 without energy."""
-        return min(self.told_speed, self.greatest_speed) if self.has_power else 0.0
+        """The commanded speed within the robot's maximum; 0 without energy."""
+        return min(self.commanded_speed, self.greatest_speed) if self.has_power else 0.0
 
     def reset(self) -> None:
         """Go back to before the first tick."""
         self.energy = self.energy_at_start
-        self.heading, self.told_speed = (0.0, 0.0), 0.0
+        self.heading, self.commanded_speed = (0.0, 0.0), 0.0
         self.position, self.speed = self.start, 0.0
         for sensor in self.sensors:
             sensor.count, sensor.is_active, sensor.is_wanted = 0, False, True
@@ -75,17 +75,17 @@ class Obstacle:
 
 
 class Physics(Protocol):
-    """What moves the robots that it was made with."""
+    """Moves the robots with which it was made."""
 
     def reset(self) -> None:
         """Put every robot at its start, at rest."""
 
     def move(self) -> Sequence[float]:
-        """Move all robots for a tick, as told; return how far each of them went."""
+        """Move all robots for a tick, as commanded; return the distance of each."""
 
 
 class World:
-    """Robots that physics move, and what their way and their samples cost.
+    """Robots that physics move, and the energy of their ways and samples.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class World:
         self._physics.reset()
 
     def step(self) -> None:
-        """Fly one tick; in that in which its energy runs out, a robot still moves and samples."""
+        """Fly one tick; a robot still moves and samples in the tick in which its energy ends."""
         for robot, way in zip(self.robots, self._physics.move(), strict=True):
             spent = way * robot.energy_per_distance + self._sample(robot)
             robot.energy = max(robot.energy - spent, 0.0)

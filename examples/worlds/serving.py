@@ -14,7 +14,7 @@ MakePhysics = Callable[[Sequence[Robot], Sequence[Obstacle]], Physics]
 
 
 def serve(name: str, make_physics: MakePhysics) -> int:
-    """Serve the mission with a kind of physics, as the command line asks; return the exit code."""
+    """Serve the mission with a kind of physics and options; return the exit code."""
     options = _options(name)
     robots, obstacles = read_mission()
     world = World(robots, make_physics(robots, obstacles))
@@ -34,7 +34,7 @@ def serve(name: str, make_physics: MakePhysics) -> int:
 
 
 def _serve(ros: roslibpy.Ros, world: World, options: argparse.Namespace, words: str) -> str:
-    """Serve until something goes wrong, and return what, or nothing at Ctrl-C."""
+    """Serve until an error, and return it, or nothing at Ctrl-C."""
     ended, closed = threading.Event(), threading.Event()
     problems: list[str] = []
 

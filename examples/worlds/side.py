@@ -1,4 +1,4 @@
-"""The simulation's side of the lock-step that docs/bus.md describes; it knows nothing of mrsfi."""
+"""The simulation's side of the lock-step in docs/bus.md; it imports nothing of mrsfi."""
 
 from collections.abc import Iterator
 
@@ -7,19 +7,19 @@ from robots import Robot, Sensor, World
 
 
 class Side:
-    """Flies a tick of a world whenever it is told to, and tells what is true then."""
+    """Flies a world tick by tick on request, and publishes reports and true values."""
 
     def __init__(self, bus: Bus, world: World) -> None:
         self._bus = bus
         self._world = world
         self._setup: tuple[int, int] | None = None
         self._run: int | None = None
-        self._told_active: dict[str, bool] = {}
+        self._published_active: dict[str, bool] = {}
         self._begin()
         bus.where = lambda: f"run {self._run}, tick {self._tick}"
 
     def join(self) -> None:
-        """Advertise and subscribe to everything; the services last, for they say it is ready."""
+        """Advertise and subscribe to everything, services last: they signal that it is ready."""
         bus = self._bus
         for robot in self._world.robots:
             self._join_robot(robot)
@@ -41,7 +41,7 @@ class Side:
             robot.heading = float(message["x"]), float(message["y"])
 
         def drive(message: Message) -> None:
-            robot.told_speed = float(message["data"])
+            robot.commanded_speed = float(message["data"])
 
         self._obey(f"{base}/command/heading", "geometry_msgs/Vector3", turn)
         self._obey(f"{base}/command/speed", "std_msgs/Float64", drive)
@@ -69,16 +69,16 @@ class Side:
 
     def _begin(self) -> None:
         self._tick = self._n_announced = self._n_obeyed = 0
-        self._is_told = False
-        self._told_active.clear()
+        self._is_requested = False
+        self._published_active.clear()
 
     def _on_setup(self, message: Message) -> None:
-        run, seed, *_semantics = message["data"]  # a world has rules of its own
+        run, seed, *_semantics = message["data"]  # a world has its own rules
         self._setup = run, seed
 
     def _reset(self) -> tuple[bool, str]:
         if self._setup is None:
-            return False, "no message on /mission/setup came yet"
+            return False, "no message on /mission/setup has arrived yet"
         self._run, seed = self._setup
         self._world.reset(seed)
         self._begin()
@@ -93,27 +93,27 @@ class Side:
         if run != self._run:  # a run that is over
             return
         if tick != self._tick:
-            raise ValueError(f"told to fly tick {tick}; expected tick {self._tick}")
-        self._is_told = True
+            raise ValueError(f"tick {tick} was requested; expected tick {self._tick}")
+        self._is_requested = True
         self._n_announced += n_commands
         self._fly_when_complete()
 
     def _fly_when_complete(self) -> None:
-        """Fly the tick once all its commands came: servers may deliver some after the go."""
-        if not self._is_told or self._n_obeyed < self._n_announced:
+        """Fly the tick once all its commands arrived: servers may deliver some after the go."""
+        if not self._is_requested or self._n_obeyed < self._n_announced:
             return
         if self._n_obeyed > self._n_announced:
-            raise ValueError(f"{self._n_obeyed} commands came; expected {self._n_announced}")
-        self._is_told = False
+            raise ValueError(f"{self._n_obeyed} commands arrived; expected {self._n_announced}")
+        self._is_requested = False
         self._world.step()
-        told = [each for robot in self._world.robots for each in self._messages(robot)]
-        told.append(("/clock", {"clock": self._bus.time_of(self._tick)}))
-        counts = [self._run, self._tick, len(told), self._n_obeyed]
+        messages = [each for robot in self._world.robots for each in self._messages(robot)]
+        messages.append(("/clock", {"clock": self._bus.time_of(self._tick)}))
+        counts = [self._run, self._tick, len(messages), self._n_obeyed]
         self._tick += 1
-        self._bus.publish([*told, ("/mission/tick", {"data": counts})])
+        self._bus.publish([*messages, ("/mission/tick", {"data": counts})])
 
     def _messages(self, robot: Robot) -> Iterator[tuple[str, Message]]:
-        """Yield what a robot tells of itself, and what is true of it."""
+        """Yield the reports of a robot, and its true values."""
         base, (x, y, z) = f"/{robot.name}", robot.position
         truth = [x, y, z, robot.speed, robot.energy]
         if all(sensor.is_active for sensor in robot.sensors if sensor.tells_position):
@@ -124,7 +124,7 @@ class Side:
             name = f"{base}/{sensor.name}"
             truth += [float(sensor.count), float(sensor.is_active)]
             yield f"{name}/samples", {"data": sensor.count}
-            if self._told_active.get(name) != sensor.is_active:
-                self._told_active[name] = sensor.is_active
+            if self._published_active.get(name) != sensor.is_active:
+                self._published_active[name] = sensor.is_active
                 yield f"{name}/active", {"data": sensor.is_active}
         yield f"/truth{base}", {"data": truth}

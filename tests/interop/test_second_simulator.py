@@ -214,7 +214,7 @@ def test_order_within_topics_is_all_that_it_needs():
 
 @pytest.mark.parametrize(
     ("words", "message"),
-    [((1, 5, 0), "told to fly tick 5; expected tick 0"), ((1, 0), "not enough values to unpack")],
+    [((1, 5, 0), "tick 5 was requested; expected tick 0"), ((1, 0), "not enough values to unpack")],
 )
 def test_what_goes_wrong_ends_a_world_with_its_reason(words, message):
     with EmbeddedBridge() as server, running(OURS, server.url) as served:

@@ -55,7 +55,7 @@ def ready(module: ModuleType, world: str, **changed: float) -> tuple[Any, list[A
 def test_a_robot_gets_where_it_is_told_no_faster_than_it_may(world, load):
     made, robots, _ = ready(load(world), world, greatest_speed=2.0)
     first = robots[0]
-    first.heading, first.told_speed = (0.6, 0.8), 1000.0
+    first.heading, first.commanded_speed = (0.6, 0.8), 1000.0
 
     for _ in range(60):
         made.step()
@@ -72,7 +72,7 @@ def test_a_robot_gets_where_it_is_told_no_faster_than_it_may(world, load):
 def test_without_energy_a_robot_comes_to_rest_and_samples_no_more(world, load):
     made, robots, _ = ready(load(world), world, energy_at_start=200.0)
     for robot in robots:
-        robot.heading, robot.told_speed = (1.0, 0.0), 4.0
+        robot.heading, robot.commanded_speed = (1.0, 0.0), 4.0
 
     for _ in range(60):
         made.step()
@@ -88,7 +88,7 @@ def test_an_obstacle_holds_what_runs_into_it_and_lets_it_go(world, load):
     made, (first, *_), obstacles = ready(load(world), world)
     near = next(each for each in obstacles if each.name == "o4")  # straight ahead of none but r1
     way = np.subtract(near.center, first.start)[:2]
-    first.heading, first.told_speed = tuple(way / np.hypot(*way)), 8.0
+    first.heading, first.commanded_speed = tuple(way / np.hypot(*way)), 8.0
 
     def distance() -> float:
         made.step()

@@ -28,7 +28,7 @@ FACING = 0.3  # rad: it goes ahead as soon as its bow is no farther off the head
 
 
 class Sea:
-    """Vehicles that nothing stops: obstacles are not there for the water, only for the goals."""
+    """Vehicles that obstacles do not stop: only the goals know them."""
 
     def __init__(self, robots: Sequence[Robot], _obstacles: Sequence[Obstacle]) -> None:
         self._robots = robots
@@ -40,7 +40,7 @@ class Sea:
         self._vehicles.reset()
 
     def move(self) -> Sequence[float]:
-        """Dive for a tick, as told; return how far each vehicle went."""
+        """Dive for a tick, as commanded; return the distance of each vehicle."""
         told = np.array([robot.heading for robot in self._robots])
         speed = np.array([robot.wanted_speed for robot in self._robots]) * UNIT_M
         speed *= np.hypot(*told.T)
@@ -59,7 +59,7 @@ class Sea:
         return (metres / UNIT_M).tolist()
 
     def _thrust(self, heading: Array, speed: Array) -> Array:
-        """Return what the autopilots have the thrusters do, shape ``(6, n)``."""
+        """Return the forces and moments that the autopilots demand, shape ``(6, n)``."""
         u, v, w, _, _, r = self._vehicles.velocity
         _, _, depth, _, _, yaw = self._vehicles.pose
         off = np.where(speed > 0.0, np.remainder(heading - yaw + np.pi, 2.0 * np.pi) - np.pi, 0.0)

@@ -46,7 +46,7 @@ class Ground:
         self._ground.reset()
 
     def move(self) -> Sequence[float]:
-        """Drive for a tick, as told; return how far each robot went."""
+        """Drive for a tick, as commanded; return the distance of each robot."""
         metres = [0.0] * len(self._robots)
         for _ in range(self._n_steps):
             before = [_place(each) for each in self._driven]
@@ -62,7 +62,7 @@ class Ground:
 
 
 def _command(robot: Robot, driven: "irsim.world.ObjectBase") -> list[float]:
-    """Return speed and turn of the wheels that follow what a robot was told."""
+    """Return speed and turn of the wheels that follow the commands of a robot."""
     x, y = robot.heading
     wanted = robot.wanted_speed * UNIT_M * math.hypot(x, y)
     if not wanted:

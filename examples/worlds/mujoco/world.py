@@ -33,7 +33,7 @@ class SeaWater:
         mujoco.mj_resetData(self._model, self._data)
 
     def move(self) -> Sequence[float]:
-        """Move all vehicles for a tick, as told; return how far each of them went."""
+        """Move all vehicles for a tick, as commanded; return the distance of each."""
         has_power = np.array([robot.has_power for robot in self._robots])
         wanted = np.array([robot.heading for robot in self._robots])
         wanted *= np.array([[robot.wanted_speed] for robot in self._robots])
