@@ -151,7 +151,7 @@ def begun(
     flown_by = replace(flown_by, node_repeats=engine.node_repeats)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
-        campaign.store.doubt(doubt)
+        campaign.store.record_difference(doubt)
         yield campaign, flown_by
 
 
@@ -327,7 +327,7 @@ def _doubt(campaign: FlyableCampaign, flown: Specification, seen: str, tell: Tel
     else:
         found = differing(campaign.code, flown, store.settings.mission_seed)
         what = f"the mission {what}; {found}"
-    store.doubt(f"{what}; results may be chance")
+    store.record_difference(f"{what}; results may be chance")
     if side == BOTH:
         raise ReplayMismatch(f"{campaign.folder.path}: {what}; then begin a new campaign")
 

@@ -14,7 +14,7 @@ from numba import njit
 from mrsfi_runtime.engine.compiled.compiler import Checked, compiled_region, register
 from mrsfi_runtime.engine.compiled.layout import entries, laid_out
 from mrsfi_runtime.engine.compiled.regions import Reached, Region
-from mrsfi_runtime.engine.compiled.views import seen_as
+from mrsfi_runtime.engine.compiled.views import view_at
 from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.state import State
@@ -23,7 +23,7 @@ from tests.support.tree import ROOT
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 _numbers = itertools.count()
-_state = seen_as(State)
+_state = view_at(State)
 
 
 def compiled(region: Any) -> Any:

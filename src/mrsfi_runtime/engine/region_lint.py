@@ -314,17 +314,17 @@ _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
     """Return all findings in a mission's regions, and in the team's files that they import."""
-    return _found(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
+    return _findings(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
 
 
 def require_sound_regions(directory: Path) -> None:
     """Raise an EvaluationError that lists the regions that cannot run, one a line."""
-    errors = _found(directory, _ERRORS)
+    errors = _findings(directory, _ERRORS)
     if errors:
         raise EvaluationError("\n".join(map(str, errors)))
 
 
-def _found(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, ...]:
+def _findings(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, ...]:
     found = (
         RegionFinding(source.path, line, source.place(line), message, constraint)
         for source in sources(directory)
@@ -360,7 +360,7 @@ def _missing(source: Source) -> Iterator[tuple[int, str]]:
             if isinstance(node, ast.Attribute):
                 owner, known = _known(node.value, kinds)
                 if known and node.attr not in known:
-                    yield node.lineno, _missed(node, owner, known)
+                    yield node.lineno, _missing_name(node, owner, known)
 
 
 def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
@@ -376,7 +376,7 @@ def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
     return "", ()
 
 
-def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
+def _missing_name(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
     near = get_close_matches(node.attr, known, 3) or [n for n in known if n[0] != "_"]
     has = shorten(", ".join(near), 120, placeholder=" …")
     return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"

@@ -287,7 +287,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         with database.transaction(self.path, self._connection) as connection:
             connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
 
-    def doubt(self, text: str) -> None:
+    def record_difference(self, text: str) -> None:
         """Record how two flights of one specification differed, or an empty text."""
         engine = replace(self.manifest.engine, unrepeated=text)
         self.manifest = replace(self.manifest, engine=engine)

@@ -32,7 +32,7 @@ from deap import algorithms, base, tools
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.fitness import Score, chosen, told_by_line
+from mrsfi_runtime.search.fitness import Score, chosen, errors_by_line
 from mrsfi_runtime.search.loop import (
     MUTATIONS,
     SELECTIONS,
@@ -540,16 +540,16 @@ class _UserAlgorithm:
 
     @property
     def is_finished(self) -> bool:
-        with told_by_line(self.where):
+        with errors_by_line(self.where):
             return self.algorithm.is_finished
 
     def ask(self) -> list[Specification]:
-        with told_by_line(self.where):
+        with errors_by_line(self.where):
             asked = self.algorithm.ask()
             return [self.space.require(specification, self.where) for specification in asked]
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
-        with told_by_line(self.where):
+        with errors_by_line(self.where):
             summary = self.algorithm.tell(scores)
         if not isinstance(summary, GenerationSummary):
             found = type(summary).__name__
@@ -557,5 +557,5 @@ class _UserAlgorithm:
         return summary
 
     def random_state(self) -> str:
-        with told_by_line(self.where):
+        with errors_by_line(self.where):
             return self.algorithm.random_state()

@@ -52,8 +52,8 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
             f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
         )
     module = _imported(module_name, f"{where}: found '{name}'")
-    found: Callable[..., Any] | None = getattr(module, attribute, None)
-    if not callable(found):
+    function: Callable[..., Any] | None = getattr(module, attribute, None)
+    if not callable(function):
         functions = [
             key
             for key, value in vars(module).items()
@@ -63,18 +63,18 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
         raise UsageError(
             f"{where}: found '{name}'; expected a function of {module.__file__}, which has: {known}"
         )
-    return told_by_line(f"{where}: '{name}'")(found)
+    return errors_by_line(f"{where}: '{name}'")(function)
 
 
 @contextmanager
-def told_by_line(where: str) -> Iterator[None]:
+def errors_by_line(where: str) -> Iterator[None]:
     """Turn each error of a body or function into a ``UsageError`` with file and line."""
 
-    def told(error: BaseException) -> UsageError:
-        said = f"{type(error).__name__}: {words(error)}"
-        return UsageError(f"{where} raised an error at {_place(error)}: {said}; correct it there")
+    def located(error: BaseException) -> UsageError:
+        cause = f"{type(error).__name__}: {words(error)}"
+        return UsageError(f"{where} raised an error at {_place(error)}: {cause}; correct it there")
 
-    with fenced(told):
+    with fenced(located):
         yield
 
 
@@ -82,7 +82,7 @@ def _imported(name: str, where: str) -> ModuleType:
     folder = str(Path.cwd())
     sys.path.insert(0, folder)
     try:
-        with told_by_line(f"{where}; its module"):
+        with errors_by_line(f"{where}; its module"):
             return importlib.import_module(name)
     except UsageError as error:
         missing = error.__cause__

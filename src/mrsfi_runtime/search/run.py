@@ -209,7 +209,7 @@ class _Assessment:
             return  # of a mean, the record has only the first outcome
         score = self._judge.score(result.outcome, result.specification)
         if (score.fitness,) != result.fitness:
-            raise RecordError(self._record.astray(f"the fitness of specification {place}"))
+            raise RecordError(self._record.mismatch(f"the fitness of specification {place}"))
 
     def _counted(self, result: Result) -> Score:
         if isinstance(result, FailedEvaluation):
@@ -268,7 +268,7 @@ class ResumableRecord:
         for place, asked in enumerate(specifications[:n_known], number):
             result = self._failures.get(place) or next(evaluations, None)
             if result is None or (result.specification, result.generation) != (asked, generation):
-                raise RecordError(self.astray(f"specification {place} of the search"))
+                raise RecordError(self.mismatch(f"specification {place} of the search"))
             results.append(result)
         return results
 
@@ -276,10 +276,10 @@ class ResumableRecord:
         """Return whether a generation is recorded; refuse another one in its place."""
         recorded = self._store.generation(generation.index)
         if recorded is not None and recorded != generation:
-            raise RecordError(self.astray(f"generation {generation.index}"))
+            raise RecordError(self.mismatch(f"generation {generation.index}"))
         return recorded is not None
 
-    def astray(self, place: str) -> str:
+    def mismatch(self, place: str) -> str:
         """Return the message for a record that differs from the search at a place."""
         return (
             f"{self._source}: the search does not repeat its record: {place} differs; expected the "

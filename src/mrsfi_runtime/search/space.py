@@ -155,10 +155,10 @@ class SearchSpace:
     def require(self, specification: Specification, where: str) -> Specification:
         """Return a user-defined operator's specification in recorded order, or refuse it."""
         try:
-            found = self.gate.admitted(specification)
+            admitted = self.gate.admitted(specification)
         except SpecificationError as error:
             raise SpecificationError(f"{where} returned: {error}", error.faults) from error
-        for timed in found:
+        for timed in admitted:
             bounds = self.candidates[timed.fault].bounds
             is_within = map(within, timed.values, bounds)
             if timed.finish >= self.duration or not all(is_within):
@@ -166,7 +166,7 @@ class SearchSpace:
                     f"{where} returned {timed}; expected its window within ticks 0 … "
                     f"{self.duration - 1}, and its values within the model's bounds, {bounds}"
                 )
-        return self.ordered(found)
+        return self.ordered(admitted)
 
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:
         """Return timed faults by start, finish and place in the pool.

@@ -202,7 +202,7 @@ def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(key, name, refused
     "text",
     ["def broken(:\n", "\nimport no_such_thing\n", "x = 1\nx.y\n"],
 )
-def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, refused):
+def test_a_module_that_cannot_be_imported_is_refused_by_line(own, text, refused):
     own.write_text(text, encoding="utf-8")
 
     with refused(UsageError):
@@ -212,7 +212,7 @@ def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, refused):
 @pytest.mark.parametrize(
     "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
 )
-def test_a_function_that_fails_is_told_by_line(key, refused):
+def test_a_function_that_fails_is_refused_by_line(key, refused):
     with refused(UsageError):
         search_with(campaign(**{key: "own_functions:broken"}))
 

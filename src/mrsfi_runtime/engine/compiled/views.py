@@ -125,7 +125,7 @@ def _number(builder: Any, address: Any, entry: Entry, name: str, kind: Any) -> A
     return builder.inttoptr(builder.add(address, ir.Constant(_WORD, offset)), kind.as_pointer())
 
 
-def seen_as(kind: type) -> Any:
+def view_at(kind: type) -> Any:
     """Return what makes a view of a directory's address in compiled code."""
 
     def view_of(_context: Any, address: Any) -> Any:
@@ -327,7 +327,7 @@ class Flights:
     moments: list[int]
 
 
-_state, _plan, _verdicts = seen_as(State), seen_as(Plan), seen_as(Verdicts)
+_state, _plan, _verdicts = view_at(State), view_at(Plan), view_at(Verdicts)
 
 
 @kernel
