@@ -264,13 +264,13 @@ def parse(text: str, name: str) -> GeneratedFile:
             )
     markers = [*MARKER.finditer(text)]
     parts: list[str | Region] = []
-    seen: dict[str, int] = {}
+    lines: dict[str, int] = {}
     at = 0
     for begin, end in zip_longest(markers[::2], markers[1::2]):
-        wrong = _what_is_wrong(begin, end, seen)
+        wrong = _marker_defect(begin, end, lines)
         if wrong is not None:
             raise ProtectedRegionError(f"{name}:{wrong}")
-        at_line = seen[begin["id"]] = _line(begin)
+        at_line = lines[begin["id"]] = _line(begin)
         body = text[begin.end() : end.start()]
         region = Region(begin["id"], begin["state"] == "on", begin[0], body, end[0], at_line)
         parts += [text[at : begin.start()], region]
@@ -279,17 +279,17 @@ def parse(text: str, name: str) -> GeneratedFile:
     return GeneratedFile(name, tuple(part for part in parts if part))
 
 
-def _what_is_wrong(
-    begin: re.Match[str], end: re.Match[str] | None, seen: Mapping[str, int]
+def _marker_defect(
+    begin: re.Match[str], end: re.Match[str] | None, lines: Mapping[str, int]
 ) -> str | None:
-    """Return line and defect of two markers that make no region; ``seen`` has those before."""
+    """Return line and defect of two markers that make no region; ``lines`` has those before."""
     region, line = begin["id"], _line(begin)
     if not begin["state"]:
         return _unexpected_end(begin, "no end")
-    if region in seen:
+    if region in lines:
         return (
             f"{line}: protected region '{region}' stands here for the second time, first in line "
-            f"{seen[region]}; keep one of the two"
+            f"{lines[region]}; keep one of the two"
         )
     if end is None:
         return f"{line}: protected region '{region}' has no end; put its end marker back"

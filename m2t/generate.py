@@ -188,12 +188,12 @@ def _identified(root: Any) -> Iterator[Any]:
 
 def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[str, str]:
     """Return new IDs also for the faults that a search numbered: ``f9.1`` follows ``f9``."""
-    found = dict(names)
+    numbered = dict(names)
     for fault in specification.pool:
         base, dot, number = fault.ID.rpartition(".")
         if dot and base in names:
-            found.setdefault(fault.ID, f"{names[base]}.{number}")
-    return found
+            numbered.setdefault(fault.ID, f"{names[base]}.{number}")
+    return numbered
 
 
 def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:

@@ -340,13 +340,13 @@ def _check_feature(slot: Slot, report: Report) -> None:
         finding = "has a name that every element uses itself; expected another; rename it"
         report.add(feature, "ReservedId", finding)
     text = getattr(feature, "defaultValueLiteral", None)
-    if text is not None and (expected := _missed(text, slot.type)):
+    if text is not None and (expected := _expected_default(text, slot.type)):
         finding = f"has the default {shown(text)}; expected {expected}; correct it"
         kind = _VALUE_TYPES.get(slot.type.name)
         report.add(feature, "EnumLiteral" if kind is None else kind.constraint, finding)
 
 
-def _missed(text: str, kind: Any) -> str:
+def _expected_default(text: str, kind: Any) -> str:
     """Return what a default should be that is no value of its type; nothing if it is one."""
     if isinstance(kind, EEnum):
         names = [literal.name for literal in kind.eLiterals]

@@ -34,7 +34,7 @@ from mrsfi_runtime.model.fault_types import (
     Struck,
 )
 
-Said: TypeAlias = Mapping[str, Any]
+Meanings: TypeAlias = Mapping[str, Any]
 
 _STRUCK = {f"{struck.value.title()}Fault": struck for struck in Struck}
 _WORDS: Mapping[str, Mapping[str, object]] = {
@@ -80,12 +80,12 @@ class _Reader:
     def __init__(self, report: Report) -> None:
         self._report = report
         self._add = report.add
-        self._read: dict[Any, Said] = {}
+        self._read: dict[Any, Meanings] = {}
         self._unknown: set[Any] = set()
 
     def fault_type(self, kind: Any) -> FaultType | None:
         n_errors = self._report.n_errors
-        said = self._meaning(kind)
+        meanings = self._meaning(kind)
         found = [_STRUCK[known.name] for known in lineage(kind) if known.name in _STRUCK]
         if len(found) != 1:
             listed = ", ".join(_STRUCK)
@@ -95,7 +95,7 @@ class _Reader:
         inherited = {*lineage(kind), *features(kind)}
         if self._report.n_errors > n_errors or inherited & self._unknown:
             return None
-        (mode,), touched = said["mode"], said.get("property", ())
+        (mode,), touched = meanings["mode"], meanings.get("property", ())
         declared = FaultType(kind.name, mode, found[0], touched, tuple(parameters))
         self._require_reach(kind, declared)
         if mode is Mode.OWN:
@@ -131,19 +131,19 @@ class _Reader:
                 finding = "is empty; expected details with a key and a value; delete it"
                 self._add(note, "RequiredFeature", finding)
 
-    def _said(self, element: Any, keys: tuple[str, ...]) -> Said:
+    def _annotated(self, element: Any, keys: tuple[str, ...]) -> Meanings:
         """Return what our annotations of an element say, by key; empty without one."""
         if element not in self._read:
-            said: dict[str, Any] = {}
+            meanings: dict[str, Any] = {}
             for note in _annotations(element):
                 for key, text in note.details.items():
-                    if key not in keys or key in said:
+                    if key not in keys or key in meanings:
                         expected = f"expected {', '.join(keys)}, each once; correct it"
                         finding = f"has the key {shown(key or '')}; {expected}"
                         self._add(note, "KnownFeature", finding)
                     else:
-                        said[key] = tuple(self._meant(note, key, text or ""))
-            self._read[element] = said
+                        meanings[key] = tuple(self._meant(note, key, text or ""))
+            self._read[element] = meanings
         return self._read[element]
 
     def _meant(self, note: Any, key: str, text: str) -> Iterator[object]:
@@ -156,17 +156,18 @@ class _Reader:
                 self._unknown.add(note.eContainer())
             yield known.get(word)
 
-    def _meaning(self, kind: Any) -> Said:
+    def _meaning(self, kind: Any) -> Meanings:
         """Return what the nearest class of a lineage that says anything says."""
-        said = (self._said(known, ("mode", "property")) for known in reversed(lineage(kind)))
-        found = next(filter(None, said), {})
-        if "mode" not in found:
+        keys = ("mode", "property")
+        meanings = (self._annotated(known, keys) for known in reversed(lineage(kind)))
+        nearest = next(filter(None, meanings), {})
+        if "mode" not in nearest:
             finding = (
                 f"has no mode; expected an annotation of source {MEANING} with a mode "
                 f"({', '.join(Mode.__members__)}) and the property that it acts on; add one"
             )
             self._add(kind, "RequiredFeature", finding)
-        return found
+        return nearest
 
     def _parameters(self, kind: Any) -> dict[Parameter, Role]:
         numbers = {
@@ -183,14 +184,14 @@ class _Reader:
                     finding = "bounds a parameter; expected one EInt or EDouble; correct it"
                     self._add(feature, "ReferenceType", finding)
                 continue
-            said = self._said(feature, ("range", "role", "search"))
+            meanings = self._annotated(feature, ("range", "role", "search"))
             is_bound = bounded is not None and bounded.eContainer() is feature.eContainer()
-            if "range" in said:
-                (of,), (evolves,) = said["range"], said.get("search", (True,))
+            if "range" in meanings:
+                (of,), (evolves,) = meanings["range"], meanings.get("search", (True,))
                 is_integer = feature.eType.name == "EInt" or of is Range.TICKS
-                (role,) = said.get("role", (_ROLE_OF_RANGE.get(of, Role.VALUE),))
+                (role,) = meanings.get("role", (_ROLE_OF_RANGE.get(of, Role.VALUE),))
                 found[Parameter(feature.name, of, evolves, is_integer)] = role
-            elif said or not is_bound:
+            elif meanings or not is_bound:
                 finding = (
                     f"of {kind.name} is a number without a range; every number of a fault type is "
                     f"a parameter; expected an annotation of source {MEANING} with a range "

@@ -319,9 +319,9 @@ class ModelFiles:
 
     def __init__(self, report: Report, known: ModelFile | None = None) -> None:
         self._report = report
-        at_hand = () if known is None else (known,)
-        self._files: dict[Path, ModelFile | None] = {resolved_path(f.path): f for f in at_hand}
-        self._by_name: dict[Path, ModelFile] = {file.path: file for file in at_hand}
+        given = () if known is None else (known,)
+        self._files: dict[Path, ModelFile | None] = {resolved_path(f.path): f for f in given}
+        self._by_name: dict[Path, ModelFile] = {file.path: file for file in given}
         self._n_bytes = 0
         self._n_elements = 0
 

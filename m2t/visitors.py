@@ -306,7 +306,7 @@ class Constant:
     remark: str = ""
 
 
-Found: TypeAlias = Iterator[tuple[Any, Constant]]
+Constants: TypeAlias = Iterator[tuple[Any, Constant]]
 """Constants, each after the element that it belongs to."""
 
 
@@ -321,7 +321,7 @@ class OwnFeatures:
     indices: Mapping[Any, int]
     nodes: Mapping[Any, Node]
 
-    def of(self, element: Any, prefix: str) -> Found:
+    def of(self, element: Any, prefix: str) -> Constants:
         """Yield the constants of an element that code reads, and of all that it contains.
 
         A value that cannot be a constant raises a ``ModelError``.
@@ -335,7 +335,7 @@ class OwnFeatures:
                 is_task = slot.type.name == "GoalTask"
                 yield from self._parts(element, slot, prefix if is_task else name)
 
-    def _parts(self, element: Any, slot: Slot, prefix: str) -> Found:
+    def _parts(self, element: Any, slot: Slot, prefix: str) -> Constants:
         """Yield the constants of parts that code reads: by their IDs, else by where they are."""
         parts = values(element, slot)
         if any(each.is_id for each in slots(slot.type).values()):
@@ -347,7 +347,7 @@ class OwnFeatures:
             for part in parts:
                 yield from self.of(part, prefix)
 
-    def _constants(self, held: Held, slot: Slot, name: str) -> Found:
+    def _constants(self, held: Held, slot: Slot, name: str) -> Constants:
         """Yield what is held in a feature: one constant, or one a feature of the parts there."""
         found = _mapped(lambda element: self._values(element, slot, held), held)
         first = next(_flat(held), None)
@@ -359,7 +359,7 @@ class OwnFeatures:
                 yield first, Constant(name, _mapped(_numbers, found))
             yield from self._columns(found, slot.type, name, read=not is_number)
 
-    def _columns(self, held: Held, declared: Any, prefix: str, *, read: bool) -> Found:
+    def _columns(self, held: Held, declared: Any, prefix: str, *, read: bool) -> Constants:
         """Yield a constant for each feature of parts, with a value for each part.
 
         ``read`` asks for features too that code would read of such a part elsewhere.

@@ -284,13 +284,12 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
     shared = olds.keys() & news.keys()
     kinds = {*olds, *news} if old.is_dir() and new.is_dir() else shared
     if not kinds:
-        said = (
+        found = (
             f"{' and '.join(f'a {kind}' for kind in outlines) or 'no model'} in {path}"
             for outlines, path in ((olds, old), (news, new))
         )
-        found = " and ".join(said)
         advice = "expected two models of the same kind; give the right files"
-        raise ModelError(f"found {found}; {advice}")
+        raise ModelError(f"found {' and '.join(found)}; {advice}")
     ordered = sorted(kinds, key=lambda name: name != "Mission")
     both = [(olds[kind], news[kind]) for kind in ordered if kind in shared]
     pairs = renamed(both)
@@ -397,10 +396,10 @@ def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:
     return found
 
 
-def rename(roots: Iterable[Outline], found: Mapping[Outline, Outline]) -> None:
+def rename(roots: Iterable[Outline], pairs: Mapping[Outline, Outline]) -> None:
     """Let the older model have the IDs of the newer one, also where it refers to what has them."""
-    names = {old.identity: new.identity for new, old in found.items()}
-    for new, old in found.items():
+    names = {old.identity: new.identity for new, old in pairs.items()}
+    for new, old in pairs.items():
         old.identity, old.key = new.identity, new.key
     for root in roots:
         for outline in root.walk():

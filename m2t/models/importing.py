@@ -235,13 +235,13 @@ class _Given:
 
 @dataclass(slots=True, eq=False)
 class PublishedFile(ModelFile):
-    """A model of a published file, checked as a file of its own; ``found`` follows references."""
+    """A model of a published file, checked as a file of its own; ``seek`` follows references."""
 
-    found: Callable[[str], Node | None] = field(kw_only=True, repr=False)
+    seek: Callable[[str], Node | None] = field(kw_only=True, repr=False)
 
     def find(self, fragment: str) -> Node | None:
         """Return the node that a fragment means anywhere in the published file."""
-        return self.found(fragment)
+        return self.seek(fragment)
 
 
 class PublishedReader:
@@ -294,7 +294,7 @@ class PublishedReader:
     def _files(self, root: Node) -> ModelFiles:
         """Return the one file of a model; xmi:ids are unique over all models."""
         ids = self._checked_xmi_ids
-        file = PublishedFile(root.path, Spelling("UTF-8"), (root,), by_xmi_id=ids, found=self._find)
+        file = PublishedFile(root.path, Spelling("UTF-8"), (root,), by_xmi_id=ids, seek=self._find)
         return ModelFiles(self._report, file)
 
     def drop_rest(self) -> None:
@@ -577,8 +577,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         specifications.append(load_metamodels().faults_class(ID="faults"))
         origins[specifications[0]] = setup
         # A pool for the team to fill, so that the folder is that of a whole mission.
-        said = f"is absent; {FAULTS_XMI} is an empty pool; a search needs faults in it"
-        notes.add("default", setup, "specification", said)
+        message = f"is absent; {FAULTS_XMI} is an empty pool; a search needs faults in it"
+        notes.add("default", setup, "specification", message)
     check_mission(mission, report)
     for pool in specifications:
         check_faults(pool, mission.duration, report)
