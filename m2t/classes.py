@@ -1,15 +1,15 @@
 """Generate the static Python classes of the metamodels, ``generated/metamodel``.
 
-``package_view`` computes what the templates need to know about a package; ``class_files`` renders
-the files, ``write_classes`` writes them, and ``main`` is the command. Read them in this order.
-Loading the metamodels has refused what classes could not express. The tasks are those of
-pyecoregen, but without the faults of its generator:
+``package_view`` computes the templates' context of a package; ``class_files`` renders the files,
+``write_classes`` writes them, and ``main`` is the command. Read them in this order. Loading the
+metamodels has already refused features that classes cannot express. The tasks are those of
+pyecoregen, without the defects of its generator:
 
-- texts do not depend on the order of sets: everything comes in the order of the ``.ecore`` file;
-- modules import each other relatively, so that they load from a folder of any name;
+- text follows the order of the ``.ecore`` file, not that of sets;
+- modules import each other relatively, so they load from a folder of any name;
 - enumerations keep their values; lower bounds, IDs, ``unsettable``, defaults and annotations
   are kept; a feature named like a keyword keeps its name in models and gets ``_`` in Python;
-- pyecore is not patched while templates run, so that a failed template leaves it whole;
+- pyecore is not patched while templates run, so a failed template cannot leave it patched;
 - files are ASCII on every machine, replaced as a whole, and only if they change.
 
 Examples
@@ -40,14 +40,14 @@ from mrsfi_runtime.files import changing
 _BODY_NAMES = frozenset(
     {"ClassVar", "EList", "Iterable", "annotated", "ecore", "bool", "float", "int", "str"}
 )
-"""What the body of a class or of its stub refers to, and no feature may hide."""
+"""Names that the body of a class or its stub uses, and that no feature may hide."""
 
 _MODULE_NAMES = _BODY_NAMES.union(
     ("Any", "EEnumLiteral", "Element", "Values", "described", "elements", "enumeration"),
     ("partial", "setattr", "eClass", "eClassifiers", "eSubpackages", "eSuperPackage"),
     ("getEClassifier", "name", "nsPrefix", "nsURI"),
 )
-"""What a module or its stub uses, and no class may be called."""
+"""Names that a module or its stub uses, and that no class may have."""
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
 _PYTHON_TYPES = {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
@@ -55,7 +55,7 @@ _FLAGS = {
     **dict.fromkeys(("containment", "iD", "unsettable", "transient"), False),
     **dict.fromkeys(("changeable", "ordered", "unique"), True),
 }
-"""Properties of features, with the values that they have unless something else is said."""
+"""Properties of features, with their default values."""
 
 Details: TypeAlias = tuple[tuple[str, str], ...]
 Imports: TypeAlias = tuple[tuple[str, tuple[str, ...]], ...]
@@ -96,8 +96,8 @@ class EnumerationView(AnnotatedView):
 class FeatureView(AnnotatedView):
     """A feature of a class; ``kind`` is ``EAttribute`` or ``EReference``.
 
-    ``arguments`` are those of its constructor, as code. ``type`` is that of its value in a stub,
-    ``parameter`` what the parameter that sets it has there: type and default.
+    ``arguments`` are those of its constructor, as code. ``type`` is the type of its value in a
+    stub, ``parameter`` the type and default of the parameter that sets it there.
     """
 
     kind: str
@@ -130,9 +130,9 @@ class PackageView(AnnotatedView):
 
 
 def package_view(package: Any) -> PackageView:
-    """Return what the templates need to know about a package, a pyecore object.
+    """Return the templates' context of a package, a pyecore object.
 
-    It is a ``ModelError`` if it holds a name that Python or the classes themselves use.
+    A name that Python or the classes themselves use raises a ``ModelError``.
     """
     own = list(package.eClassifiers)
     for element in (package, *own):
@@ -239,7 +239,7 @@ def _feature(slot: Slot) -> FeatureView:
 
 
 def _arguments(slot: Slot) -> Iterator[str]:
-    """Yield what distinguishes a feature from one with all defaults."""
+    """Yield the arguments of a feature that differ from the defaults."""
     feature = slot.feature
     if _python_name(slot.name) != slot.name:
         yield f'name="{slot.name}"'
@@ -326,7 +326,7 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
 def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
     """Return the texts of all files by name; each package refers to those before it only.
 
-    A package with a name that Python or the classes themselves use is a ``ModelError``.
+    A name that Python or the classes themselves use raises a ``ModelError``.
     """
     environment = template_environment("templates/metamodel")
     tasks = [PackageTask(environment, suffix) for suffix in (".py", ".pyi")]
@@ -342,9 +342,9 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
 
 
 def write_classes(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
-    """Write those files that differ, all or none; return their names.
+    """Write the files that differ, all or none; return their names.
 
-    It is a ``GenerationError`` if a file stands in the way that was not generated.
+    An existing file that was not generated raises a ``GenerationError``.
     """
     stale = stale_files(folder, files)
     for name in stale:
@@ -361,7 +361,7 @@ def write_classes(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def stale_files(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the names of files that are missing or stand there with another text."""
+    """Return the names of files that are missing or have another text."""
     return tuple(
         name
         for name, text in files.items()

@@ -1,9 +1,9 @@
-"""What can be wrong with a model: the constraints, a defect of one, and the report of all defects.
+"""Diagnostics of models: the constraints, a defect of one, and the report of all defects.
 
-A report only collects: whoever checks goes on after a defect, and whoever loads asks at the end
-how many errors there are. Each constraint has a name, which every message ends with; the tables
-``_ERRORS`` and ``_WARNINGS`` list all of them in the order in which they are checked. Begin with
-these tables, then read ``Report.add``.
+A report only collects: checks continue after a defect, and loading asks at the end how many errors
+there are. Every message ends with the name of its constraint. The tables ``_ERRORS`` and
+``_WARNINGS`` list all constraints in the order in which they are checked. Begin with these tables,
+then read ``Report.add``.
 """
 
 import re
@@ -23,7 +23,7 @@ class Diagnostic:
     """One defect of a model; an error stops loading, a warning does not.
 
     ``line`` counts from 1, ``element`` is like ``robots 'r1'``, ``constraint`` one of
-    ``CONSTRAINTS``; ``message`` says what was found there, what was expected, and the next step.
+    ``CONSTRAINTS``; ``message`` gives the finding, the expectation, and the next step.
     """
 
     path: Path
@@ -39,10 +39,10 @@ class Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A rule that models keep.
+    """A rule for models.
 
-    ``evl`` is the file beside the metamodels that states it for Epsilon; if empty, ``reason``
-    says why none does.
+    ``evl`` is the file in ``metamodels`` that states it for Epsilon; if empty, ``reason`` says why
+    there is none.
     """
 
     severity: Severity
@@ -57,8 +57,8 @@ _REASONS: Mapping[str, str] = {
     "refused": "Eclipse refuses to load such a file",
     "dropped": "Eclipse drops the error silently while it loads the file",
 }
-"""Why a constraint is not stated in EVL. In brackets stands the key of the reason below, or the
-file that states the constraint."""
+"""Reasons why a constraint is not stated in EVL. The tables below have, in brackets, the key of the
+reason, or the file that states the constraint."""
 
 _ERRORS = """
 ReadableFile (file): the file exists and can be read
@@ -156,10 +156,10 @@ CONSTRAINTS: Mapping[str, Constraint] = {
 """All constraints by name, in the order in which they are checked; no other name is reported."""
 
 
-class Defect(Exception):  # noqa: N818 # what models have
-    """What breaks a constraint, named; whoever catches it knows of which element or file.
+class Defect(Exception):  # noqa: N818 # models have defects
+    """A violation of a named constraint, by an element or file that the caller knows.
 
-    ``finding`` is what was found, what was expected, and the next step: the rest of a sentence.
+    ``finding`` is the end of the message: the finding, the expectation, and the next step.
     """
 
     def __init__(self, constraint: str, finding: str) -> None:
@@ -169,7 +169,7 @@ class Defect(Exception):  # noqa: N818 # what models have
 
 
 class Place(Protocol):
-    """Where an element stands in a file, and what messages call it."""
+    """Place of an element in a file, and its name in messages."""
 
     path: Path
     line: int
@@ -181,7 +181,7 @@ class Place(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class FileLine:
-    """The place of what is wrong with a file as a whole."""
+    """Place of a defect of a whole file."""
 
     path: Path
     line: int
@@ -195,9 +195,9 @@ class FileLine:
 class Report:
     """Collects the diagnostics of one validation; ``n_errors`` of them stop loading.
 
-    ``n_unsound`` of those leave no sound objects; a reference that is named twice is none of them,
-    as the list of objects holds it once. ``n_dangling`` are references to what does not exist:
-    objects without them can be made. ``places`` are those of objects, which more may join.
+    ``n_unsound`` of those prevent sound objects; a repeated reference does not, as the list of
+    objects holds it once. ``n_dangling`` are references to missing elements: objects can be made
+    without them. ``places`` maps objects to their places, and may grow.
     """
 
     def __init__(self, places: Mapping[Any, Place] = MappingProxyType({})) -> None:
@@ -208,14 +208,14 @@ class Report:
         self.n_dangling = 0
 
     def place(self, element: Any) -> Place:
-        """Return where an object stands, or what is a place itself."""
+        """Return the place of an object; a place is returned unchanged."""
         return self.places.get(element, element)
 
     def add(self, element: Any, constraint: str, finding: str) -> None:
-        """Add a defect of an object or a place; ``finding`` goes on where its name ends."""
+        """Add a defect of an object or a place; ``finding`` follows its name in the message."""
         place = self.place(element)
         key = (place, constraint, finding)
-        if key in self._found:  # of what several classes inherit, say
+        if key in self._found:  # of a feature that several classes inherit, for example
             return
         severity, name = CONSTRAINTS[constraint].severity, place.description
         found = Diagnostic(place.path, place.line, name, constraint, severity, f"{name} {finding}")
@@ -226,12 +226,12 @@ class Report:
         self.n_dangling += constraint == "ResolvedReference"
 
     def require_no_errors(self) -> None:
-        """Raise a ``ModelError`` with all errors found so far, one a line, if there are any."""
+        """Raise a ``ModelError`` with all errors so far, one per line, if there are any."""
         if self.n_errors:
             raise self.error()
 
     def error(self) -> ModelError:
-        """Return the error that says all that is wrong so far."""
+        """Return an error with all errors so far, one per line."""
         return ModelError("\n".join(str(found) for found in self if found.severity == "error"))
 
     def __iter__(self) -> Iterator[Diagnostic]:
@@ -239,10 +239,10 @@ class Report:
 
 
 def shown(text: str) -> str:
-    """Return a text of a model for use in a message: quoted, on one line, never long."""
+    """Return a text of a model for use in a message: quoted, on one line, shortened."""
     return repr(text if len(text) <= 60 else text[:60] + "...")
 
 
 def listed(names: Sequence[str], found: str = "") -> str:
-    """Return names for use in a message, and which of them may have been meant."""
+    """Return names for use in a message, with a suggestion of the intended one."""
     return ", ".join(names) + nearest(found, names)

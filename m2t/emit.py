@@ -1,18 +1,17 @@
-"""Turn templates into files: text of a model in code, protected regions, and the merge of both.
+"""Write generated files: model text in code, protected regions, and merging with edits.
 
-Model text enters code only through the filters: ``literal`` makes a Python literal, ``expression``
-a formatted expression of a tree of calls, ``remark`` text that is safe after a ``#``, and
-``docstring`` a docstring.
+Model text enters code only through filters: ``literal`` makes a Python literal, ``expression`` a
+formatted expression from a tree of calls, ``remark`` safe text for a comment, and ``docstring`` a
+docstring.
 
 A region stands between the lines ``# protected region ID on begin`` and ``# protected region ID
-end``, as Epsilon's EGL writes them, and belongs to the user. All else of a file is its skeleton
-and belongs to the template. Nothing that was written by hand is lost: markers that do not pair up
-are errors, an edited region never disappears, and an edited skeleton is detected. EGL loses such
-code silently.
+end``, as in Epsilon's EGL, and belongs to the user. The rest of a file is its skeleton, which
+belongs to the template. Hand-written code is never lost: unpaired markers are errors, an edited
+region never disappears, and an edited skeleton is detected. EGL loses such code silently.
 
-The manifest, ``manifest.json``, stands beside the generated files. It has hashes of what was
-generated from what, so that edits are detected, and the semantics that the code was generated for.
-Hashes in the files themselves would change with every model and clutter every review.
+The manifest, ``manifest.json``, stands beside the generated files. It has hashes of the sources and
+of the generated text, so that edits are detected, and the version of the semantics. Hashes inside
+the files would change with every model and clutter every review.
 
 Read in the order of the file: filters, regions, merging, and ``plan_files``, which uses all three.
 """
@@ -46,8 +45,8 @@ Scalar: TypeAlias = str | int | float | bool | None
 class Call:
     """A call with keyword arguments; those without a name are positional.
 
-    ``is_flat`` asks for one line where it fits; otherwise there is one argument a line, so
-    that a changed value changes one line.
+    ``is_flat`` asks for one line if it fits; otherwise there is one argument per line, so that a
+    changed value changes one line.
     """
 
     function: str
@@ -64,7 +63,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A name that code knows, never a text of a model; what precedes a dot is imported."""
+    """A name in code, never a text of a model; the part before a dot is imported."""
 
     text: str
 
@@ -75,7 +74,7 @@ Expression: TypeAlias = Scalar | Call | Table | Name | tuple["Expression", ...]
 def literal(value: Scalar | tuple[object, ...]) -> str:
     """Return the Python literal of a scalar or tuple, in ASCII and as a formatter would write it.
 
-    A number that is not finite is a ``ValueError``, a value of another type a ``TypeError``.
+    A number that is not finite raises a ``ValueError``, another type a ``TypeError``.
     """
     if value is None or isinstance(value, bool):
         return repr(value)
@@ -114,8 +113,8 @@ def docstring(text: str) -> str:
 def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     """Return a Python expression, laid out as a formatter would leave it.
 
-    ``indent`` is the indentation of the line on which it begins, of which what stands around it
-    takes ``used`` columns.
+    ``indent`` is the indentation of its first line, on which the surrounding code takes ``used``
+    columns.
     """
     flat = _flat(value)
     opening, entries, closing = _parts(value)
@@ -130,7 +129,7 @@ def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
 
 
 def _parts(value: Expression) -> tuple[str, list[tuple[str, Expression]], str]:
-    """Return how an expression begins, its entries with what stands before each, and its end."""
+    """Return the opening of an expression, its entries with their prefixes, and its closing."""
     if isinstance(value, Call):
         arguments = [(f"{name}=" if name else "", entry) for name, entry in value.arguments]
         return f"{value.function}(", arguments, ")"
@@ -140,9 +139,9 @@ def _parts(value: Expression) -> tuple[str, list[tuple[str, Expression]], str]:
 
 
 def _flat(value: Expression) -> str | None:
-    """Return an expression on one line, or ``None`` where one entry a line is wanted.
+    """Return an expression on one line, or ``None`` if it has one entry per line.
 
-    A tuple of one entry has no choice: formatters join it whenever it fits.
+    A tuple of one entry is always flat, because formatters join it if it fits.
     """
     if isinstance(value, Name):
         return value.text
@@ -185,8 +184,8 @@ _ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", r
 class Region:
     """A protected region, whose ID is built from a model ID: ``g1.check``.
 
-    ``is_on`` says whether hand-written code in it is kept; one that is off is always generated.
-    The marker lines and the body between them have their line ends; ``line`` is of ``begin``.
+    If ``is_on``, hand-written code in it is kept; otherwise it is always generated. The marker
+    lines and the body between them include their line ends; ``line`` is that of ``begin``.
     """
 
     id: str
@@ -221,7 +220,7 @@ class GeneratedFile:
 
     @cached_property
     def skeleton(self) -> str:
-        """The file with empty regions, all of them on: what the template is answerable for."""
+        """The file with all regions empty and on: the part that belongs to the template."""
         return "".join(
             part
             if isinstance(part, str)
@@ -232,7 +231,7 @@ class GeneratedFile:
 
 @dataclass(frozen=True, slots=True)
 class FileRecord:
-    """What the manifest remembers of a generated file: hashes of skeleton and region bodies."""
+    """The manifest's record of a generated file: hashes of skeleton and region bodies."""
 
     skeleton: str
     regions: Mapping[str, str]
@@ -244,7 +243,7 @@ def text_hash(text: str) -> str:
 
 
 def record_of(file: GeneratedFile) -> FileRecord:
-    """Return what the manifest is to remember of a file as generated, before any merge."""
+    """Return the manifest's record of a file as generated, before any merge."""
     regions = {region.id: text_hash(region.body) for region in file.regions.values()}
     return FileRecord(text_hash(file.skeleton), regions)
 
@@ -252,7 +251,7 @@ def record_of(file: GeneratedFile) -> FileRecord:
 def parse(text: str, name: str) -> GeneratedFile:
     r"""Cut a file, with line ends ``\n``, into skeleton and regions; messages name it ``name``.
 
-    Unbalanced, nested, doubled or misspelt markers are a ``ProtectedRegionError``.
+    Unbalanced, nested, repeated or misspelt markers raise a ``ProtectedRegionError``.
     """
     for number, line in enumerate(text_lines(text), start=1):
         content = line.removesuffix("\n")
@@ -282,7 +281,7 @@ def parse(text: str, name: str) -> GeneratedFile:
 def _marker_defect(
     begin: re.Match[str], end: re.Match[str] | None, lines: Mapping[str, int]
 ) -> str | None:
-    """Return line and defect of two markers that make no region; ``lines`` has those before."""
+    """Return line and defect of two markers that make no region; ``lines`` are of earlier ones."""
     region, line = begin["id"], _line(begin)
     if not begin["state"]:
         return _unexpected_end(begin, "no end")
@@ -326,9 +325,9 @@ def merge(
 ) -> str:
     """Return the generated file with the hand-written code of the existing one.
 
-    What is equal to the manifest's ``record`` of the existing file was generated; without one, all
-    counts as edited. If hand-written code would be lost, in a region that is off or no
-    longer generated or, unless ``force``, in the skeleton, it is a ``ProtectedRegionError``.
+    Text equal to the manifest's ``record`` of the existing file was generated; without a record,
+    all text counts as edited. If hand-written code would be lost (in a region that is off or no
+    longer generated or, unless ``force``, in the skeleton), this raises a ``ProtectedRegionError``.
     """
     _require_no_orphans(generated, existing, record)
     text = "".join(
@@ -341,7 +340,7 @@ def merge(
 
 
 def is_hand_written(existing: GeneratedFile, record: FileRecord | None) -> bool:
-    """Return whether anything in a file was edited since it was generated."""
+    """Return whether a file was edited since it was generated."""
     return (
         record is None
         or record.skeleton != text_hash(existing.skeleton)
@@ -370,7 +369,7 @@ def _is_edited(region: Region, record: FileRecord | None) -> bool:
 def _require_no_orphans(
     generated: GeneratedFile, existing: GeneratedFile, record: FileRecord | None
 ) -> None:
-    """Refuse to drop a region that holds code; one that was emptied may go."""
+    """Refuse to drop a region that holds code; an empty region may be dropped."""
     orphans = [
         region
         for region in existing.regions.values()
@@ -390,7 +389,7 @@ def _require_no_orphans(
 def _require_generated_skeleton(
     existing: GeneratedFile, record: FileRecord | None, text: str
 ) -> None:
-    """Refuse to overwrite a skeleton that was not generated; ``text`` is what would replace it."""
+    """Refuse to overwrite, with ``text``, a skeleton that was not generated."""
     pairs = enumerate(zip_longest(text_lines(existing.text), text_lines(text)), start=1)
     place = f"{existing.name}:{next((number for number, (a, b) in pairs if a != b), 1)}"
     if record is None:
@@ -409,15 +408,15 @@ def _require_generated_skeleton(
 MANIFEST = "manifest.json"
 SCHEMA = 1
 GENERATOR = "1"
-"""Version of visitors and templates together; raised when generated text changes."""
+"""Version of visitors and templates; increased when generated text changes."""
 
 
 @dataclass(frozen=True, slots=True)
 class GenerationPlan:
-    """What a generation would do: texts that stand in the folder, and are to stand there, by name.
+    """A plan to generate: present and new texts of the files in the folder, by name.
 
-    Standing texts are only those of files that are or were generated; coming ones are merged with
-    hand-written code. Files of earlier generations are to go.
+    ``existing`` has only files that are or were generated; ``contents`` include hand-written code.
+    ``removed`` are files of earlier generations.
     """
 
     target: Path
@@ -428,26 +427,26 @@ class GenerationPlan:
 
     @property
     def written(self) -> tuple[str, ...]:
-        """Files that are missing or stand there with another text."""
+        """Files that are missing or have another text."""
         return tuple(
             name for name, text in self.contents.items() if self.existing.get(name) != text
         )
 
     @property
     def unchanged(self) -> tuple[str, ...]:
-        """Files that stand there as they are to."""
+        """Files that already have their text."""
         return tuple(name for name in self.contents if name not in self.written)
 
     @property
     def stale(self) -> tuple[str, ...]:
-        """What does not follow from what the models mean, the manifest included."""
+        """Files that differ from the models' meaning, the manifest included."""
         recorded, coming = self.existing.get(MANIFEST), self.manifest
         is_recorded = recorded is not None and _but_sources(recorded) == _but_sources(coming)
         return self.written + self.removed + (() if is_recorded else (MANIFEST,))
 
     @property
     def changes(self) -> dict[Path, bytes | None]:
-        """New content by path of all that changes; ``None`` for what is to go."""
+        """New content of all changed files by path; ``None`` for removed ones."""
         texts = {**self.contents, MANIFEST: self.manifest}
         new = {name: text for name, text in texts.items() if self.existing.get(name) != text}
         contents = {self.target / name: text.encode() for name, text in new.items()}
@@ -462,11 +461,11 @@ def plan_files(
     force: bool = False,
     rewrite: Callable[[str, str], str] = lambda _, text: text,
 ) -> GenerationPlan:
-    """Merge rendered files, by name, with those that stand in a folder; write nothing.
+    """Merge rendered files, by name, with the existing ones of a folder; write nothing.
 
-    Sources are the SHA-256 of every model and metamodel by file name. Edits outside protected
-    regions are refused unless forced, hand-written code that would be lost is in any case. A text
-    that stands there may be rewritten, by its name, before it is merged.
+    ``sources`` are the SHA-256 of every model and metamodel by file name. Edits outside protected
+    regions are refused unless forced; the loss of hand-written code is always refused. ``rewrite``
+    changes an existing text, given its name, before the merge.
     """
     recorded = _read(target / MANIFEST)
     known = {} if recorded is None else loads(recorded, str(target / MANIFEST))
@@ -504,7 +503,7 @@ def _read(path: Path) -> str | None:
 
 
 def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
-    """Return a manifest as JSON: the SHA-256 of what was read, by name, and what was generated."""
+    """Return a manifest as JSON: the SHA-256 of the sources and the records of the files."""
     document = {
         "schema": SCHEMA,
         "generator": GENERATOR,
@@ -516,9 +515,9 @@ def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
 
 
 def loads(text: str, name: str) -> dict[str, FileRecord]:
-    """Return what a manifest remembers of files, by name.
+    """Return the records of files in a manifest, by name.
 
-    What is no manifest, or one of a newer mrsfi, raises a ``GenerationError`` about ``name``.
+    An invalid manifest, or one of a newer mrsfi, raises a ``GenerationError`` about ``name``.
     """
     try:
         document = json.loads(text)
@@ -538,7 +537,7 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
 
 
 def _but_sources(text: str) -> dict[str, Any]:
-    """Return a manifest without how models were spelt that may mean the same."""
+    """Return a manifest without its sources, whose spelling may differ without a meaning."""
     return {**json.loads(text), "sources": None}
 
 

@@ -1,10 +1,10 @@
-"""Generate the middleware of a mission, and give elements other IDs in models, code and regions.
+"""Generate the middleware of a mission, and rename elements in models, code and regions.
 
-``generate`` is one task for each file: a visitor computes what the template needs, the template
-gives the text its form, and ``emit`` merges the text with hand-written code. Begin with ``plan``.
+``generate`` has one task per file: a visitor computes the template's context, the template renders
+the text, and ``emit`` merges the text with hand-written code. Begin with ``plan``.
 
-``with_new_ids`` does not know what generated code calls an element. It renders the code with the
-old IDs and with the new ones; the names that differ are those to exchange in regions.
+``with_new_ids`` finds the names of renamed elements in code by rendering it twice, with the old IDs
+and with the new ones. Names that differ are then replaced in regions.
 
 References
 ----------
@@ -40,22 +40,22 @@ VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = {
     "fault_loader.py": visitors.visit_fault_loader,
     "fault_effects.py": visitors.visit_fault_effects,
     "topics.py": visitors.visit_topics,
-    "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
+    "sim_interface.py": lambda _: {},  # uses the rows of topics.py, like the next one
     "simulation.py": lambda _: {},
     "collective_intelligence.py": visitors.visit_collective_intelligence,
 }
 """The visitor of each generated file, whose template has the name of the file.
 
-It computes what the template needs, free of metamodel objects.
+It computes the context of the template, without metamodel objects.
 """
 
 
 def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
-    """Bring the generated code of a mission up to date; say what was written and removed.
+    """Bring the generated code of a mission up to date; return the files written and removed.
 
-    Edits outside protected regions are refused unless forced. Errors of the models are a
-    ``ModelError``; hand-written code in danger, or a file that cannot be written, is a
-    ``GenerationError``. A folder of models that cannot be written is locked by that of the code.
+    Edits outside protected regions are refused unless forced. Errors of the models raise a
+    ``ModelError``; hand-written code that would be lost, or a file that cannot be written, raises a
+    ``GenerationError``. If the folder of models is read-only, the folder of the code is locked.
     """
     place = models if os.access(models, os.W_OK) else target
     with changing(place) as change:
@@ -68,18 +68,18 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPl
 
 
 def plan(models: Path | LoadedModels, target: Path, *, force: bool = False) -> GenerationPlan:
-    """Return what ``generate`` would do with a mission folder, or with what was loaded from one."""
+    """Return the plan of ``generate`` for a mission folder, or for models loaded from one."""
     loaded = load_mission_folder(models) if isinstance(models, Path) else models
     return plan_files(target, rendered(loaded), sources(loaded), force=force)
 
 
 def stale(models: Path | LoadedModels, target: Path) -> tuple[str, ...]:
-    """Return the files that ``generate`` would write or remove, empty if all is up to date."""
+    """Return the files that ``generate`` would write or remove; empty if all are up to date."""
     return plan(models, target).stale
 
 
 def diff(models: Path, target: Path) -> str:
-    """Return what ``generate`` would change, as a unified diff without the manifest.
+    """Return the changes by ``generate`` as a unified diff, without the manifest.
 
     File names are relative to the target folder, old ones below ``a/``, new ones below ``b/``.
     """
@@ -102,7 +102,7 @@ def rendered(loaded: LoadedModels) -> dict[str, str]:
 
 
 def rendered_file(name: str, loaded: LoadedModels) -> str:
-    """Return the text of one; a fault loader is also that of any written specification."""
+    """Return the text of one file; ``fault_loader.py`` also serves written specifications."""
     template = template_environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
     header = f"# Generated from mission {mission} by {template.name}.\n"
@@ -113,9 +113,9 @@ def rendered_file(name: str, loaded: LoadedModels) -> str:
 def sources(
     loaded: LoadedModels, contents: Mapping[Path, bytes] = MappingProxyType({})
 ) -> dict[str, str]:
-    """Return the SHA-256 of all files of models and of metamodels, line ends apart.
+    """Return the SHA-256 of all files of models and of metamodels, regardless of line ends.
 
-    ``contents`` are those that files are going to have in place of what stands in them.
+    ``contents`` replace the present contents of files.
     """
     folder, metamodels = loaded.mission_path.parent, metamodel_folder()
     paths = {file.seen_from(folder): file.path for file in loaded.files}
@@ -129,10 +129,10 @@ def sources(
 
 @dataclass(frozen=True, slots=True)
 class WithNewIds:
-    """What giving new IDs would change: content by path of models and specifications, and code.
+    """Changes by new IDs: content by path of models and specifications, and code.
 
-    ``respelt`` change beyond their IDs: they are not spelt as Eclipse writes them. ``code`` is
-    ``None`` if nothing is generated; ``difference`` is the unified diff of all this.
+    Files in ``respelt`` change beyond their IDs, because Eclipse would spell them differently.
+    ``code`` is ``None`` if no code is generated; ``difference`` is the unified diff of all changes.
     """
 
     contents: Mapping[Path, bytes]
@@ -142,12 +142,12 @@ class WithNewIds:
 
 
 def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNewIds:
-    """Return what giving elements new IDs, by old ones, all at once, would change; write nothing.
+    """Return the changes by new IDs, given by old ones, all at once; write nothing.
 
-    Fault specifications below the mission folder are renamed with it; generated code, if there is
-    any in ``target``, is fresh. It is a ``UsageError`` if nothing has an old ID, or a new one
-    cannot be, is taken, or is a name in a region; a ``ProtectedRegionError`` if a region is not
-    Python; a ``ModelError`` if the models, or a specification, are not sound.
+    Fault specifications below the mission folder are renamed too. Generated code in ``target`` must
+    be up to date. An unknown old ID, or a new one that is invalid, taken or a name in a region,
+    raises a ``UsageError``; a region that is not Python a ``ProtectedRegionError``; unsound models
+    or specifications a ``ModelError``.
     """
     loaded = load_mission_folder(models)
     _require_ids(loaded, names)
@@ -187,7 +187,7 @@ def _identified(root: Any) -> Iterator[Any]:
 
 
 def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[str, str]:
-    """Return new IDs also for the faults that a search numbered: ``f9.1`` follows ``f9``."""
+    """Return new IDs also for faults that a search numbered: ``f9.1`` follows ``f9``."""
     numbered = dict(names)
     for fault in specification.pool:
         base, dot, number = fault.ID.rpartition(".")
@@ -218,10 +218,10 @@ def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
 def _rewritten(
     target: Path, before: Mapping[str, str], after: Mapping[str, str], name: str, text: str
 ) -> str:
-    """Return a generated file with the names of a newer rendering in place of an older one's.
+    """Return a generated file with the names of a newer rendering instead of an older one's.
 
-    Attributes, strings and comments stay as they are, but for the markers of regions, and so does
-    a file that is generated no longer.
+    Attributes, strings and comments stay, except the markers of regions. A file that is no longer
+    generated stays as it is.
     """
     if name not in before:
         return text
@@ -260,7 +260,7 @@ def _names_in(text: str) -> Iterator[str]:
 
 
 def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
-    """Yield the comments of a text, and the names that are no attributes."""
+    """Yield the comments of a text, and its names except attributes."""
     previous = ""
     for token in tokenize.generate_tokens(StringIO(text).readline):
         is_name = token.type == tokenize.NAME and previous != "."

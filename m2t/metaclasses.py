@@ -1,12 +1,12 @@
-"""What code knows about metaclasses: those that it reads, their features, names of elements.
+"""Metaclasses: those that code reads, their features, and the names of elements in code.
 
-``CONTRACT`` lists the classes and features that mrsfi reads. A team may add classes, subclasses,
-features and literals; what is listed keeps its name, its type, and whether it holds one value or
+``CONTRACT`` lists the classes and features that mrsfi reads. Users may add classes, subclasses,
+features and literals; a listed feature keeps its name, its type, and whether it has one value or
 many. Fault types are not listed: annotations give their meaning (``m2t.metamodels``).
 
-Below the contract stand the names of elements in generated code, which come from IDs and never
-from display names. Then follow questions about metaclasses (``lineage``, ``features``, ``slots``)
-and about elements. All of them list features in the order of the metamodel, inherited ones first.
+Next come the names of elements in generated code, which derive from IDs and never from display
+names; then queries of metaclasses (``lineage``, ``features``, ``slots``) and of elements. All of
+them list features in the order of the metamodel, inherited ones first.
 """
 
 import keyword
@@ -22,19 +22,19 @@ from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import Range, plain_name
 
 BOUNDS = ("_MIN", "_MAX")
-"""What the names of the attributes end with that bound a parameter for search."""
+"""Suffixes of the attributes that bound a parameter for search."""
 
 OURS = "http://mrsfi.org/"
-"""What the sources of our annotations begin with."""
+"""Prefix of the sources of our annotations."""
 
 MEANING = f"{OURS}meaning"
-"""Source of the annotations that say what a fault type and its parameters mean."""
+"""Source of the annotations that give the meaning of a fault type and its parameters."""
 
 OWN_TASK = "OwnTask"
-"""What a goal task of a team's own is in the runtime."""
+"""Class of a user-defined goal task in the runtime."""
 
 PROGRESSING = frozenset({"GatherSamples", "Patrol", "Visit", "Track", "Stay"})
-"""Goal tasks that note once a tick what their check and reaction have to remember."""
+"""Goal tasks that record their progress once a tick."""
 
 _IDENTIFIED = "id EString[1] ID"
 _NAMED = f"{_IDENTIFIED}, attr EString[1] name"
@@ -104,7 +104,7 @@ class Need:
 
     ``holding`` is ``id`` or ``attr`` for an attribute, ``val`` for one that contains elements,
     ``ref`` for one that refers to them: the words of Emfatic, Eclipse's notation for metamodels.
-    ``number`` of values every element has to have: ``1``, ``?``, ``*``, ``+`` or ``2..*``.
+    ``number`` is the required number of values: ``1``, ``?``, ``*``, ``+`` or ``2..*``.
     """
 
     holding: str
@@ -113,7 +113,7 @@ class Need:
 
     @property
     def n_least(self) -> int:
-        """Number of values that every element has to have at least."""
+        """Least number of values of every element."""
         return _LEAST[self.number]
 
     @property
@@ -133,7 +133,7 @@ Needs: TypeAlias = Mapping[str, Need]
 
 
 def needs(text: str) -> Mapping[str, Needs]:
-    """Return what a text in the notation of this module needs, by class and feature."""
+    """Return the needs in a text in the notation of this module, by class and feature."""
     return {
         name: {feature: Need(*need) for *need, feature in _FEATURE.findall(features)}
         for name, _, features in _CLASS.findall(text)
@@ -141,25 +141,25 @@ def needs(text: str) -> Mapping[str, Needs]:
 
 
 CONTRACT: Mapping[str, Mapping[str, Needs]] = {"mission": needs(_MISSION), "faults": needs(_FAULTS)}
-"""What is read, by package, class and feature, inherited features included."""
+"""Features that are read, by package and class, inherited features included."""
 
 SUPERTYPES: Mapping[str, Mapping[str, str]] = {
     package: {name: parent for name, parent, _ in _CLASS.findall(text) if parent}
     for package, text in (("mission", _MISSION), ("faults", _FAULTS))
 }
-"""What a class has to inherit from, by package and class."""
+"""Required supertype of a class, by package and class."""
 
 
 RESERVED = frozenset({"checks", "reactions", "topics", "commands", "truth"})
-"""Identifiers that generated code uses itself, as tables or as a root of topics."""
+"""Identifiers that generated code itself uses, as tables or as a root of topics."""
 
 
 def identifier(text: str) -> str:
     """Return the identifier that a model ID becomes in Python and in ROS topic names.
 
     It is lower case, ``[a-z][a-z0-9_]*``; runs of ``_``, ``-``, ``.`` and spaces become one
-    underscore. An ID that holds other characters than these and ASCII letters and digits, starts
-    with no letter, or becomes a Python keyword or a name of generated code, is a ``ModelError``.
+    underscore. An ID with characters other than these and ASCII letters and digits, without a
+    letter at its start, or that becomes a reserved name, raises a ``ModelError``.
 
     Examples
     --------
@@ -216,7 +216,7 @@ def features(metaclass: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slot:
-    """What loading asks of a feature, in plain attributes: pyecore's own are slow to read.
+    """A feature with the attributes that loading needs, because pyecore's own are slow to read.
 
     ``counts_ticks`` is true of a parameter of a fault type in ticks, and of its bounds.
     """
@@ -280,10 +280,10 @@ def concrete_classes(package: Any, declared: Any) -> Mapping[str, Any]:
 
 @cache
 def base_class(metaclass: Any) -> Any:
-    """Return what code knows an element as: the nearest class of its lineage that mrsfi reads.
+    """Return the class of an element in code: the nearest of its lineage that mrsfi reads.
 
-    A team's own subclass of such a class only adds to it; a class that is all its own is known
-    as itself.
+    A user-defined subclass only adds features to such a class; a class without one is returned
+    itself.
     """
     read = (known for known in reversed(lineage(metaclass)) if is_read(known))
     return next((known for known in read if not known.abstract), metaclass)
@@ -298,7 +298,7 @@ def is_read(metaclass: Any, feature: str = "") -> bool:
 
 @cache
 def is_kind(metaclass: Any, name: str) -> bool:
-    """Return whether a metaclass is that of a name, or inherits from it."""
+    """Return whether a metaclass has a name, or inherits from the class of that name."""
     return any(known.name == name for known in lineage(metaclass))
 
 
@@ -308,7 +308,7 @@ def _resolved(metaclass: Any) -> Any:
 
 
 def values(element: Any, slot: Slot) -> list[Any]:
-    """Return what an element holds in a feature, be it one value, many, or none."""
+    """Return the values of an element's feature: one, many, or none."""
     value = getattr(element, slot.name)
     if slot.many:
         return list(value)
@@ -330,7 +330,7 @@ def put(element: Any, slot: Slot, value: Any) -> None:
 
 
 def contained(element: Any) -> Iterator[Any]:
-    """Yield an element and all that it contains, in the order in which they are written."""
+    """Yield an element and all elements in it, in the order in which they are written."""
     yield element
     for slot in slots(element.eClass).values():
         if slot.is_contained:
@@ -339,11 +339,11 @@ def contained(element: Any) -> Iterator[Any]:
 
 
 def copies(roots: Iterable[Any], known: Callable[[Any], Any] = lambda kind: kind) -> dict[Any, Any]:
-    """Return copies of elements and all that they contain, by their originals.
+    """Return copies of elements with all elements in them, by their originals.
 
-    What they refer to beyond themselves stays the same, and what is unset stays unset. ``known``
-    gives the class of the copies for a class, and the enumeration for an enumeration. All copies
-    are made before any gets its values, which may refer to any of them.
+    References to other elements stay the same, and unset features stay unset. ``known`` returns the
+    class or enumeration of the copies for a given one. All copies are made before any gets its
+    values, which may refer to any of them.
     """
     made = {element: known(element.eClass)() for root in roots for element in contained(root)}
     for element, copy in made.items():

@@ -1,7 +1,7 @@
-"""Read metamodels: check their nodes, let pyecore load what is sound, and check the objects.
+"""Read metamodels: check their nodes, let pyecore load sound files, and check the objects.
 
-pyecore takes unknown types and bounds for granted, fails with exceptions of all kinds, and finds
-some defects only when the metamodel is used. So it never gets a file with a known defect.
+pyecore accepts unknown types and bounds, fails with exceptions of all kinds, and detects some
+defects only when the metamodel is used. So it never gets a file with a known defect.
 ``MetamodelReader.read`` has the steps in order. The functions below the class check the objects.
 """
 
@@ -38,7 +38,7 @@ _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_
 
 
 class _Values(NamedTuple):
-    """What the values of a type look like, in words and as a pattern, and which rule says so."""
+    """Format of a type's values, in words and as a pattern, and the constraint that requires it."""
 
     described: str
     pattern: str
@@ -60,7 +60,7 @@ _VALUES: Mapping[str, _Values] = {
     "EBoolean": _Values("true or false", r"true|false", "EnumLiteral"),
 }
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
-"""Types of attributes beside enumerations, and what their defaults look like."""
+"""Types of attributes other than enumerations, with the format of their defaults."""
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
@@ -86,13 +86,13 @@ EReference: {_FEATURE}, attr EBoolean[?] containment, attr EBoolean[?] resolvePr
 EAnnotation: {_ANNOTATED}, attr EString[?] source, val details[*] details
 details: attr EString[?] key, attr EString[?] value
 """)
-"""What mrsfi understands of Ecore, in the notation of ``m2t.metaclasses``."""
+"""The part of Ecore that mrsfi supports, in the notation of ``m2t.metaclasses``."""
 
 
 class MetamodelReader:
     """Reads metamodel files one after the other; later ones may refer to earlier ones.
 
-    ``report`` knows the place of every element that was read, of all files.
+    ``report`` has the place of every element of all files.
     """
 
     def __init__(self) -> None:
@@ -106,7 +106,7 @@ class MetamodelReader:
     def read(self, path: Path, root_class: str) -> Any:
         """Return the package of a file, named like it, whose models begin with ``root_class``.
 
-        All that is wrong with the file, one defect a line, is a ``ModelError``.
+        Defects of the file, one per line, raise a ``ModelError``.
         """
         root = read_root(path, self.report)
         if (root.namespace, root.tag) != (ECORE, "EPackage"):
@@ -137,12 +137,12 @@ class MetamodelReader:
         return package
 
     def _loaded(self, root: Node) -> Any:
-        """Let pyecore load a checked file; remember which node each element comes from."""
+        """Let pyecore load a checked file; store the node of each element."""
         try:
             file = _CheckedFile(str(root.path))
             file.root = root
             package = self._resources.get_resource(file).contents[0]
-        except Exception as error:  # pyecore raises anything
+        except Exception as error:  # pyecore raises exceptions of any class
             raise ModelError(
                 f"{root.path}:{root.line}: {root.path.name} cannot be loaded "
                 f"({type(error).__name__}: {error}); expected a metamodel of classes and "
@@ -152,9 +152,9 @@ class MetamodelReader:
         return package
 
     def _address(self, found: re.Match[str]) -> str:
-        """Return the file, or Ecore's nsURI, that an address of Eclipse means, if it means one.
+        """Return the file, or Ecore's nsURI, of an address in Eclipse; else the address itself.
 
-        The workbench knows files by projects and plug-ins, which are other folders here.
+        Eclipse addresses files by projects and plug-ins, which are other folders here.
         """
         address = found[0]
         name = address.rpartition("/")[2] if address.startswith("platform:/") else address
@@ -214,7 +214,7 @@ class MetamodelReader:
             self.report.add(child, "ConcreteType", finding)
 
     def _check_references(self, node: Node) -> None:
-        """Check what a node refers to; of an annotation of ours, that it says all once."""
+        """Check the targets of a node's references, and that keys of our annotations are unique."""
         kind, target = self._kinds.get(node), node.attributes.get("eType", "")
         if kind == "EClass":
             for parent in node.attributes.get("eSuperTypes", "").split():
@@ -245,7 +245,7 @@ class MetamodelReader:
         self.report.add(node, "ResolvedReference", f"{finding}; correct the reference")
 
     def _target(self, node: Node, target: str) -> Node | None:
-        """Return the node of the classifier that a reference names, here or in an earlier file."""
+        """Return the node of a referenced classifier, in this or an earlier file."""
         name = target.rpartition(" ")[2]
         return self._classifiers.get(f"{node.path.name}{name}" if name.startswith("#") else name)
 
@@ -273,9 +273,9 @@ class MetamodelReader:
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
-    """A file that pyecore reads without comments, which it would take for elements.
+    """A file without comments for pyecore, which would read them as elements.
 
-    ``root`` has its attributes as they were checked.
+    ``root`` has the checked attributes.
     """
 
     root: Node
@@ -323,7 +323,7 @@ def _check_names(elements: Iterable[Any], report: Report) -> None:
 
 
 def _check_feature(slot: Slot, report: Report) -> None:
-    """Refuse features that hold nothing, whose values no file keeps, or Python cannot name."""
+    """Refuse features without values, with values that no file stores, or with reserved names."""
     feature = slot.feature
     lower, upper = feature.lowerBound, feature.upperBound
     if lower == -1 or upper == 0 or lower > upper > -1:
@@ -347,7 +347,7 @@ def _check_feature(slot: Slot, report: Report) -> None:
 
 
 def _expected_default(text: str, kind: Any) -> str:
-    """Return what a default should be that is no value of its type; nothing if it is one."""
+    """Return the expected format of a default; empty if the text has it."""
     if isinstance(kind, EEnum):
         names = [literal.name for literal in kind.eLiterals]
         return "" if text in names else " or ".join(names) or "none"
@@ -390,7 +390,7 @@ def _meets(slot: Slot, need: Need) -> bool:
 
 
 def _check_meaning(kind: Any, report: Report) -> None:
-    """Check that code knows the elements of a class as one thing only."""
+    """Check that a class inherits from only one class that code reads."""
     read = [known for known in lineage(kind) if is_read(known) and not known.abstract]
     names = [
         known.name

@@ -1,9 +1,9 @@
-"""The two metamodels, and what ``faults.ecore`` says about the meaning of fault types.
+"""The two metamodels, and the meaning of fault types in ``faults.ecore``.
 
-``read_metamodels`` reads a folder once a process; begin there. An annotation of a class gives its
-mode and the property that it touches. An annotation of a number among its attributes gives the
-range of that parameter. A class without annotation means what it inherits. ``_Reader`` checks all
-annotations and collects all defects: metamodels with any defect are refused as a whole.
+``read_metamodels`` reads a folder once per process; begin there. An annotation of a class gives its
+mode and the property that it touches. An annotation of a numeric attribute gives the range of that
+parameter. A class without annotation inherits its meaning. ``_Reader`` checks all annotations and
+collects all defects; metamodels with any defect are refused as a whole.
 """
 
 import os
@@ -44,7 +44,7 @@ _WORDS: Mapping[str, Mapping[str, object]] = {
     "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
     "search": {"true": True, "false": False},
 }
-"""What annotations may say, by key: the words with their meanings."""
+"""Words that annotations may contain, by key, with their meanings."""
 
 _VALUES = (Role.VALUE, Role.LOWEST, Role.HIGHEST)
 _ROLE_OF_RANGE = {
@@ -55,11 +55,11 @@ _ROLE_OF_RANGE = {
 def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
     """Return the fault types of a sound package of faults by name, in the order of the file.
 
-    ``report`` knows the elements of all packages, of which no other has meanings.
+    ``report`` has the elements of all packages; only this one may have meanings.
     """
     reader = _Reader(report)
     kinds = [
-        kind  # inherits from the class of fault types, or says that it is one
+        kind  # inherits from FaultType, or has a meaning of one
         for kind in package.eClassifiers
         if isinstance(kind, EClass) and (_annotations(kind) or is_kind(kind, "FaultType"))
     ]
@@ -75,7 +75,7 @@ def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
 
 
 class _Reader:
-    """Reads fault types; remembers what was said, and what says a word that is unknown."""
+    """Reads fault types; stores the meanings of elements, and which have unknown words."""
 
     def __init__(self, report: Report) -> None:
         self._report = report
@@ -117,7 +117,7 @@ class _Reader:
                 self._add(kind, "RequiredFeature", finding)
 
     def require_all_read(self) -> None:
-        """Refuse annotations of ours at what is no fault type or parameter, or that say nothing."""
+        """Refuse our annotations elsewhere than at a fault type or parameter, and empty ones."""
         for note in self._report.places:
             source = (note.source or "") if isinstance(note, EAnnotation) else ""
             is_read = source == MEANING and note.eContainer() in self._read
@@ -132,7 +132,7 @@ class _Reader:
                 self._add(note, "RequiredFeature", finding)
 
     def _annotated(self, element: Any, keys: tuple[str, ...]) -> Meanings:
-        """Return what our annotations of an element say, by key; empty without one."""
+        """Return the meanings in our annotations of an element, by key; empty without one."""
         if element not in self._read:
             meanings: dict[str, Any] = {}
             for note in _annotations(element):
@@ -147,7 +147,7 @@ class _Reader:
         return self._read[element]
 
     def _meant(self, note: Any, key: str, text: str) -> Iterator[object]:
-        """Yield what the words of an entry mean; a class may touch several properties."""
+        """Yield the meaning of each word of an entry; a class may touch several properties."""
         known = _WORDS[key]
         for word in text.split() if key == "property" else [text]:
             if word not in known:
@@ -157,7 +157,7 @@ class _Reader:
             yield known.get(word)
 
     def _meaning(self, kind: Any) -> Meanings:
-        """Return what the nearest class of a lineage that says anything says."""
+        """Return the meanings of the nearest annotated class of a lineage."""
         keys = ("mode", "property")
         meanings = (self._annotated(known, keys) for known in reversed(lineage(kind)))
         nearest = next(filter(None, meanings), {})
@@ -214,7 +214,7 @@ class _Reader:
                 self._add(node, "RequiredFeature", finding)
 
     def _require_own(self, node: Any, kind: FaultType, roles: Mapping[Parameter, Role]) -> None:
-        """Refuse a type of mode OWN that no region could be written for."""
+        """Refuse a type of mode OWN for which no region can be written."""
         touched = {*kind.properties}
         is_one_kind = any(touched <= {*known} for known in ELEMENTS)
         if not touched or not is_one_kind or len(touched) < len(kind.properties):
@@ -298,7 +298,7 @@ class Metamodels:
 
     @property
     def packages(self) -> tuple[Any, Any]:
-        """Both packages, the one that the other refers to first."""
+        """Both packages; the second refers to the first."""
         return (self.mission, self.faults)
 
 
@@ -311,7 +311,7 @@ def metamodel_folder() -> Path:
 def installed_metamodels() -> Path:
     """Return the folder of our metamodels: inside the installed package or in the source tree.
 
-    If neither place has them, that is a ``ModelError``.
+    If neither place has them, this raises a ``ModelError``.
     """
     candidates = [place / "metamodels" for place in Path(__file__).resolve().parents[:2]]
     for folder in candidates:
@@ -325,7 +325,7 @@ def installed_metamodels() -> Path:
 def load_metamodels() -> Metamodels:
     """Load both metamodels of ``metamodel_folder``, once per process and folder.
 
-    Files that are missing or cannot be used are a ``ModelError``.
+    Files that are missing or cannot be used raise a ``ModelError``.
     """
     return read_metamodels(metamodel_folder())
 
@@ -334,7 +334,7 @@ def load_metamodels() -> Metamodels:
 def read_metamodels(folder: Path) -> Metamodels:
     """Read ``mission.ecore`` and ``faults.ecore`` from a folder, once.
 
-    All that is wrong with the files, one defect a line, is a ``ModelError``.
+    Defects of the files, one per line, raise a ``ModelError``.
     """
     reader = MetamodelReader()
     mission = reader.read(folder / MISSION_FILE, MISSION_ROOT)
@@ -345,5 +345,5 @@ def read_metamodels(folder: Path) -> Metamodels:
 
 
 def meaning(fault_type: Any) -> FaultType:
-    """Return what the metamodel says of the class of a fault type."""
+    """Return the meaning of a fault type by its class in the metamodel."""
     return load_metamodels().fault_types[fault_type.eClass.name]

@@ -1,7 +1,8 @@
-"""Read the files of a model as nodes that know their lines, without trusting them.
+"""Read the files of a model as nodes with line numbers, safely even if they are malicious.
 
-There are no document types, hence no entities, no external files and no network. Size, number of
-elements and nesting are limited. Comments and processing instructions are dropped, as Eclipse does.
+Document types are refused, hence there are no entities, no external files and no network access.
+Size, number of elements and nesting are limited. Comments and processing instructions are dropped,
+as Eclipse does.
 
 A model may stand in several files, as Eclipse splits it: ``<robots href="robots.xmi#r1"/>``
 replaces an element, and ``robots.xmi`` has the robot as its root. Several roots stand side by side
@@ -46,8 +47,8 @@ class Node:
     """An XML element.
 
     ``attributes`` are those without a namespace; ``qualified`` the others, by namespace and
-    name. ``prefixes`` are the namespaces in force, by prefix. ``metaclass`` is the class of
-    the metamodel that the element is an object of, once that is known.
+    name. ``prefixes`` are the namespaces in scope, by prefix. ``metaclass`` is the element's
+    class in the metamodel, set when the node is checked.
     """
 
     path: Path
@@ -95,10 +96,10 @@ class Node:
 def follow(
     node: Node | None, path: str, below: Callable[[Node, str], Sequence[Node]] = Node.tagged
 ) -> Node | None:
-    """Return the node that a path of Eclipse leads to; ``None`` if it leads nowhere.
+    """Return the node at a path of Eclipse; ``None`` if there is none.
 
-    The path has steps such as ``@goals.0/@messages.1``; ``below`` gives the elements of a tag,
-    directly below a node, that a step chooses from.
+    The path has steps such as ``@goals.0/@messages.1``; ``below`` returns the children of a node
+    with a tag, among which a step chooses.
     """
     for step in path.split("/") if path.strip("/") else ():
         name, dot, index = step.removeprefix("@").partition(".")
@@ -109,17 +110,17 @@ def follow(
 
 
 def at(nodes: Sequence[Node], position: str) -> Node | None:
-    """Return the node at a position of a path; ``None`` if there is none or it is no number."""
+    """Return the node at a position; ``None`` if there is none or the position is no number."""
     is_number = re.fullmatch(r"[0-9]{1,9}", position)
     return nodes[int(position)] if is_number and int(position) < len(nodes) else None
 
 
 @dataclass(frozen=True, slots=True)
 class Spelling:
-    """What saving keeps of a file beside its content.
+    """Properties of a file that saving keeps, besides its content.
 
-    ``encoding`` is declared or, without that, told by the byte order mark; ``schema_location`` is
-    the value of xsi:schemaLocation, which Epsilon writes; ``line_end`` is that of the first line.
+    ``encoding`` is the declared one, or else that of the byte order mark. ``schema_location`` is
+    the value of xsi:schemaLocation, which Epsilon writes. ``line_end`` is that of the first line.
     """
 
     encoding: str
@@ -128,7 +129,7 @@ class Spelling:
 
 
 class XmlFile:
-    """A file being read: handlers of the parser build its nodes and enforce the limits."""
+    """A file while it is read: the parser's handlers build its nodes and enforce the limits."""
 
     def __init__(self, path: Path) -> None:
         self.root: Node
@@ -150,7 +151,7 @@ class XmlFile:
 
     @property
     def line(self) -> int:
-        """Line that the parser has come to, from 1."""
+        """Present line of the parser, from 1."""
         return self._parser.CurrentLineNumber
 
     def parse(self, content: bytes) -> None:
@@ -207,7 +208,7 @@ class XmlFile:
 
 
 def read_xml(path: Path, report: Report) -> XmlFile | None:
-    """Read an XML file; report what is wrong with it. ``None`` if it cannot be used."""
+    """Read an XML file and report its defects; return ``None`` if it cannot be used."""
     xml = XmlFile(path)
     try:
         xml.parse(_content(path))
@@ -234,7 +235,7 @@ def read_root(path: Path, report: Report) -> Node:
 
 
 def _require_file(path: Path) -> None:
-    """Refuse a pipe or a device: opening one could wait for ever."""
+    """Refuse a pipe or a device, because opening one could block for ever."""
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise OSError(errno.EINVAL, "It is no file")
 
@@ -259,18 +260,17 @@ MAX_FILES = 1_000
 ROOT_ATTRIBUTES = frozenset(
     {(XMI, "version"), (XSI, "schemaLocation"), (XSI, "noNamespaceSchemaLocation")}
 )
-"""Attributes with a namespace that may stand at the root of a file."""
+"""Attributes with a namespace that the root of a file may have."""
 
 _PROJECT = ".project"
 
 
 @dataclass(slots=True, eq=False)
 class ModelFile:
-    """One file of a model; more than one root stands in an ``xmi:XMI`` element.
+    """One file of a model; several roots stand in an ``xmi:XMI`` element.
 
-    ``spelling`` is what saving keeps of it beside its content; ``by_id`` and ``by_xmi_id`` have its
-    checked elements. ``owners`` are the files, outermost first, that lead to it by containment,
-    ``claimed`` its roots that belong to a model so far.
+    ``by_id`` and ``by_xmi_id`` have its checked elements. ``owners`` are the files that contain it,
+    outermost first. ``claimed`` are the roots that belong to a model so far.
     """
 
     path: Path
@@ -288,17 +288,17 @@ class ModelFile:
         return [node for node in self.roots if (node.namespace, node.tag) == wanted]
 
     def root(self, fragment: str) -> Node | None:
-        """Return the root that a fragment means: by xmi:id, by ID, or ``/``, ``/0``, ``/1``."""
+        """Return the root of a fragment: an xmi:id, an ID, or ``/``, ``/0``, ``/1``."""
         if fragment.startswith("/"):
             return at(self.roots, fragment[1:] or "0")
         ids = ((root, (root.xmi_id, root.attributes.get("ID"))) for root in self.roots)
         return next((root for root, known in ids if fragment in known), None)
 
     def find(self, fragment: str) -> Node | None:
-        """Return the checked node that a fragment means: by xmi:id, by ID, or by path.
+        """Return the checked node of a fragment: an xmi:id, an ID, or a path.
 
-        A path is one such as ``//@goals.0/@messages.1``; before its second slash, it may have
-        the number of a root.
+        A path is like ``//@goals.0/@messages.1``; before its second slash, it may have the number
+        of a root.
         """
         if not fragment.startswith("/"):
             return self.by_xmi_id.get(fragment) or self.by_id.get(fragment)
@@ -307,7 +307,7 @@ class ModelFile:
         return None if found is None or found.metaclass is None else found
 
     def _checked(self, node: Node, name: str) -> list[Node]:
-        """Return the elements that a checked element contains as one feature; kept for reuse."""
+        """Return the checked elements that an element contains in one feature, cached."""
         key = (node, name)
         if key not in self._children:
             self._children[key] = [each for each in node.tagged(name) if each.metaclass is not None]
@@ -315,7 +315,7 @@ class ModelFile:
 
 
 class ModelFiles:
-    """All files of the models being loaded; each is read once, but for one that is at hand."""
+    """All files of the models being loaded; each is read once, except a given one."""
 
     def __init__(self, report: Report, known: ModelFile | None = None) -> None:
         self._report = report
@@ -337,9 +337,9 @@ class ModelFiles:
         return self._files.get(resolved_path(path))
 
     def read(self, path: Path, owners: tuple[ModelFile, ...] = ()) -> ModelFile | None:
-        """Read a file, unless that has been done; report what is wrong with it.
+        """Read a file once, and report its defects; return ``None`` if it cannot be used.
 
-        ``owners`` are the files that lead to it by containment. ``None`` if it cannot be used.
+        ``owners`` are the files that contain it.
         """
         key = resolved_path(path)
         if key not in self._files:
@@ -365,7 +365,7 @@ class ModelFiles:
         return file
 
     def _roots(self, root: Node) -> tuple[Node, ...]:
-        """Return the root elements, and report what the element around several of them holds."""
+        """Return the root elements, and report unexpected content of the ``xmi:XMI`` element."""
         if (root.namespace, root.tag) != (XMI, "XMI"):
             return (root,)
         others = [key for key in root.qualified if key not in ROOT_ATTRIBUTES]
@@ -385,10 +385,10 @@ class ModelFiles:
 
 
 def local_path(folder: Path, address: str) -> Path | None:
-    """Return the path that the file part of a reference from a folder means.
+    """Return the path of an address in a reference from a folder; ``None`` if it has none.
 
-    It is what stands before the ``#``: a relative address, or ``platform:/resource/NAME/...``; an
-    address that is absolute, remote, or of an unknown project means none.
+    The address stands before the ``#``: relative, or ``platform:/resource/NAME/...``. An absolute
+    or remote address, or one of an unknown project, has no path.
     """
     try:
         parts = urlsplit(address)
@@ -409,7 +409,7 @@ def local_path(folder: Path, address: str) -> Path | None:
 def contained_path(folder: Path, first: Path, address: str) -> Path | None:
     """Return the path of a part of a model; ``None`` if it lies outside the model's project.
 
-    ``folder`` is that of the file that refers, ``first`` that of the file that the model begins in.
+    ``folder`` is that of the referring file, ``first`` that of the first file of the model.
     """
     path = local_path(folder, address)
     if path is None:
@@ -443,7 +443,7 @@ def _declared_name(folder: Path) -> str | None:
 
 
 def resolved_path(path: Path) -> Path:
-    """Return a path without links; an endless link stays as it is and fails when it is read."""
+    """Return a path without links; a circular link stays and fails when it is read."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError):

@@ -1,14 +1,14 @@
-"""The visitors: what the template of each generated file needs to know of the models.
+"""The visitors: they compute the context of each template from the models.
 
 A visitor returns plain values and expressions in model order; no metamodel object reaches a
 template. There is one visitor for each of ``mission_loader.py``, ``fault_loader.py``,
 ``fault_effects.py``, ``collective_intelligence.py`` and ``topics.py``, in this order. Begin with
-``call``, which turns an element into a call of the runtime's vocabulary.
+``call``, which turns an element into a call of a class or function of the runtime.
 
-Code gets all that a team added to the metamodel. What code does not read of an element becomes a
-constant that begins with the element's ID: ``R1_PAYLOAD = 3.0``. The features of a task belong to
-its goal: ``G7_RADIUS``. Parts without a meaning for code are taken apart, many of them into a
-tuple a feature: ``ZONES_DEPTH = (3.0, 5.0)``.
+User-defined features of the metamodel reach code as constants that begin with the element's ID:
+``R1_PAYLOAD = 3.0``. The features of a task belong to its goal: ``G7_RADIUS``. Parts that code does
+not read become one constant per feature; a list of parts becomes a tuple per feature:
+``ZONES_DEPTH = (3.0, 5.0)``.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping
@@ -44,18 +44,17 @@ _ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True
 
 
 def visit_mission_loader(models: LoadedModels) -> Mapping[str, Any]:
-    """Turn the mission into calls of the runtime's vocabulary, which the metamodel names.
+    """Turn the mission into calls of the runtime's classes, which have the metamodel's names.
 
-    An element becomes a call of its class with the features that the runtime reads, in the
-    order of the metamodel and without those that are unset; a team's own go to
-    ``collective_intelligence.py``.
+    An element becomes a call of its class with the set features that the runtime reads, in the
+    order of the metamodel. User-defined features go to ``collective_intelligence.py``.
     """
     mission = call(models.mission)
     return {"imports": functions(mission), "result": mission}
 
 
 def call(element: Any) -> Call:
-    """Return an element; one without an identity is short enough for one line."""
+    """Return the call for an element; one without ID is written on one line."""
     metaclass = base_class(element.eClass)
     if not is_read(metaclass):
         return Call(OWN_TASK, (("class_name", str(metaclass.name)),), is_flat=True)
@@ -70,13 +69,13 @@ def call(element: Any) -> Call:
 
 
 def _value(element: Any, slot: Slot) -> Expression:
-    """Return what an element holds in a feature; where it gives no point, it means the origin."""
+    """Return the value of an element's feature; an absent point is the origin."""
     value = held(element, slot, call)
     return _ORIGIN if value is None and slot.type.name == "Coordinates" else value
 
 
 def held(element: Any, slot: Slot, part: Callable[[Any], Expression]) -> Expression:
-    """Return what an element holds in a feature: parts as ``part`` returns them, links as IDs."""
+    """Return the value of an element's feature: parts by ``part``, references as IDs."""
 
     def single(value: Any) -> Expression:
         if slot.is_contained:
@@ -115,10 +114,10 @@ Entry: TypeAlias = tuple[str, Expression]
 
 
 def visit_fault_loader(models: LoadedModels) -> Mapping[str, Any]:
-    """Turn the fault specification into calls of the runtime's vocabulary.
+    """Turn the fault specification into calls of the runtime's classes.
 
-    What its fault types mean stands in a table of its own, as the metamodel says it. A mission
-    without a fault model has an empty pool.
+    The meanings of its fault types are a separate table. A mission without a fault model has an
+    empty pool.
     """
     faults = models.faults
     own = () if faults is None else _features(faults, CONTRACT["faults"]["FaultSpecification"])
@@ -142,7 +141,7 @@ def types_in_use(models: LoadedModels) -> tuple[FaultType, ...]:
 
 
 def _fault(fault: Any) -> Call:
-    """Return a fault: what it is, what it strikes, its window and likelihood if it has them."""
+    """Return a fault: its type, its target, and its window and likelihood if it has them."""
     (fault_type,) = fault_types(fault)
     kind = meaning(fault_type)
     values = tuple(float(getattr(fault_type, known.name)) for known in kind.parameters)
@@ -228,7 +227,7 @@ def _bounds(fault_type: Any, kind: FaultType) -> Table:
 
 
 def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
-    """Return what a model or a default gives an element in features but those known, by name."""
+    """Return the values or defaults of all features of an element but the known ones, by name."""
     return tuple(
         (name, held(element, slot, _part))
         for name, slot in slots(element.eClass).items()
@@ -241,15 +240,15 @@ def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
 
 
 def _part(part: Any) -> Table:
-    """Return a part that a team added as a dictionary, with its class as ``eClass``."""
+    """Return a user-defined part as a dictionary, with its class as ``eClass``."""
     return Table((("eClass", str(part.eClass.name)), *_features(part)))
 
 
 @dataclass(frozen=True, slots=True)
 class EffectView:
-    """An effect: its fault type, number, what it may change of what, and its parameters.
+    """An effect: fault type, number, properties and element that it may change, and parameters.
 
-    Its region is named after the type, so that other types may come and go.
+    Its region is named after the type, so it does not depend on other types.
     """
 
     type: str
@@ -289,12 +288,12 @@ def _effect(kind: FaultType) -> EffectView:
 
 
 NONE = -1
-"""Index that stands for a reference to nothing."""
+"""Index of an unset reference."""
 
 _NUMBERS = ("Coordinates", "Area")
 
 Held: TypeAlias = Any
-"""An element, or a tuple of what is held, as deep as lists contain lists."""
+"""An element or a value, or a tuple of these, nested as deep as lists contain lists."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,17 +311,16 @@ Constants: TypeAlias = Iterator[tuple[Any, Constant]]
 
 @dataclass(frozen=True, slots=True)
 class OwnFeatures:
-    """Finds what elements hold in features that code does not read.
+    """Finds the values of features that code does not read.
 
-    ``indices`` are those by which code knows elements that others refer to; ``nodes`` have their
-    lines.
+    ``indices`` are the indices of elements in code, for references; ``nodes`` have their lines.
     """
 
     indices: Mapping[Any, int]
     nodes: Mapping[Any, Node]
 
     def of(self, element: Any, prefix: str) -> Constants:
-        """Yield the constants of an element that code reads, and of all that it contains.
+        """Yield the constants of an element that code reads, and of all elements in it.
 
         A value that cannot be a constant raises a ``ModelError``.
         """
@@ -336,7 +334,7 @@ class OwnFeatures:
                 yield from self._parts(element, slot, prefix if is_task else name)
 
     def _parts(self, element: Any, slot: Slot, prefix: str) -> Constants:
-        """Yield the constants of parts that code reads: by their IDs, else by where they are."""
+        """Yield the constants of parts that code reads, named by ID or else by place."""
         parts = values(element, slot)
         if any(each.is_id for each in slots(slot.type).values()):
             for part in parts:
@@ -348,7 +346,7 @@ class OwnFeatures:
                 yield from self.of(part, prefix)
 
     def _constants(self, held: Held, slot: Slot, name: str) -> Constants:
-        """Yield what is held in a feature: one constant, or one a feature of the parts there."""
+        """Yield the value of a feature: one constant, or one per feature of its parts."""
         found = _mapped(lambda element: self._values(element, slot, held), held)
         first = next(_flat(held), None)
         if not slot.is_contained:
@@ -362,7 +360,7 @@ class OwnFeatures:
     def _columns(self, held: Held, declared: Any, prefix: str, *, read: bool) -> Constants:
         """Yield a constant for each feature of parts, with a value for each part.
 
-        ``read`` asks for features too that code would read of such a part elsewhere.
+        ``read`` includes features that code reads of such parts elsewhere.
         """
         metaclass = self._class(held, declared)
         known = base_class(metaclass)
@@ -415,7 +413,7 @@ class OwnFeatures:
 
 
 def _numbers(part: Any) -> Expression:
-    """Return a point as (x, y, z), a disc as (x, y, z, radius); no centre means the origin."""
+    """Return a point as (x, y, z), a disc as (x, y, z, radius); an absent centre is the origin."""
     is_disc = base_class(part.eClass).name == "Area"
     point = part.center if is_disc else part
     place = (0.0, 0.0, 0.0) if point is None else (float(point.x), float(point.y), float(point.z))
@@ -440,7 +438,7 @@ def _flat(held: Held) -> Iterator[Any]:
 class GoalView:
     """A goal: its identifier and constant, class and module of its task, and its members.
 
-    A task of a team's own has no module: its regions are empty. Regions are named after the
+    A user-defined task has no module: its regions are empty. Regions are named after the
     identifier, so that renaming or reordering goals keeps code.
     """
 
@@ -453,9 +451,9 @@ class GoalView:
 
 
 def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
-    """Collect the goals of the mission, and constants for what their code refers to.
+    """Collect the goals of the mission, and constants for the elements that their code uses.
 
-    What a team added and cannot be a constant raises a ``ModelError``.
+    A user-defined feature that cannot be a constant raises a ``ModelError``.
     """
     mission = models.mission
     sensors = [sensor for robot in mission.robots for sensor in robot.sensors]

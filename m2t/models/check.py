@@ -1,9 +1,9 @@
 """Check the nodes of a model against the metamodel: values, structure, references.
 
-pyecore's reader lets most defects pass and stops at the first of the others. So every node is
-checked here, and all defects are reported, before any object is made. Numbers are accepted as Java
-accepts them, without the spellings that only Python knows: a model that loads here loads in
-Eclipse. A part may stand in a file of its own, as Eclipse splits a model; it is put in its place.
+pyecore's reader accepts most defects and stops at the first of the others. So every node is
+checked here, and all defects are reported, before any object is made. Numbers are accepted as in
+Java, without spellings that only Python has: a model that loads here loads in Eclipse. A part may
+stand in a separate file, as Eclipse splits models; it is moved into place.
 
 Begin with ``require_value`` for one attribute, then ``check_structure``, then ``resolve``.
 """
@@ -44,7 +44,7 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Which numbers a feature allows, and the constraint that says so."""
+    """Numbers that a feature allows, and the constraint that requires them."""
 
     constraint: str
     lowest: float
@@ -87,7 +87,7 @@ RANGES: Mapping[str, Range] = {
 
 
 def require_value(slot: Slot, text: str) -> None:
-    """Refuse, by a ``Defect``, a text that is no value of an attribute or outside its range."""
+    """Raise a ``Defect`` if a text is no value of an attribute, or outside its range."""
     if slot.type.name == "EString":
         limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
         if len(text) > limit:
@@ -100,7 +100,7 @@ def require_value(slot: Slot, text: str) -> None:
 
 
 def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
-    """Yield what a text has to keep, each with whether it does; each builds on the one before."""
+    """Yield each rule for a text, and whether it is met; each one assumes the one before."""
     kind = slot.type.name
     if isinstance(slot.type, EEnum):
         names = [literal.name for literal in slot.type.eLiterals]
@@ -126,8 +126,8 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
 class Reference:
     """A reference as text: ``targets`` are fragments, or file and fragment.
 
-    ``source`` is the node that refers; ``node`` is that which holds the text: the same, or a
-    child with an href.
+    ``source`` is the node that refers; ``node`` contains the text: the same node, or a child with
+    an href.
     """
 
     source: Node
@@ -140,9 +140,8 @@ class Reference:
 class ModelTree:
     """The nodes of one model, each with its metaclass, and the references between them.
 
-    Parts in files of their own stand in place below ``root``. ``by_id`` has the elements of
-    all files. ``resolved`` has the nodes that each reference leads to, once it is known to lead
-    there.
+    Parts from other files stand in place below ``root``. ``by_id`` has the elements of all files.
+    ``resolved`` has the target nodes of each resolved reference.
     """
 
     root: Node
@@ -154,10 +153,10 @@ class ModelTree:
 
 @dataclass(slots=True)
 class ReadModel:
-    """A model on its way: the file that it begins in, its nodes, and its root object once made.
+    """A model while it is loaded: its first file, its nodes, and its root object once made.
 
-    ``tree`` is ``None`` if the nodes cannot be used. Where the model is not ``is_whole``, its
-    objects lack references to what does not exist.
+    ``tree`` is ``None`` if the nodes cannot be used. If not ``is_whole``, the objects lack the
+    references to missing elements.
     """
 
     path: Path
@@ -171,8 +170,8 @@ def check_structure(
 ) -> ModelTree | None:
     """Check the nodes of the model that begins in a file, and give each its metaclass.
 
-    Files with its parts are read on the way. Return what is known of the model; ``None`` if the
-    file has no root of the class.
+    Files with its parts are read as well. Return the nodes; ``None`` if the file has no root of the
+    class.
     """
     roots = file.roots_of(metaclass)
     if not roots:
@@ -195,7 +194,7 @@ def check_structure(
 
 
 def check_claims(files: ModelFiles, report: Report) -> None:
-    """Report roots of files that belong to no model: saving would lose them."""
+    """Report roots of files that belong to no model, because saving would lose them."""
     for file in files:
         for root in file.roots:
             if root not in file.claimed:
@@ -207,7 +206,7 @@ def check_claims(files: ModelFiles, report: Report) -> None:
 
 
 def report_count(element: Any, slot: Slot, count: int, report: Report) -> None:
-    """Report that an element, a node or its object, has too few or too many of a feature."""
+    """Report that a node or object has too few or too many values of a feature."""
     name = slot.name
     if count < slot.lower_bound:
         expected = f"at least {slot.lower_bound}" if slot.many else "one"
@@ -227,7 +226,7 @@ class _Checker:
 
     def element(self, node: Node, metaclass: Any) -> None:
         node.metaclass = metaclass
-        for child in node.children:  # all are of it where it is the default namespace of a file
+        for child in node.children:  # a default namespace applies to children too
             if child.namespace == self._package.nsURI:
                 child.namespace = ""  # a feature, as Eclipse takes it
         given = Counter(child.tag for child in node.children if not child.namespace)
@@ -244,7 +243,7 @@ class _Checker:
                 report_count(node, slot, count, self._report)
 
     def _attribute(self, node: Node, name: str, text: str) -> int:
-        """Check an attribute; return of how many values it is."""
+        """Check an attribute; return the number of its values."""
         slot = slots(node.metaclass).get(name)
         if slot is None:
             self._unknown(node, name, f"has no attribute {shown(name)}", node, "attribute")
@@ -264,7 +263,7 @@ class _Checker:
             require_value(slot, text)
         except Defect as defect:
             self._report.add(node, defect.constraint, defect.finding)
-            if slot.is_id:  # too long, but what refers to it is not lost
+            if slot.is_id:  # too long, but references to it still resolve
                 self.tree.files.containing(node).by_id.setdefault(text, node)
             return
         if slot.is_id:
@@ -283,7 +282,7 @@ class _Checker:
             self._report.add(node, "UniqueId", finding)
 
     def _qualified(self, node: Node) -> None:
-        """Check attributes of other namespaces: only those of XMI itself have a place."""
+        """Check attributes of other namespaces: only those of XMI and XSI are allowed."""
         file = self.tree.files.containing(node)
         expected = ROOT_ATTRIBUTES if node in file.claimed else {(XSI, "type"), (XMI, "type")}
         for (namespace, name), text in node.qualified.items():
@@ -303,7 +302,7 @@ class _Checker:
                 self._report.add(node, "KnownFeature", finding)
 
     def _child(self, node: Node, child: Node) -> Node:
-        """Check a child; return the node that stands for it, from another file if it says so."""
+        """Check a child; return it, or the node of another file that its href refers to."""
         slot = slots(node.metaclass).get(child.tag) if not child.namespace else None
         if slot is None:
             of = f" (namespace {shown(child.namespace)})" if child.namespace else ""
@@ -337,8 +336,8 @@ class _Checker:
     def _part(self, child: Node, declared: Any) -> tuple[Node, Any]:
         """Return the root of another file that an element with an href stands for, and its class.
 
-        The root takes the element's tag and parent. An element that stands for no root that fits,
-        or for one that something else contains, raises a ``Defect``.
+        The root takes the element's tag and parent. If no root fits, or another element already
+        contains it, this raises a ``Defect``.
         """
         if set(child.attributes) != {"href"} or child.children or child.text.strip():
             finding = f"has an href and more; expected <{child.tag[:60]} href=...> alone"
@@ -368,7 +367,7 @@ class _Checker:
         return root, found
 
     def _file(self, child: Node, address: str) -> ModelFile:
-        """Return the file of a part; refuse one outside the project, and circles of files."""
+        """Return the file of a part; refuse files outside the project, and circles of files."""
         files = self.tree.files
         what = f"stands for {shown(child.attributes['href'])}"
         here = files.containing(child)
@@ -391,7 +390,7 @@ class _Checker:
                 "contain this one; move the element into place",
             )
         file = files.read(path, owners)
-        if file is None:  # what is wrong with it is reported there
+        if file is None:  # its own defects are reported there
             raise Defect("ContainedElement", f"{what}, a file that cannot be used; correct it")
         return file
 
@@ -432,7 +431,7 @@ class _Checker:
 
 
 def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
-    """Return the file part of every reference that leads out of its own file."""
+    """Yield the address part of every reference to another file."""
     for reference in tree.references:
         for target in reference.targets:
             if address := _address(target):
@@ -440,9 +439,9 @@ def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
 
 
 def resolve(tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
-    """Find the nodes that all references of a model lead to; the model takes them.
+    """Resolve all references of a model, and store their target nodes in it.
 
-    ``mission`` is the mission, if the model may refer to it.
+    ``mission`` is the mission that the model may refer to, or ``None``.
     """
     resolver = _Resolver(tree, mission, report)
     for reference in tree.references:
@@ -450,7 +449,7 @@ def resolve(tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
 
 
 class _Resolver:
-    """Resolves the references of one model; asks for every file once."""
+    """Resolves the references of one model; looks up every file once."""
 
     def __init__(self, tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
         self._tree = tree
@@ -495,9 +494,9 @@ class _Resolver:
         raise Defect("ReferenceType", f"{what} is a {element.metaclass.name}; expected {expected}")
 
     def _place(self, reference: Reference, target: str) -> tuple[ModelFile, ModelTree] | None:
-        """Return the file that a target is looked for in, and the model that it is part of.
+        """Return the file in which to search for a target, and the model that the file is part of.
 
-        It is ``None`` if that is a mission that is broken: its own defects are reported already.
+        Return ``None`` if that is a broken mission, whose own defects are already reported.
         """
         here = self._tree.files.containing(reference.node)
         address = _address(target)
@@ -531,6 +530,6 @@ def _address(target: str) -> str:
 
 
 def _known(tree: ModelTree, wanted: Any, target: str) -> str:
-    """Return the IDs that would fit, for the message; a tree is complete by now."""
+    """Return the IDs that would fit, for the message; the tree is complete by then."""
     ids = [name for name, element in tree.by_id.items() if conforms(element.metaclass, wanted)]
     return f" ({listed(ids, target.rpartition('#')[2])})" if ids else ""

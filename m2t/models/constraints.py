@@ -1,9 +1,9 @@
 """Constraints that no metamodel can state: on missions, on faults, and on IDs.
 
-Each check gets objects whose structure is sound, so it need not ask whether a required feature is
-there. Each reports all that it finds. The names of the constraints, and the EVL files that state
-the same for Eclipse, are listed in ``m2t.diagnostics``. ``check_mission``, ``check_faults`` and
-``check_identities`` are the entries, in this order.
+Each check gets objects whose structure is sound, so every required feature is present. Each
+reports all its findings. ``m2t.diagnostics`` lists the names of the constraints, and the EVL files
+that state the same for Eclipse. Begin with ``check_mission``, ``check_faults`` and
+``check_identities``, in this order.
 
 References
 ----------
@@ -74,13 +74,13 @@ def point(coordinates: Any) -> Point:
 
 
 def distance(one: Point, other: Point) -> float:
-    """Return the distance of two points, rounded as ``mission.evl`` rounds it."""
+    """Return the distance between two points, rounded as in ``mission.evl``."""
     dx, dy = one[0] - other[0], one[1] - other[1]
     return math.sqrt(dx * dx + dy * dy)
 
 
 def strangers(goal: Any) -> list[Any]:
-    """Return the robots that a goal to avoid collisions names but does not have as members."""
+    """Return the robots that an AvoidCollision task names but that are no members of its goal."""
     return [robot for robot in goal.task.robots if robot not in goal.members]
 
 
@@ -90,7 +90,7 @@ def number(value: float) -> str:
 
 
 def repeated(entries: Iterable[Any]) -> Iterator[Any]:
-    """Yield the entries that have the name of one before them."""
+    """Yield the entries that have the name of an earlier one."""
     names: set[str] = set()
     for entry in entries:
         if entry.name in names:
@@ -170,7 +170,7 @@ def _check_goal(mission: Any, goal: Any, report: Report) -> None:
 
 
 def _check_figures(mission: Any, element: Any, report: Report) -> None:
-    """Check that no figure is so far outside its mission that it was meant in another unit."""
+    """Check that no figure is so large for its mission that its unit is probably wrong."""
     base, width = base_class(element.eClass).name, 2 * mission.missionArea.radius
     limits = dict.fromkeys(_LENGTHS.get(base, ()), (width, f"an area {number(width)} wide"))
     if base == "Patrol":
@@ -267,9 +267,9 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
 class Discs:
     """Discs in the plane, in order, each for an element.
 
-    A disc lies in one cell of a grid whose cells are as wide as its radius or wider, up to twice,
-    so that whatever it holds is in that cell or one beside it. Discs of like radius share a
-    grid; there are as many grids as there are magnitudes of radii.
+    A disc lies in one cell of a grid whose cells are one to two times as wide as its radius, so
+    every point inside it is in that cell or an adjacent one. Discs of similar radius share a
+    grid; there is one grid per magnitude (power of two) of radii.
     """
 
     def __init__(self) -> None:
@@ -284,7 +284,7 @@ class Discs:
         self._discs.append((element, center, radius))
 
     def first_around(self, point: Point) -> Any:
-        """Return the element of the first disc that a point lies inside of; ``None`` if none."""
+        """Return the element of the first disc that contains a point; ``None`` if none does."""
         found = []
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
@@ -302,7 +302,7 @@ def _cell(point: Point, width: float) -> tuple[int, int]:
 
 
 Pairs: TypeAlias = list[tuple[str, str]]
-"""Names of features of which the value of the first must not be above that of the second."""
+"""Pairs of feature names: the value of the first must not exceed that of the second."""
 
 
 def check_faults(specification: Any, duration: int, report: Report) -> None:
@@ -338,14 +338,14 @@ def exchanged_window(fault: Any) -> Pairs:
 
 
 def exchanged_draw(kind: Any) -> Pairs:
-    """Return the names of lowest and highest value that a fault type draws, if exchanged."""
+    """Return the names of the lowest and highest random value of a fault type, if exchanged."""
     names = [parameter.name for parameter in meaning(kind).parameters]
     is_drawn = meaning(kind).mode is Mode.RANDOM and names
     return _exchanged(kind, [(names[0], names[1])] if is_drawn else [])
 
 
 def exchanged_bounds(kind: Any) -> Pairs:
-    """Return the names of the bounds of each parameter whose lowest is above its highest."""
+    """Return the names of the bounds of each parameter whose lower one exceeds the upper one."""
     low, high = BOUNDS
     names = [parameter.name for parameter in meaning(kind).parameters]
     return _exchanged(kind, _given(kind, *((f"{name}{low}", f"{name}{high}") for name in names)))
@@ -360,7 +360,7 @@ def _exchanged(element: Any, pairs: Pairs) -> Pairs:
 
 
 def broken_ticks(kind: Any) -> list[str]:
-    """Return the numbers of ticks of a fault type that are not whole."""
+    """Return the features of a fault type whose number of ticks is not whole."""
     return [
         name
         for name, slot in slots(kind.eClass).items()
@@ -400,13 +400,13 @@ _EVENTS: Mapping[str, tuple[str, ...]] = {
     "ENTERED": ("robot", _AREA),
     "EFFECT": ("faults",),
 }
-"""What a trigger of each event refers to; one of an effect may be about no fault, but never is."""
+"""Features that a trigger of each event sets; EFFECT without faults is valid but never happens."""
 
 _REACHABLE = ("GatherSamples", "Visit", "Track")
 
 
 def fits_event(trigger: Any) -> bool:
-    """Return whether a trigger refers to what its event is about, and to nothing else."""
+    """Return whether a trigger refers to exactly what its event needs."""
     event, names = trigger.event.name, _given_to(trigger)
     given = tuple(_AREA if name in ("area", "at") else name for name in names)
     return given == _EVENTS.get(event) or (event == "EFFECT" and not given)
@@ -473,8 +473,8 @@ def _check_fault_field(kind: Any, report: Report) -> None:
 def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> None:
     """Check the IDs of one file.
 
-    ``become_names`` says whether they become names in Python, as those of a mission do and those of
-    faults do not.
+    ``become_names`` is whether they become names in Python: those of a mission do, those of faults
+    do not.
     """
     named: dict[str, Node] = {}
     for text, node in tree.by_id.items():
@@ -492,7 +492,7 @@ def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> 
 
 
 def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:
-    """Yield what is wrong with an ID, whatever other IDs there are."""
+    """Yield the defects of an ID by itself, without regard to other IDs."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_. -]*", text):
         finding = f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.'"
         yield Defect("IdSyntax", f"{finding} or spaces; rename it")

@@ -1,17 +1,17 @@
-"""The difference of two models in the words of the model, for reviews.
+"""The difference between two models in terms of model elements, for reviews.
 
-Models are compared by what their files say, element by element: elements with ID by class and
-ID, wherever they stand; coordinates, message fields and properties as values; the task of a goal
-and the type of a fault feature by feature. An element that has another ID and otherwise says the
-same was renamed; references to it do not count as changed. Line breaks, comments, order of
-attributes, spelling of numbers, and how a reference names its target are no difference.
+Models are compared element by element: elements with ID by class and ID, wherever they stand;
+coordinates, message fields and properties as values; the task of a goal and the type of a fault
+feature by feature. An element with a new ID and otherwise equal content was renamed; references to
+it do not count as changed. Line breaks, comments, order of attributes, spelling of numbers, and the
+way in which a reference names its target are ignored.
 
-``read_models`` makes an outline of each model: its elements with ID, and all else as values of
-theirs. ``difference`` compares outlines; ``renamed`` finds what has another ID.
+``read_models`` makes an outline of each model: its elements with ID, and all else as their values.
+``difference`` compares outlines; ``renamed`` finds elements with a new ID.
 
 Notes
 -----
-The files need not be valid: a review may be about what broke them. They must be well-formed.
+The files need not be valid, because a review may concern the defect. They must be well-formed.
 """
 
 from collections import Counter
@@ -34,7 +34,7 @@ Value: TypeAlias = str | None
 """Value of a feature as text; ``None`` if it is not set."""
 
 Key: TypeAlias = tuple[str, str, int]
-"""What makes an element the same in two models: class, ID, and number among those of that ID."""
+"""Identity of an element in two models: class, ID, and number among those of that ID."""
 
 _FILES = ("mission.xmi", "faults.xmi")
 _WORDS = {"MotionSource": "motion source", "FaultSpecification": "fault specification"}
@@ -44,8 +44,8 @@ _WORDS = {"MotionSource": "motion source", "FaultSpecification": "fault specific
 class Outline:
     """An element with ID, or the root of a model, whose ID is empty.
 
-    ``key`` makes it the same in two models. ``values`` are by feature, in the order of the
-    metamodel, ``children`` the contained elements with ID by feature.
+    ``key`` identifies it in both models. ``values`` are by feature, in the order of the metamodel,
+    ``children`` are the contained elements with ID, by feature.
     """
 
     kind: str
@@ -62,7 +62,7 @@ class Outline:
 
     @property
     def about(self) -> str:
-        """What a reader wants to know of an element that is new."""
+        """Short description of a new element."""
         return next(filter(None, map(self.values.get, ("task", "type", "name"))), "")
 
     @property
@@ -78,14 +78,14 @@ class Outline:
 
 
 def word(kind: str) -> str:
-    """Return the name of a class as people write it: ``motion source``."""
+    """Return the name of a class in words: ``motion source``."""
     return _WORDS.get(kind, kind.lower())
 
 
 def read_models(path: Path) -> dict[str, Outline]:
     """Return the outline of each root of a mission folder or file by name of its class.
 
-    A file that cannot be read or is no model is a ``ModelError``.
+    A file that cannot be read or is no model raises a ``ModelError``.
     """
     names = [path / name for name in _FILES if (path / name).is_file()]
     paths = names if path.is_dir() else [path]
@@ -118,14 +118,14 @@ def _roots(file: ModelFile, files: ModelFiles) -> list[Node]:
 
 
 class _Outliner:
-    """Makes the outlines of models; names what references lead to by ID wherever there is one."""
+    """Makes the outlines of models; names targets of references by ID if they have one."""
 
     def __init__(self, files: ModelFiles) -> None:
         self._files = files
         self._counts: Counter[tuple[str, str]] = Counter()
 
     def outline(self, node: Node, metaclass: Any, container: Outline | None = None) -> Outline:
-        """Return the outline of an element; there is one root of a kind, whatever its ID."""
+        """Return the outline of an element; a root is identified by its class, not its ID."""
         identity = node.attributes.get("ID", "")
         place = (metaclass.name, "" if container is None else identity)
         key = (*place, self._counts[place])
@@ -140,7 +140,7 @@ class _Outliner:
         return outline
 
     def _fill(self, outline: Outline, node: Node, metaclass: Any, prefix: str = "") -> None:
-        """Add the features of a node; those that are not known are added as they stand."""
+        """Add the features of a node; unknown ones are added as written."""
         known = slots(metaclass)
         for name, slot in known.items():
             if slot.is_contained:
@@ -188,7 +188,7 @@ class _Outliner:
         return _literal(slot, texts[0] if texts else None)
 
     def _target(self, node: Node, text: str) -> str:
-        """Return the ID of what a reference of a node means, else the reference itself."""
+        """Return the ID of a reference's target, or else the reference itself."""
         address, _, fragment = text.rpartition("#")
         fragment = unquote(fragment)
         path = local_path(node.path.parent, address) if address else node.path
@@ -204,7 +204,7 @@ def _kind(node: Node) -> str:
 
 
 def _append(outline: Outline, name: str, text: str) -> None:
-    """Add what a valid model has once; one that has it twice shows both."""
+    """Add a value that a valid model has once; if there are two, show both."""
     outline.values[name] = " ".join(filter(None, (outline.values.get(name), text)))
 
 
@@ -241,7 +241,7 @@ def _compact(node: Node | None, metaclass: Any) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a name as it is, or quoted if it would be hard to read or to tell from others."""
+    """Return a name, quoted if it contains spaces or unprintable characters."""
     return text if text.isprintable() and " " not in text else repr(text)
 
 
@@ -255,11 +255,11 @@ What: TypeAlias = Literal["changed", "added", "removed", "moved", "renamed", "re
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One difference; ``text`` says it in a line.
+    """One difference; ``text`` describes it in one line.
 
-    ``element`` is class and ID, such as ``robot r2``; its container if elements of ``feature``
-    were reordered. ``feature`` is empty unless it says what has changed. ``old`` and ``new`` are
-    values of the feature, the container of a moved element, or IDs in order.
+    ``element`` is class and ID, such as ``robot r2``; if elements of ``feature`` were reordered, it
+    is their container. ``feature`` may be empty. ``old`` and ``new`` are values of the feature, the
+    containers of a moved element, or IDs in order.
     """
 
     what: What
@@ -274,11 +274,11 @@ class Change:
 
 
 def difference(old: Path, new: Path) -> tuple[Change, ...]:
-    """Return how a model differs from an older one; both are a mission folder or an ``.xmi`` file.
+    """Return the changes from an older model; both are a mission folder or an ``.xmi`` file.
 
-    A file is compared with what a folder has of its kind, mission or faults; it is a
-    ``ModelError`` if they have none in common. Changes are in the order of the new model, mission
-    first; removed elements come before those that remained in the same place.
+    A file is compared with the model of its kind, mission or faults, in a folder; without a common
+    kind, this raises a ``ModelError``. Changes are in the order of the new model, mission first;
+    removed elements come before those that remained in the same place.
     """
     olds, news = read_models(old), read_models(new)
     shared = olds.keys() & news.keys()
@@ -309,9 +309,9 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
 
 
 class _Comparison:
-    """Compares two models of a kind; knows where each element stands in both.
+    """Compares two models of a kind, with the place of each element in both.
 
-    ``before`` are the IDs that renamed elements had.
+    ``before`` are the old IDs of renamed elements.
     """
 
     def __init__(self, old: Outline, new: Outline, before: Mapping[Key, str]) -> None:
@@ -364,7 +364,7 @@ class _Comparison:
         yield from self.compare(earlier, outline)
 
     def _moved_into(self, added: Outline) -> Iterator[Change]:
-        """Yield what an added element took over from elsewhere."""
+        """Yield the changes of existing elements that moved into an added one."""
         for outline in added.below:
             if outline.key in self._old:
                 yield from self._compare_element(outline, added)
@@ -383,10 +383,10 @@ def _placed(what: What, outline: Outline, preposition: str) -> Change:
 
 
 def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:
-    """Return the elements of older models that have another ID now, by those of the newer ones.
+    """Return renamed elements of older models, by their new versions.
 
-    An element that is gone and one that is new, in the same place, are one if they say the same
-    with all in them; references to what was renamed count as the same.
+    A removed and an added element in the same place are one renamed element if their content is
+    equal; references to renamed elements count as equal.
     """
     olds, news = [old for old, _ in roots], [new for _, new in roots]
     gone, added = _without(olds, news), _without(news, olds)
@@ -397,7 +397,7 @@ def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:
 
 
 def rename(roots: Iterable[Outline], pairs: Mapping[Outline, Outline]) -> None:
-    """Let the older model have the IDs of the newer one, also where it refers to what has them."""
+    """Give elements of the older model their new IDs, also in references."""
     names = {old.identity: new.identity for new, old in pairs.items()}
     for new, old in pairs.items():
         old.identity, old.key = new.identity, new.key
@@ -410,7 +410,7 @@ def rename(roots: Iterable[Outline], pairs: Mapping[Outline, Outline]) -> None:
 
 
 def _without(roots: Sequence[Outline], others: Sequence[Outline]) -> dict[str, Outline]:
-    """Return the elements of some models, by ID, whose ID no element of other models has."""
+    """Return the elements of models whose ID no element of other models has, by ID."""
     known = {outline.identity for other in others for outline in other.walk()}
     every = (outline for root in roots for outline in root.walk())
     return {each.identity: each for each in every if each.identity and each.identity not in known}
@@ -419,7 +419,7 @@ def _without(roots: Sequence[Outline], others: Sequence[Outline]) -> dict[str, O
 def _within(
     old: Outline, new: Outline, gone: Mapping[str, Outline], added: Mapping[str, Outline]
 ) -> dict[Outline, Outline]:
-    """Return what was renamed below an element that both models have."""
+    """Return the renamed elements below an element that both models have."""
     found: dict[Outline, Outline] = {}
     for name, after in new.children.items():
         before = old.children.get(name, [])
@@ -441,7 +441,7 @@ def _within(
 
 
 def _signature(outline: Outline, own: Mapping[str, Outline]) -> tuple[object, ...]:
-    """Return what an element says but for ``own``, the IDs that only its model has."""
+    """Return the content of an element without ``own``, the IDs that only its model has."""
     values = tuple(
         (name, None if value is None else _hidden(value, own))
         for name, value in outline.values.items()
@@ -454,5 +454,5 @@ def _signature(outline: Outline, own: Mapping[str, Outline]) -> tuple[object, ..
 
 
 def _hidden(text: str, own: Mapping[str, Outline]) -> str:
-    """Return a text without the IDs that only one model has, be they references or a name."""
+    """Return a text without IDs that only one model has, in references or names."""
     return " ".join("•" if word.strip("'") in own else word for word in text.split(" "))

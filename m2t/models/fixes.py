@@ -1,8 +1,8 @@
-"""Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
+"""Fix defects that have one sensible remedy, as Epsilon's quick fixes do, for scripts.
 
-A fix checks the element anew and changes nothing if nothing is wrong, so that a fix may be
-offered for an element too many. ``mend`` edits loaded models in memory and returns what that
-changes in their files. ``FIXES`` lists the remedies by constraint; begin there.
+A fix checks the element again and changes nothing if it is correct, so offering a fix for too many
+elements is harmless. ``mend`` edits loaded models in memory and returns the changes to their
+files. ``FIXES`` lists the remedies by constraint; begin there.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -30,7 +30,7 @@ Remedy: TypeAlias = Callable[[Any], None]
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """A remedy for one constraint: what a user reads, and what it does to an element."""
+    """A remedy for one constraint: its title for the user, and its edit of an element."""
 
     title: str
     mend: Remedy
@@ -38,16 +38,16 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Mending(Edit):
-    """What fixing models would change; ``fixed`` are defects that go, with the title of the fix."""
+    """Changes by the fixes; ``fixed`` are the removed defects, each with the title of its fix."""
 
     fixed: tuple[tuple[Diagnostic, str], ...]
 
 
 def mend(inspection: Inspection) -> Mending | None:
-    """Fix what can be fixed in models, in memory: the objects of the inspection are changed.
+    """Apply all possible fixes in memory: the objects of the inspection are changed.
 
-    Return ``None`` if no fix can mend anything, or if errors of structure come first. Models
-    that cannot be saved are a ``ModelError``.
+    Return ``None`` if no fix applies, or if errors of structure must be corrected first. Models
+    that cannot be saved raise a ``ModelError``.
     """
     draft = inspection.draft or inspection.remains
     titles = _TITLES if inspection.remains is None else _TITLES_OF_REMAINS
@@ -66,7 +66,7 @@ def _fix(defects: Iterable[Diagnostic], draft: LoadedModels) -> None:
     for element, node in draft.nodes.items():
         elements.setdefault((node.path, node.line, node.description), []).append(element)
     for found in defects:
-        # What stands alone in its line and names an element, loading has mended: it is no element.
+        # Loading has already fixed repeated references, which are nodes without an object.
         for element in elements.get((found.path, found.line, found.element), ()):
             FIXES[found.constraint].mend(element)
 
@@ -103,7 +103,7 @@ def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
 
 
 FIXES: Mapping[str, Fix] = {
-    "UniqueReference": Fix("Delete the repeated references", lambda _: None),  # loading has done so
+    "UniqueReference": Fix("Delete the repeated references", lambda _: None),  # done by loading
     "GoalDependsOnOthers": Fix(
         "Delete the goal from its own dependentGoals", _delete_self_dependence
     ),
@@ -125,14 +125,14 @@ _TITLES_OF_REMAINS = {
     "UniqueReference": _TITLES["UniqueReference"],
     "ResolvedReference": "Delete the reference and each element that is incomplete without it",
 }
-"""What loading has left out already, with what is incomplete without it to follow."""
+"""Fixes that loading has begun by leaving references out; incomplete elements follow."""
 
 
 def delete_incomplete(models: LoadedModels) -> None:
-    """Delete elements that lack what the metamodels require, and references to what is deleted.
+    """Delete elements that lack a required feature, and references to deleted elements.
 
-    A goal loses a member that is gone; a message whose sender is gone goes as a whole, and so does
-    a fault of that message, or one that waits for what is gone. Roots stay, whatever they lack.
+    A goal loses a deleted member. A message without a sender is deleted, and so is a fault of that
+    message, or one that waits for a deleted trigger. Roots are never deleted.
     """
     roots = [root for root in (models.mission, models.faults) if root is not None]
     while True:
@@ -145,7 +145,7 @@ def delete_incomplete(models: LoadedModels) -> None:
 
 
 def _loses(element: Any, alive: Iterable[Any]) -> bool:
-    """Take references to what is gone from an element; return whether it lacks something then."""
+    """Remove an element's references to deleted elements; return whether it is then incomplete."""
     is_incomplete = (is_kind(element.eClass, "Fault") and not fault_types(element)) or (
         is_kind(element.eClass, "Trigger") and not fits_event(element)
     )

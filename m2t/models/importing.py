@@ -1,13 +1,13 @@
 """Import a model that was published for the paper's prototype as a mission folder.
 
-The file is XMI; its root ``Setup`` holds a mission and fault specifications. Most features have
-the names of ours. The tables have those that differ, and the values for what the old format lacks.
-What is not known is dropped with a note. All else keeps its text and its references, so that
-``m2t.models.check`` refuses what ``mrsfi validate`` refuses, by the same rules.
+The file is XMI; its root ``Setup`` contains a mission and fault specifications. Most features have
+the same names as in mrsfi. Tables list the names that differ, and values for features that the old
+format lacks. Unknown content is dropped with a note. All else keeps its text and its references,
+and ``m2t.models.check`` checks it by the same rules as ``mrsfi validate``.
 
-``import_published`` has the steps in order; begin there, at the end. ``PublishedReader`` makes
-nodes of our metamodels out of those of the file, and ``give_ids`` names their elements. The folder
-gets campaign files to begin with: the paper's two cases.
+``import_published``, at the end, has the steps in order; begin there. ``PublishedReader`` converts
+the nodes of the file to nodes of our metamodels, and ``give_ids`` names their elements. The folder
+also gets campaign files for the paper's two cases.
 """
 
 import re
@@ -32,15 +32,15 @@ from mrsfi_runtime.files import changing, whole_folder
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-"""ID given or changed; left out; filled in; contradicting the rest of the model."""
+"""ID given or changed; content dropped; value filled in; contradiction in the model."""
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """One thing that a reader of the imported model should know; ``line`` is of the published file.
+    """A remark on an imported model for the user; ``line`` is a line of the published file.
 
     ``element`` is like ``robots 'r1'``, ``feature`` an attribute of it, a child, or ``ID``;
-    ``message`` says what was found, and what the import did about it.
+    ``message`` gives the finding and the change that the import made.
     """
 
     kind: Kind
@@ -51,7 +51,7 @@ class Note:
 
 
 class Notes(list[Note]):
-    """The notes of one import, whose report knows where objects come from."""
+    """The notes of one import; its report gives the places of objects."""
 
     def __init__(self, report: Report) -> None:
         super().__init__()
@@ -66,10 +66,9 @@ class Notes(list[Note]):
 def give_ids(root: Node, notes: Notes) -> None:
     """Set the ID of every element below the root of a model whose nodes know their classes.
 
-    IDs are unique, also as names in Python; ``notes`` take every one that is new or changed. An
-    element keeps its own ID if that can be used; the first of several with the same ID does. A
-    fault without ID takes its name. The others get an ID from their place, such as ``g1_area``
-    or ``r1_sensor_2``.
+    IDs are unique, also as names in Python; ``notes`` receive every new or changed ID. An element
+    keeps a usable ID; of several with the same ID, the first does. A fault without ID takes its
+    name. Other elements get an ID from their place, such as ``g1_area`` or ``r1_sensor_2``.
     """
     identified = [node for node in root.walk() if _has(node, "ID")]
     namer = _Namer(notes)
@@ -124,13 +123,13 @@ class _Namer:
 
 
 def _own(node: Node) -> str | None:
-    """Return the ID that the file gives an element; a fault without one goes by its name."""
+    """Return the ID of an element in the file; that of a fault without one is its name."""
     name = node.attributes.get("name") if node.metaclass.name == "Fault" else None
     return node.attributes.get("ID", name)
 
 
 def _place(node: Node) -> str:
-    """Return what an element is called by its place, such as ``g1_area`` or ``robot_1``."""
+    """Return a name for an element from its place, such as ``g1_area`` or ``robot_1``."""
     container, kind = node.parent, snake_case(node.metaclass.name)
     if container is None:
         return kind
@@ -154,12 +153,12 @@ RENAMED: Mapping[str, Mapping[str, str]] = {
     "Message": {"from": "sender", "to": "receiver"},
     "Fault": {"probability": "likelihood"},
 }
-"""Old names of features by class, with ours."""
+"""Old names of features with the new ones, by class."""
 
 WRAPPED: Mapping[str, Mapping[str, str]] = {
     "Goal": {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
 }
-"""Features that the old format holds one level deeper, by class, with their name there."""
+"""Features that the old format nests one level deeper, by class, with their old name."""
 
 OPTIONAL = frozenset(
     {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
@@ -168,7 +167,7 @@ OPTIONAL = frozenset(
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
 USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}
-"""What any other absent attribute means, by its type."""
+"""Value of any other absent attribute, by its type."""
 
 DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = {
     ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
@@ -180,9 +179,9 @@ DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = {
 }
 """Values of attributes that the old format lacks or leaves out, given the mission's duration.
 
-Patrol: a tenth of the mission. Visit: by its last tick, within the radius of a robot. Track:
-ten distance units off. FixedDistanceBetweenRobots: one unit off. A sensor without type has the
-first literal, as in Eclipse. Any other absent number is 0, as in Eclipse.
+Patrol: a tenth of the mission. Visit: the last tick of the mission, and the radius of a robot.
+Track: ten distance units. FixedDistanceBetweenRobots: one unit. A sensor without type has the first
+literal, and any other absent number is 0, both as in Eclipse.
 """
 
 
@@ -191,7 +190,7 @@ _COPIED = ("Area", "Coordinates")
 
 
 class _Given:
-    """What a file says of an element; what is taken is gone, and the rest gets dropped."""
+    """Content of an element in the file; converted parts are removed, and the rest is dropped."""
 
     def __init__(self, node: Node) -> None:
         self.node = node
@@ -205,7 +204,7 @@ class _Given:
         return self.children.pop(name, [])
 
     def rename(self, old: str, new: str) -> None:
-        """Call a feature otherwise; one that is given by both names is given twice."""
+        """Rename a feature; if both names are given, it gets two values."""
         again = self.take_children(old)
         if old in self.attributes:
             text = self.attributes.pop(old)
@@ -215,7 +214,7 @@ class _Given:
             self.children.setdefault(new, []).extend(again)
 
     def unwrap(self, name: str, inner: str) -> Iterator["_Given"]:
-        """Lift what a wrapper holds; yield the wrapper with what is left."""
+        """Move the content of wrappers up; yield each wrapper with its remaining content."""
         lifted: list[Node] = []
         for node in self.take_children(name):
             wrapper = _Given(node)
@@ -235,20 +234,20 @@ class _Given:
 
 @dataclass(slots=True, eq=False)
 class PublishedFile(ModelFile):
-    """A model of a published file, checked as a file of its own; ``seek`` follows references."""
+    """A model of a published file, checked as a separate file; ``seek`` resolves references."""
 
     seek: Callable[[str], Node | None] = field(kw_only=True, repr=False)
 
     def find(self, fragment: str) -> Node | None:
-        """Return the node that a fragment means anywhere in the published file."""
+        """Return the node of a fragment anywhere in the published file."""
         return self.seek(fragment)
 
 
 class PublishedReader:
-    """Reads the elements of one published file, of which those with an xmi:id are ``by_xmi_id``.
+    """Reads the elements of one published file; ``by_xmi_id`` has those with an xmi:id.
 
-    ``origins`` gets the node of the file for every node that is made. What cannot be carried over
-    is noted as it is read.
+    ``origins`` receives the source node of every new node. Content that cannot be converted is
+    noted as it is read.
     """
 
     def __init__(self, root: Node, origins: dict[Any, Node], report: Report, notes: Notes) -> None:
@@ -268,13 +267,13 @@ class PublishedReader:
                 self.by_xmi_id.setdefault(node.xmi_id, node)
 
     def model(self, node: Node, metaclass: Any) -> Node:
-        """Return the root of a model, without the areas and coordinates that it refers to."""
+        """Return the root of a model, without referenced areas and coordinates."""
         root = _made(node, metaclass.name, None)
         root.namespace = metaclass.ePackage.nsURI
         return self._element(root, node, metaclass)
 
     def copy_elsewhere(self, root: Node) -> None:
-        """Copy areas and coordinates that are referred to; report what stands in other files."""
+        """Copy referenced areas and coordinates; report references to other files."""
         tree = ModelTree(root, self._files(root), references=self._elsewhere)
         resolve(tree, None, self._report)
         points_first = sorted(tree.resolved, key=lambda each: each[0].slot.type.name == "Area")
@@ -284,7 +283,7 @@ class PublishedReader:
                     self._copy(target, reference.source, reference.slot.name, reference.node)
 
     def checked(self, root: Node) -> ModelTree:
-        """Return a model whose nodes were checked as those of any other; report what is wrong."""
+        """Check the nodes of a model like those of any other model, and return it."""
         files = self._files(root)
         tree = check_structure(files.containing(root), root.metaclass, files, self._report)
         assert tree is not None  # the root is of that class
@@ -298,7 +297,7 @@ class PublishedReader:
         return ModelFiles(self._report, file)
 
     def drop_rest(self) -> None:
-        """Note what of the root is not carried over."""
+        """Note the content of the root that is not converted."""
         given = _Given(self._root)
         for name in ("mission", "specification"):
             given.take_children(name)
@@ -312,7 +311,7 @@ class PublishedReader:
             self._copy(child, made, child.tag, node)
 
     def _add(self, parent: Node, node: Node, tag: str, text: str = "") -> Node:
-        """Add a child to a node that was made, and remember where it comes from."""
+        """Add a child to a new node, and store its source node."""
         made = _made(node, tag, parent, text=text)
         self._origins[made] = node
         parent.children.append(made)
@@ -349,7 +348,7 @@ class PublishedReader:
         return given
 
     def _tasks(self, goal: Node, slot: Slot, given: _Given) -> None:
-        """Take the one of nine containments that the old format has in place of a class."""
+        """Convert the task, for which the old format has one of nine containments, not a class."""
         known = concrete_classes(slot.type.ePackage, slot.type)
         for node in given.take_children(slot.name):
             wrapper = _Given(node)
@@ -379,7 +378,7 @@ class PublishedReader:
                 self._add(made, child, slot.name).attributes["href"] = href
 
     def _part(self, made: Node, slot: Slot, child: Node, name: str = "") -> None:
-        """Add what an element contains, of the class that is named, here or by its xsi:type."""
+        """Add a contained element of the named class, or else of its xsi:type."""
         part = self._add(made, child, slot.name)
         if name := name or (child.xsi_type or "").rpartition(":")[2]:
             part.qualified[XSI, "type"] = name
@@ -397,14 +396,14 @@ class PublishedReader:
             self._drop(rest, "")
         if slot.name in made.attributes or made.tagged(slot.name):
             return
-        for other in (*given.attributes, *given.children):  # of a fault that strikes otherwise
+        for other in (*given.attributes, *given.children):  # of a fault with another kind of target
             if slot.name.startswith("affected") and other.startswith("affected"):
                 finding = f"has {other}, so that the file is of an older metamodel"
                 advice = f"expected {slot.name}; correct it"
                 self._report.add(made, "KnownFeature", f"{finding}; {advice}")
 
     def _values(self, made: Node, slot: Slot, given: _Given) -> None:
-        """Take the values of an attribute, of which those that are elements may become one."""
+        """Convert the values of an attribute; a child element may become the attribute."""
         children = given.take_children(slot.name)
         texts = [child.text.strip() for child in children]
         text = given.attributes.pop(slot.name, None)
@@ -420,11 +419,11 @@ class PublishedReader:
             self._drop(_Given(child), "")
 
     def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
-        """Return and note what an absent attribute means; ``None`` if it stays unset."""
+        """Return and note the value of an absent attribute; ``None`` if it stays unset."""
         if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
         special = DEFAULTS.get((made.metaclass.name, slot.name))
-        if special is not None:  # the mission is read before all else; 0 if its duration is wrong
+        if special is not None:  # the mission is read first; 0 if its duration is wrong
             duration = next(iter(self._origins)).attributes.get("duration", "")
             text = special(int(duration) if duration.isdecimal() else 0)
             meaning = "; set to {}"
@@ -437,7 +436,7 @@ class PublishedReader:
         return text
 
     def _find(self, fragment: str) -> Node | None:
-        """Return what became of a node: by xmi:id, path, or an ID that only one element has."""
+        """Return the new node of a source node: by xmi:id, path, or an ID that only one has."""
         found = self.by_xmi_id.get(fragment)
         if found is None and fragment.startswith("/"):
             found = follow(self._root, fragment.partition("/")[2].partition("/")[2])
@@ -520,10 +519,10 @@ goals = [{goals}]"""
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What an import wrote, and what a reader of it should know.
+    """Result of an import.
 
-    ``n_xmi_ids`` elements were identified by xmi:id. ``counts`` has the number of elements of the
-    result by what they are, ``notes`` what was renamed, dropped, filled in or found inconsistent.
+    ``n_xmi_ids`` elements had an xmi:id. ``counts`` has the number of elements of the result by
+    kind, ``notes`` all content that was renamed, dropped, filled in or found inconsistent.
     """
 
     folder: Path
@@ -576,7 +575,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     if not specifications:
         specifications.append(load_metamodels().faults_class(ID="faults"))
         origins[specifications[0]] = setup
-        # A pool for the team to fill, so that the folder is that of a whole mission.
+        # A pool for the user to fill, so that the mission folder is complete.
         message = f"is absent; {FAULTS_XMI} is an empty pool; a search needs faults in it"
         notes.add("default", setup, "specification", message)
     check_mission(mission, report)

@@ -1,12 +1,12 @@
-"""Load a mission folder, checked to the last attribute, and save what was loaded.
+"""Load a mission folder with all its checks, and save loaded models.
 
-Objects are built straight from checked nodes. pyecore's reader is not used: it lets most defects
-of a file pass and stumbles over others. All defects of all files are collected. Objects are made
-only of a file whose structure is sound, apart from references to what does not exist.
+Objects are built directly from checked nodes. pyecore's reader is not used: it accepts most defects
+of a file and fails on others. All defects of all files are collected. Objects are made only of a
+file whose structure is sound, apart from references to missing elements.
 
-Begin with ``LoadedModels`` and ``_Loading``. Then come saving (every file as Eclipse would write
-it, and only files that change), writing a fault specification that a search found, and models as
-objects of the static classes, for scripts that edit them.
+Begin with ``LoadedModels`` and ``_Loading``. Then come saving (every changed file as Eclipse would
+write it), writing a fault specification from a search, and models as objects of the static
+classes, for scripts that edit them.
 
 References
 ----------
@@ -50,7 +50,7 @@ FAULTS_XMI = "faults.xmi"
 
 @dataclass(frozen=True, slots=True)
 class LoadedFile:
-    """A file that a model came from, with what saving keeps of it.
+    """A file of a loaded model, with the spelling that saving keeps.
 
     ``roots`` are the root objects of the file in its order: of a model, or parts of one.
     """
@@ -68,9 +68,9 @@ class LoadedFile:
 class LoadedModels:
     """Root of a mission model and that of the faults, ``None`` if the folder has none.
 
-    They begin in ``mission_path`` and ``faults_path``, which may be one file. ``nodes`` has the
-    element of the file, with its line, of every object of both; ``files`` are all that they came
-    from, in the order in which they were read.
+    They begin in ``mission_path`` and ``faults_path``, which may be one file. ``nodes`` has the XML
+    element, with its line, of every object of both; ``files`` are all their files, in the order in
+    which they were read.
     """
 
     mission: Any
@@ -94,11 +94,11 @@ class LoadedModels:
 
 @dataclass(frozen=True, slots=True)
 class Inspection:
-    """What loading found: all defects of all files, and what can be made of these.
+    """Result of loading: all defects of all files, and the models if they can be made.
 
-    ``draft`` are the models although constraints of sense may be broken, for whoever mends them;
-    ``None`` if the structure of a file is broken. If only references to what does not exist break
-    it, ``remains`` are the models without these references.
+    ``draft`` are the models even if they break constraints of sense, so that fixes can edit them;
+    ``None`` if the structure of a file is broken. If only references to missing elements break it,
+    ``remains`` are the models without these references.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -117,7 +117,7 @@ class Inspection:
 def load_mission_folder(folder: Path) -> LoadedModels:
     """Load ``mission.xmi`` and, if it exists, ``faults.xmi`` of a mission folder.
 
-    All errors of both files are one ``ModelError``, one a line; warnings are left to
+    All errors of both files raise one ``ModelError``, one per line; for warnings, use
     ``inspect_folder``. The metamodels are those of the project that the working folder is in.
     """
     return inspect_folder(folder).require_models()
@@ -127,17 +127,17 @@ def load_mission_folder(folder: Path) -> LoadedModels:
 def load_specification(path: Path) -> LoadedModels:
     """Load a fault specification, as ``faults``, and the mission that it refers to.
 
-    All errors of both files, one a line, are a ``ModelError``. The metamodels are those of the
+    All errors of both files, one per line, raise a ``ModelError``. The metamodels are those of the
     project that the working folder is in.
     """
     return inspect_specification(path).require_models()
 
 
 def inspect_folder(folder: Path) -> Inspection:
-    """Load a mission folder and return everything that was found on the way, mission first.
+    """Load a mission folder and return all findings, mission first.
 
-    Constraints of sense are checked on a file whose structure is sound: what they would say about
-    missing parts helps nobody.
+    Constraints of sense are checked only on a file whose structure is sound: findings about missing
+    parts would not help.
     """
     settle(folder)
     faults_path = folder / FAULTS_XMI
@@ -145,7 +145,7 @@ def inspect_folder(folder: Path) -> Inspection:
 
 
 def inspect_specification(path: Path) -> Inspection:
-    """Load a fault specification and its mission; return everything that was found."""
+    """Load a fault specification and its mission; return all findings."""
     settle(*(place for place in path.resolve().parents if (place / MISSION_XMI).is_file()))
     report = Report()
     files = ModelFiles(report)
@@ -161,8 +161,8 @@ def inspect_specification(path: Path) -> Inspection:
 def _mission_path(path: Path, faults: ModelTree) -> Path:
     """Return the file of the mission that a specification refers to.
 
-    It is the first other file that a reference names, or, if that is a part of a mission, the
-    nearest ``mission.xmi`` from the part's folder upwards.
+    It is the first other file that a reference names. If that file is a part of a mission, it is
+    the nearest ``mission.xmi`` from the part's folder upwards.
     """
     own = {file.path.resolve() for file in faults.files}
     for reference, address in referred_files(faults):
@@ -182,7 +182,7 @@ def _whole(path: Path) -> Path:
 
 
 def _is_there(path: Path) -> bool:
-    """Return whether a file exists, or at least something there that refuses to say so."""
+    """Return whether a file exists; also true if the system refuses to tell."""
     try:
         return path.exists()
     except OSError:
@@ -191,7 +191,7 @@ def _is_there(path: Path) -> bool:
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Look for no garbage in the body: a large model is all kept, and looking takes long."""
+    """Disable garbage collection in the body: it is slow, and a large model has no garbage."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
@@ -202,7 +202,7 @@ def _uncollected() -> Iterator[None]:
 
 
 class Objects:
-    """Makes objects of nodes that were checked; ``nodes`` has the node of each, ``by_node`` it."""
+    """Makes objects of checked nodes; ``nodes`` and ``by_node`` map one to the other."""
 
     def __init__(self) -> None:
         self.nodes: dict[Any, Node] = {}
@@ -210,7 +210,7 @@ class Objects:
         self._resources = ResourceSet()
 
     def root(self, tree: ModelTree) -> Any:
-        """Return the root object of a sound model; what it refers to was made before it."""
+        """Return the root object of a sound model; models that it refers to must be made before."""
         uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
         resource = self._resources.create_resource(uri)
         resource.append(self._built(tree.root, resource.uuid_dict))
@@ -253,7 +253,7 @@ class _Loading:
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
         """Load a mission and its faults, which may stand in the mission's file.
 
-        Constraints of sense are checked on objects, hence only on what is sound.
+        Constraints of sense are checked on objects, hence only on sound models.
         """
         known = load_metamodels()
         mission = self._load(mission_path, known.mission_class, None)
@@ -311,11 +311,11 @@ class _Loading:
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """What an edit of loaded models changes in their files; nothing is written.
+    """Changes of an edit of loaded models to their files; nothing is written.
 
-    ``contents`` and ``before`` have the files that change, ``difference`` their unified diff.
-    ``respelt`` change beyond the edit, as they are not spelt as Eclipse writes them. ``folder`` is
-    that of the mission.
+    ``contents`` and ``before`` have the changed files, ``difference`` their unified diff. Files in
+    ``respelt`` change beyond the edit, because Eclipse would spell them differently. ``folder`` is
+    the mission folder.
     """
 
     folder: Path
@@ -328,7 +328,7 @@ class Edit:
 def save(models: LoadedModels) -> tuple[Path, ...]:
     """Write loaded models back to their files, all of them or none; return those that changed.
 
-    Models that cannot be saved are a ``ModelError``, files that cannot be written a ``UsageError``.
+    Unsaveable models raise a ``ModelError``, unwritable files a ``UsageError``.
     """
     contents = saved(models)
     changed = {path: new for path, new in contents.items() if path.read_bytes() != new}
@@ -341,9 +341,8 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     """Return the content of each file that saving would write, in the order of reading.
 
     Every file keeps its encoding, its line ends, its xsi:schemaLocation, its roots and the xmi:ids
-    of its elements; new elements get none. Comments are dropped, as Eclipse does. A model that
-    refers to an object outside the files, or holds a character that XML cannot, is a
-    ``ModelError``.
+    of its elements; new elements get none. Comments are dropped, as Eclipse does. A reference to an
+    object outside the files, or a character that XML forbids, raises a ``ModelError``.
     """
     xmi_ids = models.xmi_ids
     return {
@@ -361,10 +360,10 @@ def edited(
     loaded: Container[Path] = (),
     without: Container[Path] = (),
 ) -> Edit:
-    """Carry out an edit of the objects of models, and return what it changes.
+    """Carry out an edit of the objects of models, and return its changes.
 
-    ``loaded`` are files of which loading has left out something already, ``without`` resolved
-    paths of files that somebody else sees to.
+    ``loaded`` are files from which loading has already left something out, ``without`` resolved
+    paths of files that the caller handles.
     """
     unedited = saved(models)
     before = {path: path.read_bytes() for path in unedited}
@@ -392,7 +391,7 @@ def addresses(
 ) -> Mapping[Any, str]:
     """Return the relative address of every file of loaded models, by its root objects.
 
-    ``folder`` is that of the file that refers, and ``without`` the one that is left out: itself.
+    ``folder`` is that of the referring file, which ``without`` leaves out.
     """
     return {
         root: quote(file.seen_from(folder))
@@ -418,13 +417,13 @@ def write_specification(
     names: Sequence[str] | None = None,
     write: Callable[[Path, bytes], object] = write_atomically,
 ) -> None:
-    """Write timed faults as XMI, in their order, a file that is replaced as a whole.
+    """Write timed faults as XMI, in their order, to a file that is replaced as a whole.
 
-    ``models`` is the mission folder, or what was loaded from one, whose ``faults.xmi`` is the pool;
-    ``identifier`` the ID of the specification. ``names`` are the IDs of the timed faults, those of
-    ``numbered`` if left out; display names are those of the pool. Triggers that faults wait for are
-    copied, those of effects with the timed faults whose effects they are. What the pool lacks, or
-    the gate refuses, is a SpecificationError.
+    ``models`` is the mission folder, or the models loaded from it, whose ``faults.xmi`` is the
+    pool; ``identifier`` is the ID of the specification. ``names`` are the IDs of the timed faults,
+    by default those of ``numbered``; display names are those of the pool. Triggers that faults wait
+    for are copied, and triggers of effects refer to the timed faults. A fault that is not in the
+    pool, or that the gate refuses, raises a ``SpecificationError``.
     """
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent
@@ -455,7 +454,7 @@ def write_specification(
 def _set_triggers(
     models: LoadedModels, specification: Any, rows: Sequence[SpecificationRow]
 ) -> None:
-    """Have timed faults wait for copies of the pool's triggers, as their rows say."""
+    """Let timed faults wait for copies of the pool's triggers, as their rows specify."""
     known = {} if models.faults is None else {each.ID: each for each in models.faults.triggers}
     waited = ["".join(row[4:]) for row in rows]
     for trigger in waited:
@@ -478,8 +477,8 @@ def with_classes(models: LoadedModels, *packages: ModuleType) -> LoadedModels:
     """Return a copy of loaded models whose objects belong to the static classes.
 
     ``packages`` are the modules ``mission`` and ``faults`` of ``generated/metamodel``; if none has
-    the class of an object, that is a ``ModelError``. ``m2t.models.load`` writes the copy as it
-    writes the original, with new elements of the same classes that were added to it.
+    the class of an object, this raises a ``ModelError``. ``m2t.models.load`` saves the copy like
+    the original, with new elements of the same classes.
     """
     classifiers = {
         (package.nsURI, name): classifier

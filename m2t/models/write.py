@@ -1,12 +1,12 @@
-"""Write models as Eclipse EMF writes them, so that a save by script is a save by Eclipse.
+"""Write models as Eclipse EMF writes them, so that scripts and Eclipse save the same bytes.
 
-pyecore's own serializer is not used: it orders features differently, writes default values
-and truncates the file before it knows that it can write the new content. Begin with ``dumps``.
+pyecore's serializer is not used: it orders features differently, writes default values, and
+truncates the file before it has the new content. Begin with ``dumps``.
 
-``unified_difference`` compares long files in time that grows with their length; ``difflib`` checks
-the whole file for every changed line. Here, lines that stand once in both files divide them first,
-as in a patience diff, and what lies between two of them is divided again. The difference is right
-for any two files, and equals that of ``difflib`` for short ones.
+``unified_difference`` compares long files in time proportional to their length; ``difflib`` checks
+the whole file for every changed line. As in a patience diff, lines that occur once in both files
+divide them, and the parts between them are divided again. The difference is correct for any two
+files, and equals that of ``difflib`` for short ones.
 """
 
 import re
@@ -43,11 +43,11 @@ def dumps(
 ) -> bytes:
     """Return a model as the bytes of an XMI file, with LF line ends.
 
-    What ``encoding`` lacks becomes a character reference. ``hrefs`` are the relative addresses of
-    other files, by their root objects; a root among them that the model contains is written as a
+    Characters that ``encoding`` lacks become character references. ``hrefs`` are the relative
+    addresses of other files, by their root objects; a contained root among them is written as a
     reference to its file. References name elements by xmi:id, else by ID; without either, or with
-    an ID that holds a space, by path. One to a file that ``hrefs`` does not know, or a character
-    that XML cannot hold, is a ``ModelError``.
+    a space in the ID, by path. A reference to a file that is not in ``hrefs``, or a character that
+    XML forbids, raises a ``ModelError``.
     """
     return dumps_file((root,), Spelling(encoding), hrefs, xmi_ids)
 
@@ -83,7 +83,7 @@ def java_double(value: float) -> str:
 
 
 class _Writer:
-    """Writes one file; remembers which namespaces it needed for xsi:type."""
+    """Writes one file, and collects the namespaces that it needs for xsi:type."""
 
     def __init__(
         self,
@@ -162,7 +162,7 @@ class _Writer:
         return f"{indent}<{slot.name}{self._type(slot, value)}{href}/>"
 
     def _type(self, slot: Slot, value: Any) -> str:
-        """Return xsi:type where the declared class does not say it."""
+        """Return xsi:type if the class differs from the declared one."""
         if value.eClass is slot.type:
             return ""
         package = value.eClass.ePackage
@@ -171,7 +171,7 @@ class _Writer:
         return f' xsi:type="{_tag(value)}"'
 
     def _require_addresses(self, element: Any, slot: Slot, held: list[Any]) -> None:
-        """Refuse a reference to an object that stands in no known file, as a deleted one does."""
+        """Refuse a reference to an object that is in no known file, such as a deleted one."""
         for value in held:
             top = self._top(value)
             if top not in self._addresses:
@@ -193,7 +193,7 @@ class _Writer:
         return self._tops[value]
 
     def _fragment(self, element: Any) -> str:
-        """Return how references name an element: by xmi:id, by ID, else by path."""
+        """Return the fragment of an element in references: its xmi:id, its ID, or else its path."""
         known = slots(element.eClass).values()
         ids = (element.eGet(slot.feature) for slot in known if slot.is_id)
         name = self._xmi_ids.get(element, next(ids, None))
@@ -252,7 +252,7 @@ def _text(slot: Slot, value: Any) -> str:
 
 
 def _escaped(text: str, escapes: Mapping[int, str]) -> str:
-    """Return a text with what XML reserves escaped; refuse what XML cannot hold."""
+    """Return a text with escapes for XML; refuse characters that XML forbids."""
     if _NO_XML.search(text):
         found = f"text {text[:60]!a} contains a character that XML forbids; expected printable text"
         raise ModelError(f"{found}; delete the character")
@@ -260,7 +260,7 @@ def _escaped(text: str, escapes: Mapping[int, str]) -> str:
 
 
 SHORT = 400
-"""Lines that are compared undivided; more only where nothing divides them."""
+"""Number of lines up to which files are compared undivided."""
 
 
 def unified_difference(
@@ -268,7 +268,7 @@ def unified_difference(
 ) -> Iterator[str]:
     """Yield the lines of the unified difference, as ``difflib.unified_diff`` does.
 
-    ``line_end`` ends the lines of header and hunks; it is empty where the compared lines have none.
+    ``line_end`` ends the lines of header and hunks; it is empty if the compared lines have none.
     """
     for number, group in enumerate(_Aligned(old, new).get_grouped_opcodes()):
         if number == 0:
@@ -291,7 +291,7 @@ def _range(first: int, last: int) -> str:
 
 
 class _Aligned(SequenceMatcher[str]):
-    """A matcher that knows the runs of equal lines of two files before it is asked."""
+    """A matcher whose runs of equal lines are computed in advance."""
 
     def __init__(self, old: Sequence[str], new: Sequence[str]) -> None:
         super().__init__(None, (), ())
@@ -325,9 +325,9 @@ def _pairs_between(
 
 
 def _anchors(old: Sequence[str], new: Sequence[str]) -> list[tuple[int, int]]:
-    """Return where lines stand that both files have once: as many as are in the same order.
+    """Return positions of lines that occur once in both files: the longest run in the same order.
 
-    Without such lines, they are those that both files have as often as each other.
+    Without such lines, use those that occur equally often in both files.
     """
     counts_old, counts_new = Counter(old), Counter(new)
     alike = {line for line, count in counts_old.items() if counts_new[line] == count}
