@@ -1,6 +1,6 @@
-"""The public face of mrsfi, for scripts, notebooks and tests.
+"""The public names of mrsfi, for scripts, notebooks and tests.
 
-What the command line does, a script does in as few lines::
+A script does the same as the command line in as few lines::
 
     import mrsfi
 
@@ -9,7 +9,7 @@ What the command line does, a script does in as few lines::
     campaign = uuv.evolve("a", generations=5)
     print(campaign.weaknesses[0].faults)
 
-Every error that a user can mend is a ``MrsfiError``. Nothing is imported before it is asked for.
+Every error that a user can correct is a ``MrsfiError``. Modules are imported when they are used.
 """
 
 from importlib import import_module

@@ -1,10 +1,9 @@
-"""What a search found, read from its folder, and campaigns as archives that repeat themselves.
+"""The results of a campaign, read from its folder, and archives that can be repeated.
 
-``Campaign`` is what scripts use. ``pack`` writes an archive: the files of a campaign, a list of
-their hashes, which ``sha256sum -c`` reads, and the digest of that list in ``REPRODUCE.md``.
-``repeat`` compares the files with the list. Then it makes the campaign once more from its own
-settings, models and code, and compares the two records: so a changed result differs, whatever was
-changed to fit it.
+Scripts use ``Campaign``. ``pack`` writes an archive: the files of a campaign, a list of their
+hashes, which ``sha256sum -c`` reads, and the digest of that list in ``REPRODUCE.md``. ``repeat``
+compares the files with the list. Then it makes the campaign once more from its own settings, models
+and code, and compares the two records. So it detects a changed result, even if all hashes fit it.
 """
 
 import lzma
@@ -58,13 +57,13 @@ if TYPE_CHECKING:
 
 
 _LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
-_BEFORE, _SHOWN = 30, 150  # characters that one shows before and after a first difference
+_BEFORE, _SHOWN = 30, 150  # characters to print before and after a first difference
 _FAILED = "Traceback (most recent call last)"
 _MOST_BYTES = 4 * 1024**3
 _NO_ZIP = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError)
 _UNREADABLE = (*_NO_ZIP, RuntimeError, ValueError, KeyError)
-"""What reading an archive raises; the last three if it is encrypted or compressed as nobody knows,
-a name is no text, or it has no list."""
+"""Errors of reading an archive; the last three if it is encrypted or of unknown compression, a name
+is not text, or the list is missing."""
 
 
 def pack(run: Path, out: Path, tell: Tell = silent) -> str:
@@ -112,10 +111,10 @@ def _told(store: CampaignStore, digest: str) -> bytes:
 def repeat(
     archive: Path, engine: Given, digest: str | None = None, tell: Tell = silent
 ) -> tuple[Mapping[str, int], str, str]:
-    """Make a campaign once more; return how much is as recorded, its digest and the archive's.
+    """Make a campaign once more; return the numbers of equal results, its digest, the archive's.
 
-    ``digest`` is what ``pack`` returned. Members that are not as they were packed are a
-    ``RecordError``; results that are others are a ``ReplayMismatch``.
+    ``digest`` is the one that ``pack`` returned. Members that differ from the packed ones are a
+    ``RecordError``; results that differ are a ``ReplayMismatch``.
     """
     with _unpacked(archive, digest) as (run, found), CampaignStore.open(run) as store:
         manifest, again = store.manifest, run.with_name("again")
@@ -138,7 +137,7 @@ def repeat(
 
 
 def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Given, tell: Tell) -> None:
-    """Fly what was flown after a recorded search, then search, look for weaknesses and report."""
+    """Fly the flights after a recorded search, then search, find weaknesses and report."""
     code, settings = campaign.code, recorded.settings
     flown_by = named(again(engine, recorded.manifest.engine), code, settings.mission_seed, tell)
     with open_engine(flown_by, code, settings.mission_seed) as one, suppress(MrsfiError):
@@ -156,7 +155,7 @@ def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Given, tel
 
 
 def _contents(store: CampaignStore) -> dict[tuple[str, str], object]:
-    """Return what a campaign found, by kind and name, without the name of its folder."""
+    """Return the results of a campaign by kind and name, without the name of its folder."""
     run = store.path.parent
     rows = {
         (f"{table}s", f"{table} {row[0]}"): [
@@ -178,7 +177,7 @@ def _contents(store: CampaignStore) -> dict[tuple[str, str], object]:
 def _compared(
     run: Path, recorded: Mapping[tuple[str, str], object], again: Mapping[tuple[str, str], object]
 ) -> Mapping[str, int]:
-    """Return how many there are of each kind, if all are as recorded."""
+    """Return the number of results of each kind, if all equal the record."""
     every = {**recorded, **again}
     other = [each for each in every if recorded.get(each) != again.get(each)]
     numbers, others = Counter(kind for kind, _ in every), Counter(kind for kind, _ in other)
@@ -197,7 +196,7 @@ def _compared(
 
 @contextmanager
 def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
-    """Yield the folder of a campaign that was packed, and the digest of its list of hashes."""
+    """Yield the folder of a packed campaign, and the digest of its list of hashes."""
     listed, told = _members(archive)
     found = sha256(listed).hexdigest()
     if digest is not None and digest.lower() != found:
@@ -222,7 +221,7 @@ def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
 
 
 def _members(archive: Path) -> tuple[bytes, bytes]:
-    """Return the list of hashes and the text beside it, if all other members are as listed."""
+    """Return the list of hashes and the text beside it, if all other members match the list."""
     try:
         with zipfile.ZipFile(archive) as content:
             members = content.infolist()
@@ -253,14 +252,14 @@ def _changed(archive: Path, what: str) -> RecordError:
 
 
 class Campaign:
-    """A campaign, open or ended, by its folder: every evaluation, and what came of it.
+    """A campaign, running or finished, by its folder: every evaluation and its results.
 
     Evaluations are numbered from 0 on, in the order in which they were flown.
 
     Parameters
     ----------
     folder
-        As ``mrsfi evolve`` or ``Mission.evolve`` made it.
+        The folder that ``mrsfi evolve`` or ``Mission.evolve`` made.
 
     Raises
     ------
@@ -295,17 +294,17 @@ class Campaign:
 
     @property
     def fitness(self) -> NDArray[np.float64]:
-        """What evaluations are ranked by, shape ``(n_evaluations,)``."""
+        """Fitness, by which evaluations are ranked, shape ``(n_evaluations,)``."""
         return self._columns.fitness
 
     @property
     def violations(self) -> NDArray[np.float64]:
-        """Violations of the kind that the campaign looks at, shape ``(n_evaluations, n_goals)``."""
+        """Violations of the kind that the campaign counts, shape ``(n_evaluations, n_goals)``."""
         return self._columns.violations.astype(np.float64)
 
     @property
     def weaknesses(self) -> "tuple[Weakness, ...]":
-        """All the ways in which goals break, by goal; a ``RecordError`` if nobody looked."""
+        """All weaknesses, by goal; a ``RecordError`` if the campaign did not search for them."""
         with open_campaign(self.folder) as campaign:
             return harvested(campaign).weaknesses
 
@@ -322,7 +321,7 @@ class Campaign:
             return store.digest()
 
     def to_frame(self) -> "DataFrame":
-        """Return evaluations as a frame of pandas: a row each, with what came of each goal."""
+        """Return evaluations as a pandas frame: one row each, with the results of each goal."""
         measure = Measure.of(self.settings, self._mission)
         with CampaignStore.open(self.folder) as store:
             return frame(evaluations_table("", store.flown(1), measure))
@@ -339,7 +338,7 @@ class Campaign:
             return store.evaluation(index)
 
     def top(self, n: int = 10) -> tuple[Evaluation, ...]:
-        """Return the most critical evaluations that differ, the worst first."""
+        """Return the most critical distinct evaluations, the worst first."""
         with CampaignStore.open(self.folder) as store:
             return tuple(map(store.evaluation, self._columns.top(n)))
 
@@ -351,7 +350,7 @@ class Campaign:
         RecordError
             If the campaign is of other rules of the world, or has no such evaluation.
         ReplayMismatch
-            If it does not fly as it is recorded.
+            If its outcome differs from the record.
         """
         with open_to_fly(self.folder) as campaign:
             recorded = campaign.store.evaluation(index)
@@ -363,26 +362,26 @@ class Campaign:
             return flight
 
     def explain(self, index: int | None = None, keep: float = KEEP) -> Explanation | None:
-        """Find out all about why one evaluation breaks goals.
+        """Find the causes for which one evaluation breaks goals.
 
         Parameters
         ----------
         index
-            Which one; the most critical if left out.
+            Its index; the most critical one if left out.
         keep
             Share of each goal's violations that a cause set has to keep.
 
         Returns
         -------
         Explanation or None
-            ``None`` if it violates nothing that is counted.
+            ``None`` if it has no counted violation.
 
         Raises
         ------
         RecordError
             If the campaign is of other rules of the world, or has no such evaluation.
         ReplayMismatch
-            If it does not fly as it is recorded.
+            If its outcome differs from the record.
         """
         with open_to_fly(self.folder) as campaign:
             some = [*evaluations_of(campaign, index)]
@@ -410,18 +409,18 @@ class Campaign:
         ratio
             Ratio of violations to pick by, such as ``g3:g1=2:1``.
         latex
-            Write it for a paper, too, with figures as PDF; then that file is returned.
+            Also write it for a paper, with figures as PDF, and return that file.
         """
         with open_campaign(self.folder) as campaign:
             explaining.report(campaign, ratio, latex=latex)
             return campaign.folder.latex if latex else campaign.folder.report
 
     def pack(self, out: Path | str) -> str:
-        """Pack it into an archive that ``mrsfi check`` flies again; return the archive's digest."""
+        """Pack it into an archive for ``mrsfi check``; return the digest of the archive."""
         return pack(self.folder, Path(out))
 
     def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
-        """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""
+        """Draw a weakness by its number, or the smallest of each goal, as ``mrsfi show`` does."""
         with open_campaign(self.folder) as campaign:
             return tuple(explaining.show(campaign, weakness))
 

@@ -1,8 +1,8 @@
-"""The folders of campaigns: where they go, how they are opened, and whether they fly as recorded.
+"""The folders of campaigns: where they are, how they are opened, and whether a replay is the same.
 
 ``open_campaign`` reads a record and the campaign's copy of the models. ``open_to_fly`` also loads
-its copy of the code, and refuses it unless it is as it was when the campaign began. A replay must
-equal the record bit for bit; ``require_same`` names what differs.
+its copy of the code, and refuses it if it changed since the campaign began. A replay must equal the
+record bit for bit; ``require_same`` names the differences.
 """
 
 import sys
@@ -31,7 +31,7 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 @dataclass(frozen=True, slots=True)
 class OpenCampaign:
-    """A campaign with its store open, and what its own copy of the models describes."""
+    """A campaign with its store open, and the mission and pool of its own copy of the models."""
 
     folder: CampaignFolder
     store: CampaignStore
@@ -41,7 +41,7 @@ class OpenCampaign:
 
 @dataclass(frozen=True, slots=True)
 class FlyableCampaign(OpenCampaign):
-    """A campaign whose own copy of the code is loaded and flies as it did."""
+    """A campaign whose own copy of the code is loaded and unchanged."""
 
     code: MissionCode
 
@@ -75,7 +75,7 @@ def latest_folder() -> Path:
 
 @contextmanager
 def open_campaign(path: Path) -> Iterator[OpenCampaign]:
-    """Open a campaign for reading, without its copy of the code: mrsfi may be a later one."""
+    """Open a campaign for reading, without its code, so that a later mrsfi can read it."""
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
         models = load_mission_folder(folder.model)
@@ -87,9 +87,9 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
 
 @contextmanager
 def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
-    """Open a campaign for flying it again or on; its code has to be as it was begun on.
+    """Open a campaign to fly it again or to continue it; its code must be unchanged.
 
-    ``tell`` is told which files that the code imports are others today.
+    ``tell`` receives the files imported by the code that differ today.
     """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
@@ -108,7 +108,7 @@ def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
 
 
 def _edited(folder: CampaignFolder) -> Iterator[str]:
-    """Yield what the code imports of which Python finds another file than the campaign's copy."""
+    """Yield each file imported by the code if Python finds one that differs from the copy."""
     for copy in copied_files(folder.generated):
         name = copy.relative_to(folder.generated / IMPORTED)
         found = (Path(place) / name for place in ("", *sys.path))
@@ -118,7 +118,7 @@ def _edited(folder: CampaignFolder) -> Iterator[str]:
 
 
 def mission_of(campaign: OpenCampaign) -> MissionFolders:
-    """Return where the mission of a campaign lies in the project that the working folder is in."""
+    """Return the folders of a campaign's mission in the project of the working folder."""
     manifest = campaign.store.manifest
     place = (
         str(from_here((root() / manifest.place).resolve())) if manifest.place else manifest.mission
@@ -138,7 +138,7 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
 def find_evaluations(
     campaign: OpenCampaign, index: int | None, n: int = 1
 ) -> tuple[Evaluation, ...]:
-    """Return an evaluation of a campaign, or the most critical that differ if none is named."""
+    """Return one evaluation of a campaign, or without index the most critical distinct ones."""
     if index is not None:
         return (campaign.store.evaluation(index),)
     best = top(campaign.store, Measure.of(campaign.store.settings, campaign.mission), n)
@@ -148,9 +148,9 @@ def find_evaluations(
 
 
 def tried_again(campaign: FlyableCampaign, engine: EngineSettings, tell: Tell) -> EngineSettings:
-    """Return settings that name an engine, as ``tried``, for a campaign that may be begun.
+    """Return settings of a definite engine, as ``tried``, for a campaign with or without flights.
 
-    External parts that repeat themselves have to fly its most critical evaluation as recorded.
+    External parts that repeat themselves must fly its most critical evaluation as recorded.
     """
     store = campaign.store
     seed, record = store.settings.mission_seed, store.manifest.engine
@@ -164,14 +164,14 @@ def tried_again(campaign: FlyableCampaign, engine: EngineSettings, tell: Tell) -
 
 
 def fly_all(campaign: FlyableCampaign, engine: Engine) -> Iterator[Evaluation]:
-    """Fly every evaluation again; yield each that is as recorded, and raise where one is not."""
+    """Fly every evaluation again; yield each that equals the record, and raise if one differs."""
     for recorded in campaign.store.evaluations():
         require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
         yield recorded
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
-    """Compare a replay with what is recorded."""
+    """Compare a replay with the record; a difference is a ``ReplayMismatch``."""
     pairs = zip(fields(Outcome), astuple(outcome), astuple(recorded.outcome), strict=True)
     differences = [
         f"{name.name} {now}, recorded {then}"

@@ -1,7 +1,7 @@
-"""The project that the working folder is in, and the engines that options, record and project name.
+"""The project of the working folder, and the engine that options, record and project choose.
 
-A file ``mrsfi.toml`` at the root of a project gives its folders; commands find it from any folder
-inside. What it leaves out has these values; without the file the working folder is the root::
+A file ``mrsfi.toml`` at the root of a project states its folders; commands find it from any folder
+inside. These are the defaults; without the file, the working folder is the root::
 
     [project]
     metamodels = "metamodels"
@@ -10,10 +10,10 @@ inside. What it leaves out has these values; without the file the working folder
     runs = "runs"
     ros = 1
 
-A second table, ``[node]``, maps the topics of a team's own node (``cosimulation.node_mapping``).
+A second table, ``[node]``, maps the topics of an external node (``cosimulation.node_mapping``).
 
 ``chosen`` merges options, record, project and defaults, in this order, into ``EngineSettings``;
-``again`` does so for a campaign that is flown again. ``evaluator`` opens what flies many
+``again`` does so for a campaign that is flown again. ``evaluator`` opens an evaluator of many
 specifications.
 """
 
@@ -57,8 +57,8 @@ if TYPE_CHECKING:
 class Project:
     """The folders of a project, each as short as a user would write it.
 
-    ``metamodels`` are those of the team; ``None`` if the project has none. ``ros`` is the version
-    of ROS that its rosbridge server speaks, ``node`` what it says of its own node.
+    ``metamodels`` is ``None`` if the project has none of its own. ``ros`` is the ROS version of its
+    rosbridge server, ``node`` the table of its external node.
     """
 
     models: Path
@@ -70,9 +70,9 @@ class Project:
 
 
 def project() -> Project:
-    """Return the project that the working folder is in.
+    """Return the project of the working folder.
 
-    Settings that cannot be read, or that mean nothing, are a ``UsageError``.
+    Settings that cannot be read, or have no meaning, are a ``UsageError``.
     """
     file = root() / SETTINGS
     given, node = settings(file) if file.is_file() else ({}, None)
@@ -86,13 +86,13 @@ def project() -> Project:
 
 
 def from_here(path: Path) -> Path:
-    """Return a path as short as a user would write it: relative, unless that is no shorter way."""
+    """Return a path as short as a user would write it: relative if that is shorter."""
     relative = Path(os.path.relpath(path))
     return relative if len(relative.parts) < len(path.parts) else path
 
 
 Tell: TypeAlias = Callable[[str], None]
-"""Takes one line about how things go."""
+"""Receives a line of progress."""
 
 Given: TypeAlias = Mapping[str, Any]
 """Fields of ``EngineSettings`` that options give, by name."""
@@ -104,11 +104,11 @@ _N_PROCESSORS = os.cpu_count() or 1
 
 
 def silent(_: str) -> None:
-    """Tell nobody."""
+    """Ignore a line of progress."""
 
 
 def again(given: Given, recorded: EngineSettings, default: str = AUTO) -> EngineSettings:
-    """Return the engine that flies a campaign again: any of ours, or the external parts that did.
+    """Return the engine for flying a campaign again: any of mrsfi, or the same external parts.
 
     A campaign whose flights do not repeat themselves is a ``ReplayMismatch``.
     """
@@ -123,10 +123,10 @@ def again(given: Given, recorded: EngineSettings, default: str = AUTO) -> Engine
 def chosen(
     given: Given, default: str = REFERENCE, recorded: EngineSettings | None = None
 ) -> EngineSettings:
-    """Return the settings: options come before a record, the project and the defaults.
+    """Return the settings: options before the record, the project and the defaults.
 
-    Options that make no sense together, or other parts than a record's, are a ``UsageError``;
-    another node than a record's is a ``RecordError``.
+    Options that contradict each other, or parts that differ from the record's, are a
+    ``UsageError``; a node that differs from the record's is a ``RecordError``.
     """
     values = _merged(given, recorded or EngineSettings(default))
     side, url = values.get("side", BOTH), values.get("url")
@@ -140,7 +140,7 @@ def chosen(
         values = {
             "node_pace": BARRIER if url is None else ANSWER,
             "node_reset": SERVICE if command is None else RESTART,
-            **values,  # of the node, its files and table of today
+            **values,  # then the files and the table of the node as they are today
             "node_mapping": "" if table is None else json.dumps(table, sort_keys=True),
             "node_sha256": "" if command is None else _folder_sha256(command),
         }
@@ -179,10 +179,10 @@ def _require_none(given: Given, group: str, needs: str) -> None:
 def _folder_sha256(command: str) -> str:
     """Return the hash of all files beside those that a command names, and in folders below.
 
-    What lies in the working folder itself is hashed alone: there is all of a project beside it.
+    A file in the working folder itself is hashed alone, because the project is beside it.
     """
     found, sha = set[Path](), hashlib.sha256()
-    with suppress(ValueError):  # of a command that is none
+    with suppress(ValueError):  # the command cannot be split
         for path in map(Path, shlex.split(command)):
             if path.is_file() and not path.is_absolute():
                 beside = [path] if path.parent == Path() else path.parent.rglob("[!.]*")
@@ -200,7 +200,7 @@ def _folder_sha256(command: str) -> str:
 def own_engine(
     evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
 ) -> "Iterator[Engine]":
-    """Yield an engine of this process: that of an evaluator, or else another one like it."""
+    """Yield an engine in this process: that of an evaluator, or else a new one like it."""
     if evaluator.engine is not None:
         yield evaluator.engine
         return
@@ -217,12 +217,12 @@ def evaluator(
     tell: Tell = silent,
     on_reached: Tell = silent,
 ) -> "Iterator[Evaluator]":
-    """Yield what evaluates specifications of a mission, as long as the body runs.
+    """Yield an evaluator of specifications of a mission while the body runs.
 
-    ``seed`` is the mission seed of what is evaluated without naming one. Where a server is named
-    there is one worker by default. ``tell`` is told what does not compile, ``on_reached`` who
-    evaluates, before the mission is handed out. A cluster that is out of reach or without workers
-    is a ``TransportError``.
+    ``seed`` is the default mission seed. With the URL of a server there is one worker by default.
+    ``tell`` receives what does not compile; ``on_reached`` receives the number of workers before
+    they get the mission. A cluster that is out of reach or without workers is a
+    ``TransportError``.
     """
     workers.require_sense(engine)
     if workers.dask is None:
@@ -244,7 +244,7 @@ def evaluator(
 def flying(
     code: "MissionCode", seed: int, engine: EngineSettings, workers: Workers, tell: Tell = silent
 ) -> "Iterator[tuple[Evaluator, Engine]]":
-    """Yield what evaluates specifications, and an engine of this process, for what it alone can."""
+    """Yield an evaluator of specifications, and an engine in this process for all else."""
     with (
         evaluator(code, seed, engine, workers, tell) as many,
         own_engine(many, code, seed, engine) as own,

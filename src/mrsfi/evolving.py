@@ -1,9 +1,9 @@
 """Campaigns from the first evaluation to the last.
 
-``begun`` makes a new campaign and ``resumed`` opens one of before; ``evolve`` runs either to its
-end: search, one more flight of what was flown first, and the harvest of weaknesses. Whatever
-speaks against a campaign is reported before anything is written. ``within_reach`` and
-``looked_at`` concern a team's own node: which faults reach it, and whether it repeats itself.
+``begun`` makes a new campaign and ``resumed`` opens an interrupted one; ``evolve`` runs either to
+its end: search, a second flight of the first specifications, and the harvest of weaknesses. All
+objections to a campaign are reported before anything is written. ``within_reach`` and ``looked_at``
+concern an external node: which faults reach it, and whether its flights repeat themselves.
 """
 
 import platform
@@ -57,15 +57,15 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 
 
 N_LOOKS = 3
-"""Times that a specification is flown to see whether a node repeats itself, and if it does not."""
+"""Flights of a specification to find out whether a node repeats itself; also if it does not."""
 
 
 def within_reach(
     code: MissionCode, engine: EngineSettings, tell: Tell
 ) -> tuple[MissionCode, EngineSettings]:
-    """Return code and settings without the faults that cannot be injected; tell of these.
+    """Return code and settings without the faults that cannot be injected; report these.
 
-    Where nothing is left, it is a ``UsageError``.
+    If no fault is left, it is a ``UsageError``.
     """
     if engine.side != INJECTOR:
         return code, engine
@@ -89,10 +89,10 @@ def within_reach(
 def looked_at(
     code: MissionCode, engine: EngineSettings, settings: CampaignSettings, tell: Tell
 ) -> tuple[EngineSettings, str]:
-    """Fly one specification several times, and return settings by which each flies often enough.
+    """Fly one specification several times; return settings, and why results may be chance.
 
-    That is once if the node repeats itself, and otherwise as often, as at a rate: then it is told
-    and returned how it does not.
+    If the node repeats itself, each specification is flown once and the text is empty. If not, or
+    if the node runs by its own clock, each is flown several times.
     """
     if engine.side != INJECTOR:
         return engine, ""
@@ -115,13 +115,13 @@ def looked_at(
 
 
 Progress: TypeAlias = Callable[[CampaignProgress], None]
-"""Is told how far a search is, after each generation."""
+"""Receives the progress of a search after each generation."""
 
-_UNEXPLAINED = "unexplained"  # key of what a record keeps where weaknesses were left out
+_UNEXPLAINED = "unexplained"  # key in the record of a campaign without weaknesses
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
-    """Refuse settings that make no sense for a mission, and a pool that cannot be searched."""
+    """Refuse settings that do not fit a mission, and a pool that cannot be searched."""
     require_settings(settings, code.mission, algorithms=ALGORITHMS)
     SearchSpace.of(code.mission, code.pool)
 
@@ -138,10 +138,10 @@ def begun(
     ratio: str | None = None,
     tell: Tell = silent,
 ) -> Iterator[tuple[FlyableCampaign, EngineSettings]]:
-    """Make a campaign without evaluations, and yield it to its only writer, with what flies.
+    """Make a campaign without evaluations, and yield it to its only writer, with its engine.
 
-    Whatever speaks against it is said before anything is written; ``ratio`` is one by which its
-    report is going to pick.
+    All objections are raised before anything is written. ``ratio`` is the ratio by which its report
+    will pick a specification.
     """
     code, engine = within_reach(code, engine, tell)
     require_searchable(code, settings)
@@ -163,7 +163,7 @@ def made(
     case: str,
     engine: EngineSettings,
 ) -> Iterator[None]:
-    """Make a campaign without evaluations and be its writer while the body runs."""
+    """Make a campaign without evaluations, and be its only writer while the body runs."""
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
@@ -188,7 +188,7 @@ def made(
 def resumed(
     path: Path, engine: EngineSettings, *, ratio: str | None, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, EngineSettings]]:
-    """Yield a campaign from before to its only writer, with what it goes on with."""
+    """Yield an interrupted campaign to its only writer, with the engine that continues it."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
         tell_of_versions(store.manifest, tell)
@@ -199,7 +199,7 @@ def resumed(
 
 
 def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
-    """Tell which of the versions that decide a result are others today."""
+    """Warn of each version that decides a result and differs today."""
     for name, version in manifest.versions.items():
         now = installed_version(name)
         if now != version:
@@ -208,21 +208,21 @@ def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
 
 
 def _beyond(campaign: FlyableCampaign) -> str:
-    """Return between which values parameters are searched that go beyond those of the pool."""
+    """Return the ranges of the parameters that a search varies beyond the values of the pool."""
     space = SearchSpace.of(campaign.mission, campaign.pool)
     wide: dict[str, tuple[float, float]] = {}
     for identifier, candidate in space.candidates.items():
         fault = space.gate.pool[identifier]
-        told = zip(fault.kind.parameters, fault.values, candidate.bounds, strict=True)
-        for parameter, value, (low, high) in told:
+        ranges = zip(fault.kind.parameters, fault.values, candidate.bounds, strict=True)
+        for parameter, value, (low, high) in ranges:
             if low < value or value < high:
-                known = wide.get(parameter.name, (low, high))
-                wide[parameter.name] = min(low, known[0]), max(high, known[1])
+                before = wide.get(parameter.name, (low, high))
+                wide[parameter.name] = min(low, before[0]), max(high, before[1])
     return ", ".join(f"{name} {low:.6g} … {high:.6g}" for name, (low, high) in wide.items())
 
 
 def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
-    """Refuse a ratio that makes no sense before the search, not after it."""
+    """Refuse a wrong ratio before the search, not after it."""
     if ratio is not None:
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
 
@@ -236,10 +236,10 @@ def evolve(
     explains: bool | None = None,
     tell: Tell = silent,
 ) -> None:
-    """Search to the end, and then find all the ways in which goals break.
+    """Search to the end, and then find all weaknesses.
 
-    ``watched`` yields what is told after each generation. ``explains`` is as before if left out.
-    An external simulation is only searched on.
+    ``watched`` yields the function to call after each generation. ``explains`` is as the campaign
+    was begun if left out. With an external simulation there is only the search.
     """
     path, store, settings = campaign.folder.path, campaign.store, campaign.store.settings
     explains = _explains(store, explains)
@@ -269,7 +269,7 @@ def evolve(
 
 
 def _explains(store: CampaignStore, asked: bool | None) -> bool:
-    """Return whether to look for weaknesses: as asked, or unless it was not to be until now."""
+    """Return whether to search for weaknesses: as asked, or as the campaign was begun."""
     if asked is False:
         store.keep(_UNEXPLAINED, "")
     is_wanted = store.kept(_UNEXPLAINED, str) is None or bool(store.flights())
@@ -279,10 +279,10 @@ def _explains(store: CampaignStore, asked: bool | None) -> bool:
 def search(
     campaign: FlyableCampaign, evaluator: Evaluator, progress: Progress, tell: Tell = silent
 ) -> None:
-    """Run the search of a campaign to its end, and fly once more what was flown first.
+    """Run the search of a campaign to its end, and fly its first specifications again.
 
-    That is a specification for each worker, the last of them first. If one flies in another way,
-    this is recorded; ``tell`` is told it of external parts, and of ours it is a ``ReplayMismatch``.
+    There is one for each worker, and the last comes first. If one has another outcome, this is
+    recorded. With external parts ``tell`` receives a warning; without, it is a ``ReplayMismatch``.
     """
     store, settings = campaign.store, campaign.store.settings
     firsts: list[tuple[Specification, Evaluated]] = []

@@ -33,21 +33,21 @@ Numbers: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Flight:
-    """What happened under one fault specification.
+    """One flight with one fault specification.
 
-    Lengths, speeds and energies are in the model's units. What the collective intelligence believes
-    is what reached it, with what faults made of that. Robots and goals stand in model order.
+    Lengths, speeds and energies are in the model's units. The collective intelligence believes what
+    it received, as changed by faults. Robots and goals are in model order.
 
     Attributes
     ----------
     mission
-        What flew.
+        The mission that was flown.
     specification, pool
-        Under what, of which faults.
+        The timed faults, and the pool that they are from.
     seed
         Mission seed.
     outcome
-        What was counted, and a digest of it all.
+        The counted violations, and a digest of the flight.
     recording
         Every tick, as ``mrsfi_runtime.engine.recording`` lays it out: all that is below, and more.
     """
@@ -69,7 +69,7 @@ class Flight:
         return to_html(goal_table(title, self.mission, self.outcome))
 
     def to_frame(self) -> "DataFrame":
-        """Return a frame of pandas: a row for each tick and robot, of what is true and believed."""
+        """Return a pandas frame: a row for each tick and robot, with true and believed values."""
         ticks = np.arange(len(self.true_speeds))
         columns = {"tick": np.repeat(ticks, len(self.robots))}
         columns["robot"] = np.tile(np.array(self.robots, object), len(ticks))
@@ -86,8 +86,8 @@ class Flight:
         Parameters
         ----------
         what
-            ``map``, where robots flew and were believed to be, or ``timeline``, when faults were
-            at work and goals violated.
+            ``map``, the true and believed paths of robots, or ``timeline``, the ticks at which
+            faults were active and goals violated.
         """
         from mrsfi_runtime.analysis import mission_plots  # noqa: PLC0415 - brings matplotlib
 
@@ -120,52 +120,52 @@ class Flight:
 
     @property
     def true_positions(self) -> Numbers:
-        """Where robots were, shape ``(n_ticks, n_robots, 3)``."""
+        """True positions of robots, shape ``(n_ticks, n_robots, 3)``."""
         return _positions(self.recording["world"])
 
     @property
     def believed_positions(self) -> Numbers:
-        """Where they were believed to be, shape ``(n_ticks, n_robots, 3)``."""
+        """Believed positions of robots, shape ``(n_ticks, n_robots, 3)``."""
         return _positions(self.recording["belief"])
 
     @property
     def true_speeds(self) -> Numbers:
-        """How fast robots were, per tick, shape ``(n_ticks, n_robots)``."""
+        """True speeds of robots, per tick, shape ``(n_ticks, n_robots)``."""
         return _of_robots(self.recording["world"], "speed")
 
     @property
     def believed_speeds(self) -> Numbers:
-        """How fast they were believed to be, shape ``(n_ticks, n_robots)``."""
+        """Believed speeds of robots, per tick, shape ``(n_ticks, n_robots)``."""
         return _of_robots(self.recording["belief"], "speed")
 
     @property
     def true_energies(self) -> Numbers:
-        """Energy that was left to robots, shape ``(n_ticks, n_robots)``."""
+        """Energy left to robots, shape ``(n_ticks, n_robots)``."""
         return _of_robots(self.recording["world"], "energy")
 
     @property
     def believed_energies(self) -> Numbers:
-        """Energy that was believed to be left, shape ``(n_ticks, n_robots)``."""
+        """Energy believed to be left, shape ``(n_ticks, n_robots)``."""
         return _of_robots(self.recording["belief"], "energy")
 
     @property
     def truly_violated(self) -> NDArray[np.bool_]:
-        """Whether goals were violated in truth, shape ``(n_ticks, n_goals)``."""
+        """Whether goals were truly violated, shape ``(n_ticks, n_goals)``."""
         return np.asarray(self.recording["is_true"], np.bool_)
 
     @property
     def believed_violated(self) -> NDArray[np.bool_]:
-        """Whether they were believed to be, shape ``(n_ticks, n_goals)``."""
+        """Whether goals were believed violated, shape ``(n_ticks, n_goals)``."""
         return np.asarray(self.recording["is_believed"], np.bool_)
 
     def violations(self, kind: str = "believed") -> dict[str, int]:
-        """Return at how many ticks each goal was violated, by its ID.
+        """Return the number of ticks at which each goal was violated, by its ID.
 
         Parameters
         ----------
         kind
             ``believed``, ``true``, ``phantom`` (believed, not true), ``masked`` (true, not
-            believed) or ``missed`` (from when on it was certain that its purpose is not met).
+            believed) or ``missed`` (the goal can no longer be met).
         """
         if kind not in COUNTED:
             raise ValueError(f"found kind '{kind}'; {expected(kind, COUNTED)}")

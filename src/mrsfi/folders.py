@@ -1,8 +1,7 @@
 """The folders of missions (models, generated code, campaign files), and other IDs for elements.
 
-``find_mission`` finds a mission by name or path; begin there. ``renaming`` gives elements other IDs
-in models and code, in campaign files, and in limits that are kept. It computes all new contents
-before anything is written, so that all files change or none.
+Begin with ``find_mission``. ``renaming`` gives elements other IDs in models, code, campaign files
+and kept limits. It computes all new contents before anything is written: all files change or none.
 """
 
 import ast
@@ -39,18 +38,18 @@ class MissionFolders:
 
     @property
     def place(self) -> str:
-        """Where the models lie from the root of the project on; empty if their name says so."""
+        """Path of the models from the root of the project; empty in the usual folder."""
         folder = self.models.resolve()
         is_usual = folder.parent == project().models.resolve()
         return "" if is_usual else Path(os.path.relpath(folder, root())).as_posix()
 
     @property
     def named(self) -> str:
-        """What names the mission in a command of the working folder."""
+        """The mission as a command in the working folder names it."""
         return str(from_here(self.models.resolve())) if self.place else self.name
 
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
-        """Refuse generated code that does not follow from the models, and name the stale files."""
+        """Refuse generated code that is older than the models, and name the stale files."""
         names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / "mission_loader.py").is_file():
             what = f"{self.generated}: not generated yet"
@@ -74,7 +73,7 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
 
 
 def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of the mission whose models are, or were, in a folder, settled first."""
+    """Return the folders of the mission of a models folder; first complete pending changes."""
     folder, ours = models.resolve(), project()
     if generated is None and folder.parent == ours.models.resolve():
         generated = ours.generated / folder.name
@@ -111,7 +110,7 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a TOML file names elements: the text around the names, a name, and what is read."""
+    """Where a TOML file names elements: patterns of the text around and of a name, and a reader."""
 
     around: re.Pattern[str]
     name: re.Pattern[str]
@@ -132,9 +131,9 @@ _LIMITS = _Place(
 
 @dataclass(frozen=True, slots=True)
 class Renaming(WithNewIds):
-    """What other IDs would change, also in campaign files and limits.
+    """The changes that other IDs make, also in campaign files and limits.
 
-    ``scripts`` are where Python files beside the models name an old ID: path, line and ID.
+    ``scripts`` has the places where Python files beside the models name an old ID.
     """
 
     scripts: tuple[tuple[Path, int, str], ...]
@@ -153,7 +152,7 @@ class Renaming(WithNewIds):
 
 
 def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Give elements other IDs, as ``renaming`` says, in all files or in none."""
+    """Give elements other IDs as ``renaming`` does, in all files or in none."""
     with changing(folders.models) as change:
         found = renaming(folders, names)
         change.replace(found.changes)
@@ -161,7 +160,7 @@ def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
 
 
 def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Return what other IDs would change, by old ones, all at once; write nothing."""
+    """Return the changes of new IDs, given by old ones, all at once; write nothing."""
     if folders.generated.is_dir():
         folders.require_fresh()
     found = with_new_ids(folders.models, folders.generated, names)
@@ -179,7 +178,7 @@ def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
 
 
 def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:
-    """Return the text of a TOML file, and the same with new IDs; its layout stays."""
+    """Return the text of a TOML file, and the same text with new IDs and the same layout."""
 
     def exchanged(found: re.Match[str]) -> str:
         new = names.get(found["id"], found["id"])

@@ -1,8 +1,8 @@
-"""Load and check what flies: the code of missions, and fault specifications in files.
+"""Load and check missions: their code, and fault specifications in files.
 
 ``load_fresh`` loads generated code only if it follows from the models and its regions are sound.
-``read_specification`` reads a file of timed faults. ``validate`` checks all of a mission: models,
-regions, and a flight without faults; its diagnostics have the form that ``m2t`` gives them.
+``read_specification`` reads a file of timed faults. ``validate`` checks the models, the regions and
+a flight without faults; its diagnostics are those of ``m2t``.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -57,7 +57,7 @@ def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> M
 def specification_writer(
     source: Path | LoadedModels, put: Callable[[Path, bytes], object] = write_atomically
 ) -> "SpecificationWriter":
-    """Return what writes specifications of a pool; a mission folder is loaded for the first."""
+    """Return a writer of specifications; it loads a mission folder when it is first called."""
     models = cache(lambda: load_mission_folder(source) if isinstance(source, Path) else source)
     return lambda rows, path, identifier, names: write_specification(
         models(), rows, path, identifier=identifier, names=names, write=put
@@ -68,9 +68,8 @@ def specification_writer(
 class Written:
     """A fault specification in a file.
 
-    ``models`` is as it was loaded, with its mission; ``unknown`` are the faults that the pool of
-    the mission does not have, by ID; ``late`` says of each that ends beyond the mission that it
-    does.
+    ``models`` is the loaded file with its mission. ``unknown`` has the IDs of faults outside the
+    pool, ``late`` a warning for each that ends beyond the mission.
     """
 
     models: LoadedModels
@@ -81,10 +80,9 @@ class Written:
 
 
 def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Written:
-    """Return a written fault specification, which must be one that can be flown.
+    """Return a written fault specification that can be flown; else a ``SpecificationError``.
 
-    A SpecificationError names the lines of the faults. What is odd is told: it may be a
-    specification of another mission.
+    ``tell`` receives warnings, because it may be a specification of another mission.
     """
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
@@ -116,15 +114,14 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
 
 
 _LONGEST_FLIGHT = 100_000
-"""Ticks that a validation flies at most, which takes a few seconds."""
+"""Maximum duration in ticks that a validation flies; it takes a few seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Validated:
-    """What was found in a mission, or in a fault specification.
+    """The defects of a mission, or of a fault specification, and the numbers of its elements.
 
-    Diagnostics of the models, and of the generated code and the flight without faults; and how many
-    elements sound models hold, by what they are.
+    ``code`` has the diagnostics of the generated code and of the flight without faults.
     """
 
     name: str
@@ -134,7 +131,7 @@ class Validated:
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """All that was found, what is wrong with the models first."""
+        """All diagnostics, those of the models first."""
         return (*self.models, *self.code)
 
     def strict(self) -> "Validated":
@@ -147,10 +144,10 @@ class Validated:
 
 
 def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -> Validated:
-    """Check a mission by all constraints, fly it without faults, and look at its regions.
+    """Check the constraints of a mission and its regions, and fly it without faults.
 
-    It is named by name or folder, or is an ``.xmi`` file with a fault specification. ``tell`` is
-    told why it was not flown.
+    ``mission`` may also be an ``.xmi`` file with a fault specification. ``tell`` receives the
+    reason if the mission is not flown.
     """
     from mrsfi_runtime.engine.region_lint import lint_regions  # noqa: PLC0415 - brings pyflakes
 
@@ -185,7 +182,7 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
 
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
-    """Return what is found in models, and what would mend all that has one sensible remedy."""
+    """Return the diagnostics of models, and the repairs of all that have one sensible remedy."""
     inspection = (
         inspect_specification(Path(mission))
         if mission.endswith(".xmi")
@@ -195,7 +192,7 @@ def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Me
 
 
 def write_mended(mended: Mending) -> None:
-    """Write the files of a mending, all of them or none, unless one changed since it was read."""
+    """Write all repaired files or none; refuse if one changed since it was read."""
     with changing(mended.folder) as change:
         for path in mended.contents:
             if path.read_bytes() != mended.before[path]:
@@ -204,12 +201,12 @@ def write_mended(mended: Mending) -> None:
 
 
 def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
-    """Return how many of some findings are errors."""
+    """Return the number of errors among diagnostics."""
     return sum(diagnostic.severity == "error" for diagnostic in diagnostics)
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:
-    """Fly the mission without faults, twice; yield where it fails, and what is odd of it."""
+    """Fly the mission twice without faults; yield errors, and goals that are violated."""
     if loaded.mission.duration > _LONGEST_FLIGHT:
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
         return
@@ -250,7 +247,7 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
 
 
 def _uncompiled(code: MissionCode) -> Iterator[Diagnostic]:
-    """Yield which regions are not compiled because they read what cannot be listed by value."""
+    """Yield the regions that cannot be compiled because they read values that cannot be listed."""
     for region in own_regions(code):
         try:
             Reached([region.function])

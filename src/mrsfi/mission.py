@@ -1,8 +1,8 @@
-"""A mission and all that can be done with it: the Python API that scripts begin with.
+"""Missions in the Python API: scripts begin here.
 
-``load`` returns a ``Mission``. Its methods check their arguments and call the module of each task;
-they import it when they are called, so that ``import mrsfi`` stays quick. What flies is always the
-generated code, which has to be fresh.
+``load`` returns a ``Mission``. Its methods check their arguments and call the module of each task,
+which they import when they are called, so that ``import mrsfi`` stays quick. They fly the generated
+code, which has to be fresh.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -55,15 +55,14 @@ def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":
 
 
 class Mission:
-    """A mission: its models, the code that was generated from them, and what can be done with both.
+    """A mission: its models, and the code that was generated from them. Use ``load``.
 
-    Use ``load``. What flies is the generated code, which has to follow from the models:
-    ``generate`` brings it up to date.
+    The generated code flies; it has to follow from the models. ``generate`` brings it up to date.
 
     Attributes
     ----------
     folders
-        Where models and generated code are.
+        The folders of models and generated code.
     """
 
     def __init__(self, folders: MissionFolders) -> None:
@@ -97,21 +96,21 @@ class Mission:
 
     @property
     def model(self) -> "Model":
-        """What the mission's model describes: robots, obstacles, messages, goals, duration."""
+        """The mission as modelled: robots, obstacles, messages, goals, duration."""
         return self.code.mission
 
     @property
     def pool(self) -> FaultPool:
-        """The faults that could strike it."""
+        """The faults that could occur in it."""
         return self.code.pool
 
     def validate(self, tell: Tell = silent) -> "tuple[Diagnostic, ...]":
-        """Return what is wrong with models and code, as ``mrsfi validate`` does.
+        """Return the defects of models and code, as ``mrsfi validate`` does.
 
         Parameters
         ----------
         tell
-            Told why the mission was not flown without faults.
+            Receives the reason if the mission is not flown without faults.
         """
         from mrsfi.loading import validate  # noqa: PLC0415 - brings numpy
 
@@ -147,7 +146,7 @@ class Mission:
         Raises
         ------
         UsageError
-            If nothing has an old ID, a new one cannot be or is taken, or a file cannot be edited.
+            If an old ID is unknown, a new one is invalid or taken, or a file cannot be edited.
         ModelError
             If the models, or a specification beside them, are not sound.
         GenerationError
@@ -160,7 +159,7 @@ class Mission:
     def timed(
         self, fault: str, start: int, finish: int, *, trigger: str = "", **values: float
     ) -> TimedFault:
-        """Return a fault of the pool at work.
+        """Return a fault of the pool with a window and values.
 
         Parameters
         ----------
@@ -169,9 +168,9 @@ class Mission:
         start, finish
             First and last tick at which it is active.
         trigger
-            ID of the trigger of the pool that it waits for in between, if any.
+            ID of the pool's trigger that it waits for in this window, if any.
         values
-            What replaces parameters of the pool's fault, such as ``VAL=3``.
+            Values that replace those of the pool's fault, such as ``VAL=3``.
 
         Raises
         ------
@@ -225,7 +224,7 @@ class Mission:
         engine: str | EngineSettings = AUTO,
         workers: int | None = None,
     ) -> "Iterator[Evaluated]":
-        """Fly many times, and yield what was counted, in the same order, as it comes.
+        """Fly many times, and yield the outcomes in the same order as they come.
 
         Parameters
         ----------
@@ -264,7 +263,7 @@ class Mission:
         tell: Tell = silent,
         **settings: object,
     ) -> "Campaign":
-        """Search for fault specifications that break the mission, and for the least of them.
+        """Search for faults that break the goals of the mission, and find its weaknesses.
 
         Parameters
         ----------
@@ -280,23 +279,23 @@ class Mission:
         dask
             Address of a scheduler that has the workers, or ``local`` for a cluster of this machine.
         explain
-            Whether to look for all the ways in which goals break.
+            Whether to search for weaknesses at the end.
         progress
-            Told after each generation.
+            Called after each generation.
         tell
-            Told which engine flies.
+            Receives lines of progress, such as the engine.
         settings
-            What replaces values of the campaign file, such as ``generations=5, seed=2``.
+            Values that replace those of the campaign file, such as ``generations=5, seed=2``.
 
         Returns
         -------
         Campaign
-            What was found; its folder keeps it.
+            The results, which its folder keeps.
 
         Raises
         ------
         UsageError
-            If something makes no sense; before anything is written.
+            If a setting is wrong; before anything is written.
         RecordError
             If the folder is in use, or cannot be written.
         """
@@ -340,30 +339,30 @@ class Mission:
         Parameters
         ----------
         algorithms
-            As a campaign file names them, one only with ``sweep``; or each a ``Variant``: a name,
-            and what it replaces in the campaign file.
+            Names as in a campaign file, only one with ``sweep``; or a ``Variant``: a name, and the
+            values that it replaces in the campaign file.
         n_seeds, evaluations
-            Runs of each algorithm or setting, and how often each run may fly.
+            Runs of each setup, and evaluations of each run.
         sweep
-            Settings in numbers and the values that they take, ``crossover=0.3:0.9:5`` (five, evenly
-            spaced) or ``population=10,20,40``, several with commas between; all are combined, and
-            each is compared with the paper's.
+            Numeric settings and their values, ``crossover=0.3:0.9:5`` (five, evenly spaced) or
+            ``population=10,20,40``, separated by commas; all are combined, and each setup is
+            compared with the paper's.
         case, engine, workers, dask
             As ``evolve`` takes them.
         out
             Folder of the comparison, whose finished runs are not repeated;
             ``runs/compare-NAME-CASE`` if left out.
         progress
-            Told each run, how many there are with it, and whether it was made just now.
+            Receives each run, the number of runs so far, and whether it was made just now.
         tell
-            Told what does not compile.
+            Receives what does not compile.
         on_reached
-            Told which engine flies, and with how many workers, before the first run.
+            Receives the engine and the number of workers before the first run.
 
         Raises
         ------
         UsageError
-            If something makes no sense; before anything is written.
+            If a setting is wrong; before anything is written.
         RecordError
             If the folder is another comparison's.
         """
@@ -403,7 +402,7 @@ class Mission:
         engine
             As ``fly`` takes it.
         n_seeds
-            In how many mission seeds: those that are kept first, then others.
+            Number of mission seeds: first those of the limits, then others.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What m2t does with models and says of them, for the command line and for scripts."""
+"""Models: difference, import and writing, for the command line and for scripts."""
 
 from pathlib import Path
 from typing import Any
@@ -15,18 +15,18 @@ from mrsfi_runtime.files import changing
 
 
 def own_metamodels() -> Path | None:
-    """Return the folder of metamodels that are read and are not those of mrsfi, if they are not."""
+    """Return the folder of the metamodels that are read if they differ from those of mrsfi."""
     read, ours = metamodel_folder(), installed_metamodels()
     names = (MISSION_FILE, FAULTS_FILE)
     try:
         is_same = all((read / name).read_bytes() == (ours / name).read_bytes() for name in names)
-    except OSError:  # whoever reads them says what is wrong
+    except OSError:  # reported when they are read
         is_same = False
     return None if is_same else read
 
 
 def piped(pipe: Path, folder: Path) -> Path:
-    """Keep in a new folder what comes from a pipe, which can be read once; return its file."""
+    """Write the content of a pipe, which can be read once, into a new folder; return the file."""
     folder.mkdir()
     file = folder / "pipe.xmi"
     with pipe.open("rb") as content:
@@ -35,7 +35,7 @@ def piped(pipe: Path, folder: Path) -> Path:
 
 
 def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
-    """Write models into a mission folder, as Eclipse would, in place of those that stand there.
+    """Write models into a mission folder, as Eclipse would; replace those that are there.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
     Raises
     ------
     ModelError
-        If an element refers to one that is in neither model.
+        If an element refers to one outside both models.
     UsageError
         If the folder cannot be made or written.
     """

@@ -1,8 +1,8 @@
-"""Weaknesses that are kept beside the models of a mission, and flown against those of today.
+"""Weaknesses that are kept beside the models of a mission, and flown with those of today.
 
-``keep`` writes a weakness of a campaign as a specification and limits; ``check_all`` flies all that
-is kept, and ``update`` takes over today's counts. A weakness that cannot be flown or judged is an
-error, never a pass. ``regression_test`` makes test cases of pytest.
+``keep`` writes a weakness of a campaign as a specification and limits; ``check_all`` flies all kept
+weaknesses, and ``update`` replaces their limits by today's counts. A weakness that cannot be flown
+or judged is an error, never a pass. ``regression_test`` makes test cases for pytest.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -33,13 +33,13 @@ from mrsfi_runtime.record.store import Measure
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What became of a kept weakness, in so many mission ``seeds`` and ``seconds``.
+    """The result of a kept weakness, with its mission ``seeds`` and the ``seconds`` that it took.
 
-    ``counts`` has what each goal that has a limit had at most, by its ID, in those seeds for which
-    limits are kept, and is empty if it could not be flown, for which ``error`` says why; ``others``
-    has the same of the other seeds. ``gone`` are faults of it that the pool of today does not have;
-    it carries copies of them. ``why`` says of one that came back what each fault of its cause did,
-    and ``places`` which lines of models or regions it is about.
+    ``counts`` has the maximum count of each limited goal, by ID, over the seeds of the limits; it
+    is empty if the weakness could not be flown, and ``error`` is the reason. ``others`` has the
+    same for the other seeds. ``gone`` are its faults that are not in today's pool; the kept file
+    has copies of them. If a limit is exceeded, ``why`` has what each fault of the cause did, and
+    ``places`` the lines of the models or regions concerned.
     """
 
     regression: Regression
@@ -54,22 +54,22 @@ class Checked:
 
     @property
     def exceeded(self) -> tuple[str, ...]:
-        """IDs of the goals that have more than is kept."""
+        """IDs of the goals that exceed their limits."""
         return self.regression.exceeded(self.counts)
 
     @property
     def excess(self) -> str:
-        """What exceeds its limit, in words."""
+        """The goals that exceed their limits, in words."""
         return self._excess(self.counts)
 
     @property
     def now(self) -> dict[str, int]:
-        """The most that each goal that has a limit had in any seed."""
+        """The maximum count of each limited goal over all seeds."""
         return {goal: max(most, self.others.get(goal, 0)) for goal, most in self.counts.items()}
 
     @property
     def failure(self) -> MrsfiError | None:
-        """Why it cannot be judged, if so: not flown, or worse where nothing was ever kept."""
+        """Why it cannot be judged: not flown, or more violations in seeds without a limit."""
         if self.exceeded or not self.regression.exceeded(self.others):
             return self.error
         path = self.regression.path
@@ -98,12 +98,12 @@ def keep(
     engine: Given = AS_RECORDED,
     accepted: str = "",
 ) -> Regression:
-    """Keep a way to break a goal beside the models of its mission, by its number from 1 on.
+    """Keep a weakness, by its number from 1 on, beside the models of its mission.
 
-    Its files have a name after the campaign's unless one is given. What is limited is the goal, by
-    the gravest measure by which it breaks: to the most over so many mission seeds, from the
-    campaign's on, unless limits are given, by the IDs of goals; the engine flies the campaign's own
-    code in those seeds in which the campaign did not. ``accepted`` says why that is accepted.
+    Its files are named after the campaign unless ``name`` is given. The limit is on the goal, by
+    the gravest measure by which it breaks: the maximum over ``n_seeds`` mission seeds, beginning
+    with the campaign's, unless ``limits`` are given, by goal ID. In seeds that the campaign did not
+    fly, the engine flies the campaign's own code. ``accepted`` is why the limits are accepted.
     """
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
@@ -167,9 +167,9 @@ def update(
     name: str | None = None,
     accepted: str = "",
 ) -> list[tuple[Regression, Regression]]:
-    """Limit what is kept, or one by its name, to what is counted today; return what changed.
+    """Replace the limits of all kept weaknesses, or of one, by today's counts; return the changes.
 
-    All of it is written, or nothing where something cannot be judged.
+    If one cannot be judged, nothing is written.
     """
     checked = [*check_all(folders, engine, tell, n_seeds, name)]
     for each in checked:
@@ -188,7 +188,7 @@ def update(
 
 
 def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
-    """Return what is kept of a mission; none at all is no pass, but refused."""
+    """Return all kept weaknesses of a mission; if there are none, it is a ``UsageError``."""
     regressions = kept(folders.models)
     if not regressions:
         found = f"{folders.models}: no weakness is kept; expected at least one in regressions/"
@@ -197,7 +197,7 @@ def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
 
 
 def missions_with_kept() -> Iterator[MissionFolders]:
-    """Yield where weaknesses are kept below ``models``, at any depth, with a mission or without."""
+    """Yield all folders below ``models`` with kept weaknesses, with or without a mission."""
     models = project().models
     for folder in sorted({*models.glob("*/regressions"), *models.rglob("regressions")}):
         if kept(folder.parent):
@@ -212,10 +212,10 @@ def check_all(
     n_seeds: int | None = None,
     name: str | None = None,
 ) -> Iterator[Checked]:
-    """Fly everything that is kept of a mission, or one by its name; yield what became of each.
+    """Fly all kept weaknesses of a mission, or one by its name; yield the result of each.
 
-    With auto, compiled flies if that is built, and else reference. With a number of mission seeds,
-    each is flown in so many: its own first, then those that follow its first one.
+    The engine auto is compiled if that is built, else reference. ``n_seeds`` is the number of
+    mission seeds: first those of the limits, then those that follow the first one.
     """
     regressions = all_kept(folders)
     chosen = [each for each in regressions if name in {None, each.name}]
@@ -292,14 +292,14 @@ def _most(counts: Iterable[Mapping[str, int]]) -> dict[str, int]:
 def _why(
     regression: Regression, engine: Engine, goals: tuple[str, ...], seed: int
 ) -> tuple[str, ...]:
-    """Return what each fault did without which goals would have less, in words."""
+    """Return sentences on the faults without which the goals would have fewer violations."""
     mission = engine.code.mission
     specification = engine.code.pool.written_specification()
     settings = CampaignSettings(violations=regression.violations, goals=goals)
     flights = Flights(engine.evaluate_many, Measure.of(settings, mission), (seed,))
     try:
         cause = find_cause(flights, engine, specification, KEEP)
-    except EvaluationError as error:  # under a part of the faults: it came back all the same
+    except EvaluationError as error:  # with a part of the faults; the limit is exceeded anyway
         return (f"The cause is not known: {error}",)
     if cause is None or not cause.places:
         return ("Without its faults, the violations occur as well",)
@@ -310,7 +310,7 @@ def _why(
 def regression_test(
     mission: str, engine: str = AUTO, n_seeds: int | None = None
 ) -> Callable[[str], None]:
-    """Return a test with a case for each weakness that is kept of a mission.
+    """Return a test with a case for each kept weakness of a mission.
 
     Parameters
     ----------
@@ -319,12 +319,12 @@ def regression_test(
     engine
         ``auto``, ``reference``, ``compiled`` or ``rosbridge``.
     n_seeds
-        In how many mission seeds: those that are kept first, then others.
+        Number of mission seeds: first those of the limits, then others.
 
     Raises
     ------
     UsageError
-        If there is no such mission, or nothing is kept of it: a suite of nothing is no pass.
+        If there is no such mission, or it has no kept weakness: an empty suite would pass.
 
     Examples
     --------

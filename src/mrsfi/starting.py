@@ -1,8 +1,8 @@
-"""Make a new project of a team: a folder ready for git, with a mission that flies.
+"""Make a new project: a folder ready for git, with a mission that flies.
 
-``start`` fills the folder from ``template``, whole or not at all; begin there. ``node_table``
-writes a first table ``[node]`` for a running system, from the topics of its rosbridge server: only
-topics whose types robots usually have are mapped, and a person checks the table.
+Begin with ``start``, which fills the folder from ``template``, completely or not at all.
+``node_table`` writes a first table ``[node]`` from the topics of a rosbridge server. It maps only
+topics of types that robots usually have; a person has to check the table.
 """
 
 import json
@@ -51,11 +51,11 @@ _OBEYS = {
     "geometry_msgs/Twist": _TWIST,
     "geometry_msgs/TwistStamped": _below("twist", _TWIST),
 }
-"""What messages hold that a robot as a rule tells or obeys, by their types."""
+"""Fields of the messages that robots usually publish or subscribe to, by message type."""
 
 
 def topics_of(url: str) -> dict[str, str]:
-    """Return the topics of a rosbridge server and their types, spelled as it does."""
+    """Return the topics of a rosbridge server and their types, as it spells them."""
     completion = Completion()
     with closing(RosbridgeTransport(url)) as transport:
         transport.call(Service("/rosapi/topics", "rosapi/Topics"), {}, completion.end)
@@ -66,10 +66,10 @@ def topics_of(url: str) -> dict[str, str]:
 
 
 def node_table(topics: Mapping[str, str], mission: Mission) -> str:
-    """Return the text of ``[node]`` for the topics of a running system, to be looked through.
+    """Return the text of ``[node]`` for the topics of a running system, for a person to check.
 
-    Robots are matched in the order of the model and of their names. Topics of types that are no
-    robot's as a rule stand below, as comments. Without any other it is a ``UsageError``.
+    Robots of the model are matched in order with names in alphabetical order. Topics of other types
+    follow as comments. If there are no others, it is a ``UsageError``.
     """
     known_types = {*_TELLS, *_OBEYS}
     of_robots = {name: kind for name, kind in topics.items() if full_name(kind) in known_types}
@@ -98,7 +98,7 @@ def node_table(topics: Mapping[str, str], mission: Mission) -> str:
 
 
 def _parted(topic: str) -> tuple[str, str]:
-    """Return the name of a robot, or nothing, and the rest of its topic."""
+    """Return the robot's name in a topic, if any, and the rest of the topic."""
     robot, slash, rest = topic.removeprefix("/").partition("/")
     return (robot, f"/{rest}") if slash else ("", topic)
 
@@ -141,12 +141,11 @@ def start(
     node: str | None = None,
     install: str = "wheel",
 ) -> Path:
-    """Make the folder of a new project with a mission of its name, whole or not at all; return it.
+    """Make the folder of a new project with a mission of its name, completely or not at all.
 
-    It begins with a mission that has a name or folder, or with a published model of the paper's
-    prototype, in place of a small one. If ``node`` is the URL of a rosbridge server, ``mrsfi.toml``
-    says what a node there hears and says, as far as its topics tell. Its build servers install
-    mrsfi from ``wheel_of`` the project, the package ``index`` or ``git``.
+    The mission is a small one, or a copy of ``source``, or a ``published`` model of the paper's
+    prototype. If ``node`` is the URL of a rosbridge server, ``mrsfi.toml`` maps its topics. Build
+    servers install mrsfi from ``wheel_of`` the project, the package ``index`` or ``git``.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise UsageError(
@@ -160,7 +159,7 @@ def start(
         if folder.exists():
             raise UsageError(f"{folder}: exists; expected a new name")
         _fill(new, name, requirement, begun_from, published)
-        if install == "wheel":  # that from which this mrsfi was installed, if it is still the same
+        if install == "wheel":  # this mrsfi was installed from, if it is unchanged
             origin, wheel = _origin(), wheel_of(new)
             digest = origin.get("archive_info", {}).get("hashes", {}).get("sha256")
             path = Path(unquote(urlsplit(origin.get("url", "")).path))
@@ -175,12 +174,12 @@ def start(
 
 
 def wheel_of(folder: Path) -> Path:
-    """Return where a project has the wheel of mrsfi that its build servers install."""
+    """Return the path of the wheel of mrsfi in a project, for its build servers."""
     return folder / "vendor" / f"mrsfi-{installed_version('mrsfi')}-py3-none-any.whl"
 
 
 def _requirement(install: str) -> str:
-    """Return what build servers have pip install."""
+    """Return the requirement that build servers install with pip."""
     if install == "wheel":
         return f"{wheel_of(Path()).as_posix()}[fast]"
     if install == "index":
@@ -203,7 +202,7 @@ def _requirement(install: str) -> str:
 
 
 def _origin() -> dict[str, Any]:
-    """Return what pip noted of where it got mrsfi, ``direct_url.json``; nothing for an index."""
+    """Return pip's note on the source of mrsfi, ``direct_url.json``; empty for an index."""
     texts = (each.read_text("direct_url.json") for each in distributions(name="mrsfi"))
     return json.loads(next(texts, None) or "{}")  # type: ignore[no-any-return]
 

@@ -1,6 +1,6 @@
 # mypy: implicit-reexport
 # ruff: noqa: F401 - generated code imports these names from here
-"""The names that generated code may import, and nothing else."""
+"""All names that generated code may import."""
 
 from mrsfi_runtime.cosimulation.lockstep import (
     RobotInterface,

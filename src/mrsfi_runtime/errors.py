@@ -27,17 +27,17 @@ from pathlib import Path
 from typing import ClassVar
 
 LIMITED = "this machine limits memory or processes (`ulimit -v`, `ulimit -u`); allow more"
-"""What is said where it gives no more memory, or starts no further thread."""
+"""Message if the machine gives no more memory or threads."""
 
 
 def nearest(found: object, known: Iterable[object]) -> str:
-    """Return the end of a message about a name that nothing has: what may have been meant."""
+    """Return the end of a message about an unknown name: the nearest known name."""
     near = get_close_matches(str(found), [str(name) for name in known], 1)
     return "".join(f"; did you mean '{name}'?" for name in near)
 
 
 def expected(found: object, known: Iterable[object], what: str = "one of") -> str:
-    """Return the same after all names that are known."""
+    """Return the same after a list of all known names."""
     names = [str(name) for name in known]
     return f"expected {what} {', '.join(names) or '(there is none)'}{nearest(found, names)}"
 
@@ -83,7 +83,7 @@ class ProtectedRegionError(GenerationError):
 
 
 class SpecificationError(MrsfiError):
-    """A fault specification cannot be flown on its mission; ``faults`` has the IDs it is about."""
+    """A fault specification cannot be flown on its mission; ``faults`` has the IDs concerned."""
 
     exit_code = 5
 
@@ -93,9 +93,9 @@ class SpecificationError(MrsfiError):
 
 
 class EvaluationError(MrsfiError):
-    """The decision logic of a mission failed while it was evaluated, or is bound to.
+    """The decision logic of a mission raised an error in an evaluation, or would do so.
 
-    ``line`` is that of the generated file that failed, if it is one; the message names both.
+    ``line`` is the file and line of generated code, if there is one; the message names both.
     """
 
     exit_code = 6
@@ -103,7 +103,7 @@ class EvaluationError(MrsfiError):
 
 
 class WorkerLost(EvaluationError):
-    """A process died while it evaluated; the specification may have nothing to do with it."""
+    """A process died during an evaluation; the specification may not be the reason."""
 
 
 class ReplayMismatch(MrsfiError):
@@ -127,11 +127,11 @@ class TransportClosed(TransportError):
 
 
 class ProtocolError(TransportError):
-    """The other side sent what the protocol does not allow."""
+    """The other side violated the protocol."""
 
 
 class RecordError(MrsfiError):
-    """A campaign folder cannot be read or written, or not be flown by this mrsfi."""
+    """A campaign folder cannot be read, written or flown by this mrsfi."""
 
     exit_code = 9
 

@@ -1,13 +1,13 @@
-"""The fence around what a team wrote: regions, what they import, and functions of a search.
+"""The fence around user code: regions, their imports, and functions of a search.
 
-Whatever such code raises becomes an error of mrsfi, also what usually ends a process. What the code
-prints goes to standard error. The working folder is put back after it. Code that gets no further
-for long is stopped. Time decides no result: what is stopped is recorded nowhere.
+Every exception of user code becomes an error of mrsfi, also one that usually ends a process. Its
+output goes to standard error. The working folder is restored. Code without progress for long is
+stopped. Time decides no result: a stopped evaluation is not recorded.
 
-A campaign has copies of what the team's code imports. Modules keep their names. Import statements
-in code beside such copies, also those that run in the middle of a flight, find modules of these
-names among the copies only. The rest of the process keeps its own, so that campaigns with other
-modules of the same name may fly beside each other.
+A campaign has copies of the modules that user code imports, under their names. Import statements in
+code beside the copies, also during a flight, find modules of these names among the copies only. The
+rest of the process keeps its own, so that campaigns with different modules of the same name can fly
+in one process.
 
 Begin with ``fenced`` for errors and time, with ``importing`` for the copies.
 """
@@ -43,7 +43,7 @@ def copied_files(directory: Path) -> list[Path]:
 
 
 def team_file(spec: ModuleSpec | None) -> Path | None:
-    """Return the file of a module that a team wrote; none of a library, or of ours."""
+    """Return the file of a user's module; ``None`` for libraries and mrsfi."""
     if spec is None or not spec.has_location:
         return None
     path = Path(str(spec.origin))
@@ -55,7 +55,7 @@ def team_file(spec: ModuleSpec | None) -> Path | None:
 
 @contextmanager
 def importing(directory: Path, module: ModuleType | None = None) -> Iterator[None]:
-    """Let a folder's copies, if it has any, be found by the body, and by a module from now on."""
+    """Let the body, and a module from now on, import the copies of a folder, if it has any."""
     folder = directory.absolute() / IMPORTED
     if not folder.is_dir():
         yield
@@ -70,12 +70,12 @@ def importing(directory: Path, module: ModuleType | None = None) -> Iterator[Non
 
 @lru_cache(maxsize=32)
 def _copies(folder: Path, _: tuple[tuple[str, bytes], ...]) -> "_Copies":
-    """Return the copies in a folder, the same ones as long as their content is."""
+    """Return the copies in a folder; as long as their content is the same, the same object."""
     return _Copies(folder)
 
 
 class _Copies(MetaPathFinder):
-    """Modules that are imported from copies, under the names that the originals have."""
+    """Modules that are imported from copies under the names of the originals."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -102,14 +102,14 @@ class _Copies(MetaPathFinder):
                 sys.modules.update(others)
 
     def _taken(self) -> dict[str, ModuleType]:
-        """Take all modules of these names out of those that are imported, and return them."""
+        """Remove all modules of these names from the imported ones, and return them."""
         names = [name for name in sys.modules if name.partition(".")[0] in self._tops]
         return {name: sys.modules.pop(name) for name in names}
 
     def _import(
         self, name: str, scope: Any = None, local: Any = None, parts: Any = (), level: int = 0
     ) -> ModuleType:
-        """Import as a statement does; one in a flight is said again and again."""
+        """Import as a statement does; quickly, because a statement in a flight runs often."""
         top = (str(scope["__package__"]) if level else name).partition(".")[0]
         if top not in self._tops:
             return _IMPORT(name, scope, local, parts, level)
@@ -122,7 +122,7 @@ class _Copies(MetaPathFinder):
     def find_spec(
         self, name: str, path: Sequence[str] | None, _: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return where a copy is; refuse what the team wrote and nothing was known of."""
+        """Return the place of a copy; refuse a user's module without a copy."""
         if name.partition(".")[0] not in self._tops:
             file = team_file(PathFinder.find_spec(name, path))
             if file is not None:
@@ -134,7 +134,7 @@ class _Copies(MetaPathFinder):
         place = self._folder.joinpath(*name.split("."))
         spec = PathFinder.find_spec(name, [str(place.parent)])
         if spec is not None and spec.submodule_search_locations is not None:
-            spec.submodule_search_locations = [*spec.submodule_search_locations]  # and never others
+            spec.submodule_search_locations = [*spec.submodule_search_locations]  # only these
         if spec is not None and isinstance(spec.loader, SourceFileLoader):
             spec.loader = loader = _Loader(name, str(spec.origin))
             loader.scope = self.builtins
@@ -142,7 +142,7 @@ class _Copies(MetaPathFinder):
 
 
 class _Loader(SourceFileLoader):
-    """Gives a module the import statements of the copies before it runs."""
+    """Gives a module the import statement of the copies before it runs."""
 
     scope: Mapping[str, Any]
 
@@ -151,20 +151,20 @@ class _Loader(SourceFileLoader):
         super().exec_module(module)
 
 
-_LOOK = 0.25  # seconds between two looks at how far code is
-_N_TRIES = 8  # looks until what cannot be stopped takes the process with it
+_LOOK = 0.25  # seconds between two checks of progress
+_N_TRIES = 8  # checks until the process of code that cannot be stopped is ended
 _end_process = os._exit
 
 
 class TimeLimitReached(BaseException):
-    """Raised in the midst of code that gets no further; no error that it may expect."""
+    """Raised in code without progress; user code does not catch it as an ``Exception``."""
 
     def __str__(self) -> str:
         return f"made no progress for {_limit():g} s; if it needs longer, set MRSFI_TIME_LIMIT"
 
 
 def _limit() -> float:
-    """Return for how many seconds code may get no further; 0 for any time."""
+    """Return for how many seconds code may be without progress; 0 for no limit."""
     given = os.environ.get("MRSFI_TIME_LIMIT", "300")
     try:
         return float(given)
@@ -178,9 +178,9 @@ def fenced(
     progress: Callable[[], object] = lambda: None,
     patience: float = 0.0,
 ) -> Iterator[None]:
-    """Run a team's code; Ctrl-C and errors of ours pass, all others are told.
+    """Run user code; Ctrl-C and errors of mrsfi pass, ``told`` translates all others.
 
-    As long as its progress changes, no time is too long; nor are the seconds of patience.
+    Time is unlimited as long as ``progress`` changes, and for at least ``patience`` seconds.
     """
     limit = _limit()
     n_most = max(limit, patience) / _LOOK if limit else float("inf")
@@ -198,7 +198,7 @@ def fenced(
 
 
 def in_thread(call: Callable[[], object]) -> None:
-    """Call machine code, which nothing can stop, in a thread that ends with this process."""
+    """Call machine code, which cannot be stopped, in a thread that ends with this process."""
     raised: list[BaseException] = []
 
     def run() -> None:
@@ -210,13 +210,13 @@ def in_thread(call: Callable[[], object]) -> None:
     thread = Thread(target=run, daemon=True)
     thread.start()
     while thread.is_alive():
-        thread.join(_LOOK)  # not for ever, or who waits could not be stopped either
+        thread.join(_LOOK)  # with a limit, so that this thread can be stopped
     for error in raised:
         raise error
 
 
 def words(error: BaseException) -> str:
-    """Return what an error says, which a team may have written too."""
+    """Return the text of an error, whose ``__str__`` may be user code."""
     try:
         return str(error)
     except BaseException:  # noqa: BLE001 - it may raise anything
@@ -225,7 +225,7 @@ def words(error: BaseException) -> str:
 
 @dataclass(slots=True)
 class _Watch:
-    """How far code is, in looks and not in seconds: a process that was held has not stood still."""
+    """Progress of code, in checks and not in seconds, so that suspended code is not stopped."""
 
     told: Callable[[BaseException], MrsfiError]
     progress: Callable[[], object]
@@ -234,7 +234,7 @@ class _Watch:
     n_looks: int = 0
 
     def look(self, thread: int, frame: FrameType) -> None:
-        """Stop code that is overdue; end the process if that is to no avail."""
+        """Stop code that is overdue; if it goes on, end the process."""
         stack = [each for each, _ in walk_stack(frame)]
         now = self.progress()
         if now != self.seen or any(each.f_trace for each in stack):  # or in a debugger
@@ -252,7 +252,7 @@ class _Watch:
 
 
 class _Guard:
-    """Who is within the fence, by thread; meanwhile standard output is standard error."""
+    """The watched code by thread; meanwhile standard output goes to standard error."""
 
     def __init__(self) -> None:
         self._lock = RLock()

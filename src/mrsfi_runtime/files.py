@@ -1,13 +1,12 @@
-"""Files that mrsfi writes: one as a whole, or several as one change.
+"""Files that mrsfi writes: one file atomically, or several as one change.
 
-A change survives a kill at any moment. ``.mrsfi-change`` in its folder is lock and journal in one.
-It exists only while a command changes something, or after one was killed. It has a line with the
-process, one with what is to replace what, and, once all that is new is on the disk beside what it
-replaces, the line ``"whole"``. The next command that holds the lock then completes the change; if
-that line is missing, it removes what is new.
+A change survives a kill at any moment. The file ``.mrsfi-change`` in its folder is both lock and
+journal. It exists only during a change, or after a command was killed. It has a line with the
+process, a line with the files and their replacements, and, once all new files are on the disk
+beside the old ones, the line ``"whole"``. The next command that holds the lock completes the
+change; if that line is missing, it removes the new files.
 
-Begin with ``whole_file`` and ``changing``. ``MARKER`` matches the lines between which a protected
-region stands in a generated file.
+Begin with ``whole_file`` and ``changing``. ``MARKER`` matches the lines around a protected region.
 """
 
 import errno
@@ -27,24 +26,24 @@ from typing import IO, Any, TextIO
 
 from mrsfi_runtime.errors import UsageError
 
-OURS = ".mrsfi-"  # part of the names of all files that are there only while something changes
+OURS = ".mrsfi-"  # part of the names of all files that exist only during a change
 JOURNAL = f"{OURS}change"
 _WHOLE = "whole"
-_PATIENCE = 30.0  # seconds that a command waits for another one
+_PATIENCE = 30.0  # seconds for which a command waits for another one
 
 
 @contextmanager
 def written_file(path: Path) -> Iterator[TextIO]:
-    """Open a file that the user asked for; one that cannot be written is a ``UsageError``."""
+    """Open a file for the user; if it cannot be written, it is a ``UsageError``."""
     with telling(path), path.open("w", encoding="utf-8", newline="\n") as file:
         yield file
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that the user asked for, which is there when the body ends well, or not at all.
+    """Open a file for the user that appears only if the body succeeds.
 
-    One that cannot be written is a ``UsageError``.
+    A file that cannot be written is a ``UsageError``.
     """
     is_device = path.exists() and not path.is_file()  # or a pipe
     with telling(path), path.open("wb") if is_device else _replacing(path) as file:
@@ -52,14 +51,14 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file as a whole: after a crash it has either its old or its new content."""
+    """Replace a file atomically: after a crash it has either its old or its new content."""
     with _replacing(path) as file:
         file.write(content)
 
 
 @contextmanager
 def _replacing(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that takes the place of another one, through a symbolic link, at the end."""
+    """Open a file that replaces another one at the end, through a symbolic link."""
     target = path.resolve()
     new = target.with_name(f".{os.getpid()}-{target.name[:200]}{OURS}new")
     try:
@@ -74,9 +73,9 @@ def _replacing(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def whole_folder(path: Path) -> Iterator[Path]:
-    """Yield a folder to fill that is there under its name when the body ends well, or not at all.
+    """Yield a folder to fill, which gets its name only if the body succeeds.
 
-    One that cannot be written is a ``UsageError``.
+    A folder that cannot be written is a ``UsageError``.
     """
     with changing(path.parent) as change, telling(path, "name another folder"):
         (new,) = change.begin({path: b""}).values()
@@ -87,11 +86,10 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def changing(folder: Path, *, waits: bool = True) -> Iterator["Change"]:
-    """Let nobody else change the files that belong to a folder, such as a mission's.
+    """Lock the files of a folder, such as a mission's, against other processes.
 
-    First, what a command that was killed had begun is finished or undone, and told on standard
-    error. A folder that cannot be written, or that another process changes for some time, is a
-    ``UsageError``.
+    First, the change of a killed command is completed or undone, and reported on standard error. A
+    folder that cannot be written, or that another process keeps locked, is a ``UsageError``.
     """
     with telling(folder, "nothing is changed"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -111,19 +109,19 @@ def changing(folder: Path, *, waits: bool = True) -> Iterator["Change"]:
 
 
 def settle(*folders: Path) -> None:
-    """Finish or undo what a command that was killed had begun to change in some folders."""
+    """Complete or undo the changes of a killed command in folders."""
     for folder in folders:
         journal = folder / JOURNAL
         with suppress(FileNotFoundError):
             if journal.is_file():
                 is_begun = b"[" in journal.read_bytes()
-                unless = () if is_begun else (UsageError,)  # nothing is replaced, or will soon be
+                unless = () if is_begun else (UsageError,)  # another command is still writing
                 with suppress(*unless), changing(folder, waits=is_begun):
                     pass
 
 
 class Change:
-    """What changes files, by the only process that may; ``changing`` has it."""
+    """Changes files as the only process that may; ``changing`` yields it."""
 
     def __init__(self, folder: Path, descriptor: int) -> None:
         self._folder = folder
@@ -131,9 +129,9 @@ class Change:
         self._journal = descriptor
 
     def replace(self, contents: Mapping[Path, bytes | None]) -> None:
-        """Give files new contents, or remove those that get ``None``: all of them, or none.
+        """Write new contents of files, or remove those with ``None``: all of them, or none.
 
-        Symbolic links stay, and what they lead to is replaced. A file that cannot be written is a
+        Symbolic links stay; their targets are replaced. A file that cannot be written is a
         ``UsageError``.
         """
         try:
@@ -153,7 +151,7 @@ class Change:
             self.settle()
 
     def begin(self, contents: Mapping[Path, bytes | None]) -> dict[Path, Path]:
-        """Note what is going to be replaced, and return where what is new goes until then."""
+        """Note the files to be replaced, and return the paths for the new files until then."""
         new, entries = {}, []
         for number, (path, content) in enumerate(contents.items()):
             target = path.resolve() if content is not None else path.parent.resolve() / path.name
@@ -175,7 +173,7 @@ class Change:
             os.fsync(self._journal)
 
     def settle(self) -> str:
-        """Finish what was noted as whole, undo what was not; return what was done, in words."""
+        """Complete a change that is noted as whole, else undo it; return a report in words."""
         notes = _notes(self._journal)
         entries = next((note for note in notes if isinstance(note, list)), [])
         end, done = (_finish, "finished") if _WHOLE in notes else (_undo, "undid")
@@ -195,7 +193,7 @@ class Change:
 
 
 def _notes(journal: int) -> list[Any]:
-    """Return the lines of a journal; one that was not written to its end is none."""
+    """Return the complete lines of a journal."""
     *lines, _ = os.pread(journal, os.fstat(journal).st_size, 0).split(b"\n")
     with suppress(ValueError):
         return [json.loads(line) for line in lines]
@@ -203,7 +201,7 @@ def _notes(journal: int) -> list[Any]:
 
 
 def _finish(target: Path, new: Path, time: int | None, is_removed: bool) -> Iterator[str]:
-    """Replace or remove a file, unless that is done; yield its name, and where an edit is kept."""
+    """Replace or remove a file, unless this is done; yield its name, and that of a kept edit."""
     if is_removed or new.exists():
         if _time(target) not in {None, time}:
             kept = target.replace(target.with_name(f"{target.name}.edited"))
@@ -216,7 +214,7 @@ def _finish(target: Path, new: Path, time: int | None, is_removed: bool) -> Iter
 
 
 def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
-    """Remove what was to be new, and its folder if nothing else is in it; yield its name."""
+    """Remove a new file, and its folder if that is empty then; yield its name."""
     if new.exists():
         yield target.name
         if new.is_dir():
@@ -227,7 +225,7 @@ def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
 
 
 def _locked(folder: Path, patience: float) -> int:
-    """Return the journal of a folder, locked: the lock is the operating system's, and ends so."""
+    """Return the journal of a folder, locked; the lock ends with the process."""
     journal = folder / JOURNAL
     until = monotonic() + patience
     while True:
@@ -235,9 +233,9 @@ def _locked(folder: Path, patience: float) -> int:
             flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
             descriptor = os.open(journal, flags, 0o666)
             opened.callback(os.close, descriptor)
-            if os.fstat(descriptor).st_uid != os.geteuid():  # it says what to replace
+            if os.fstat(descriptor).st_uid != os.geteuid():  # it could name any file
                 raise PermissionError(errno.EPERM, f"{JOURNAL} is another user's")
-            with suppress(BlockingIOError, FileNotFoundError):  # somebody has it, or removed it
+            with suppress(BlockingIOError, FileNotFoundError):  # locked, or removed
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 if os.path.samestat(os.fstat(descriptor), journal.stat()):
                     opened.pop_all()
@@ -252,7 +250,7 @@ def _locked(folder: Path, patience: float) -> int:
 
 
 def _keep(file: IO[bytes], target: Path) -> None:
-    """Wait until what was written is on the disk; give it the rights of what it replaces."""
+    """Wait until the content is on the disk; give it the rights of the file that it replaces."""
     file.flush()
     os.fsync(file.fileno())
     with suppress(FileNotFoundError):
@@ -260,7 +258,7 @@ def _keep(file: IO[bytes], target: Path) -> None:
 
 
 def keep_names(folder: Path) -> None:
-    """Wait until the names of a folder's files are on the disk, whatever its power does."""
+    """Wait until the names of a folder's files are on the disk, for the case of a power cut."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(descriptor)
@@ -276,7 +274,7 @@ def _time(path: Path) -> int | None:
 
 @contextmanager
 def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
-    """Say of a file that it cannot be written."""
+    """Turn an error of the operating system into a ``UsageError`` about this file."""
     try:
         yield
     except OSError as error:
@@ -285,7 +283,7 @@ def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
 
 @contextmanager
 def telling_of_temporary_files() -> Iterator[None]:
-    """Say of files that no user asked for that their folder cannot be written."""
+    """Turn an error of the operating system into a ``UsageError`` about temporary files."""
     try:
         yield
     except OSError as error:
@@ -299,11 +297,11 @@ MARKER = re.compile(
     r"^[ \t]*# protected region (?P<id>\S+) (?:(?P<state>on|off) begin|end)[ \t]*(?:\n|\Z)",
     re.MULTILINE,
 )
-"""A marker line with its line end; one that ends a region has no ``state``."""
+"""A marker line with its line end; the end of a region has no ``state``."""
 
 
 def lines_in_regions(text: str) -> Mapping[int, str]:
-    """Return the region of each line that stands in one, by the number of the line."""
+    """Return the regions of lines, by line number."""
     found = {}
     region = ""
     for number, line in enumerate(text.split("\n"), start=1):

@@ -1,12 +1,12 @@
-"""The one door to generated code: what has to hold before it flies, and how it is loaded.
+"""Load generated code, and check that it can fly.
 
-Code flies if it was generated for this world's rules, and if no region is empty that only the team
-can fill: a check without a body would never find a violation. Both are checked without loading it
-(``require_semantics``, ``unfilled_regions``).
+Code can fly if it was generated for this world's rules, and if no region is empty that the user has
+to fill: a check without a body would never find a violation. ``require_semantics`` and
+``unfilled_regions`` check both without loading the code.
 
-Generated code runs only within the fence of ``fence.py``. What fails in it becomes an
-``EvaluationError`` that names file and line (``failed``). Each folder's modules are imported under
-names of their own, so that missions do not disturb each other.
+Generated code runs only within the fence of ``fence.py``. Its exceptions become an
+``EvaluationError`` that names file and line (``failed``). The modules of each folder get unique
+names, so that missions do not disturb each other.
 
 Begin with ``load_code``.
 """
@@ -38,10 +38,10 @@ from mrsfi_runtime.transport.topics import Topic
 
 
 def require_semantics(directory: Path) -> None:
-    """Refuse code that was generated for other rules of the world than this runtime flies.
+    """Refuse code that was generated for other rules of the world than those of this runtime.
 
-    The ``GenerationError`` names both versions, and what to do. A manifest that is missing or is
-    none does not say which it was generated for, and is one as well.
+    The ``GenerationError`` names both versions and the next step. A missing or broken manifest is
+    such an error as well.
     """
     path = directory / "manifest.json"
     if not path.is_file():
@@ -65,11 +65,11 @@ FILLED, RUNS, COMPILES_ALIKE = "RegionFilled", "RegionRuns", "RegionCompilesAlik
 
 @dataclass(frozen=True, slots=True)
 class RegionFinding:
-    """What is wrong with a line: what was found, why it matters and what to write instead.
+    """A defect of a line: what was found, why it matters and what to write instead.
 
-    ``place`` is the region, function or module that it stands in, such as ``region 'g1.check'``.
-    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a
-    warning: the line compiles to something else.
+    ``place`` is its region, function or module, such as ``region 'g1.check'``. The constraints
+    ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a warning: the line
+    compiles to something else.
     """
 
     path: Path
@@ -80,12 +80,12 @@ class RegionFinding:
 
     @property
     def is_error(self) -> bool:
-        """Whether nothing should fly with it."""
+        """Whether code with it must not fly."""
         return self.constraint != COMPILES_ALIKE
 
     @property
     def words(self) -> str:
-        """Where it is, and what."""
+        """Its place and its message."""
         return f"{self.path}:{self.line}: {self.place}: {self.message}"
 
     def __str__(self) -> str:
@@ -101,7 +101,7 @@ def region_files(directory: Path) -> list[Path]:
 def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
     """Return the regions of ``generated/<mission>`` that have to be filled before it can fly.
 
-    A file that is missing, or no Python, has none.
+    A file that is missing, or is not Python, has none.
     """
     return tuple(found for path in region_files(directory) for found in _of_file(path))
 
@@ -144,8 +144,8 @@ class MissionCode:
 def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     """Load the generated code of a mission, to fly its own pool or other faults.
 
-    Code of another version or other rules is a ``GenerationError``; a region that has to be filled,
-    or with which a file cannot be imported, an ``EvaluationError``.
+    Code of another version or other rules is a ``GenerationError``. A region that is empty or keeps
+    a file from being imported is an ``EvaluationError``.
     """
     require_semantics(directory)
     if found := unfilled_regions(directory):
@@ -155,7 +155,7 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
         siblings = ("topics", "sim_interface", "simulation")
         paths = [_generated(directory, stem) for stem in siblings]
         package = ModuleType(_name_of(*paths))
-        package.__path__ = []  # what was not imported here is not found
+        package.__path__ = []  # so that other modules are not found
         sys.modules[package.__name__] = package
         topics, interface, simulation = (
             load_module(f"{package.__name__}.{path.stem}", path) for path in paths
@@ -212,7 +212,7 @@ def _made(name: str, source: str, function: str) -> Any:
 
 
 def _module(directory: Path, stem: str) -> ModuleType:
-    """Import one generated file under a name of its own; no other folder's code is touched.
+    """Import one generated file under a unique name.
 
     The name follows from the content, so that compiled code is found again in another folder.
     """
@@ -233,7 +233,7 @@ def _name_of(*paths: Path) -> str:
 
 
 def load_module(name: str, path: Path) -> ModuleType:
-    """Import a file under a name, as it stands now; an ``EvaluationError`` if that fails."""
+    """Import a file under a name; if this fails, it is an ``EvaluationError``."""
     loader = _SourceLoader(name, str(path.absolute()))
     spec = ModuleSpec(name, loader, origin=loader.path)
     spec.has_location = True
@@ -248,9 +248,9 @@ def load_module(name: str, path: Path) -> ModuleType:
 def failed(
     error: BaseException, directory: Path, what: str, file: Path | None = None
 ) -> EvaluationError:
-    """Return what to raise for an error that arose in the code of a mission, and what failed then.
+    """Return the error to raise for an exception in the code of a mission; ``what`` failed.
 
-    The line of the directory nearest to the error is named; if none took part, the file.
+    It names the line in ``directory`` that is nearest to the exception, or else the file.
     """
     frames = [(f.filename, f.lineno or 1) for f in traceback.extract_tb(error.__traceback__)]
     if isinstance(error, SyntaxError):
@@ -275,16 +275,16 @@ def failed(
 
 
 class _SourceLoader(SourceFileLoader):
-    """Matches bytecode by what the source holds, where Python takes its second; edits are quick."""
+    """Matches bytecode by the content of the source, because edits can occur within a second."""
 
     def get_code(self, fullname: str) -> CodeType | None:
-        """Return the code; of the source, if the bytecode is damaged."""
+        """Return the code; if the bytecode is damaged, from the source."""
         try:
             return super().get_code(fullname)
         except (EOFError, TypeError, ValueError):
             return self.source_to_code(self.get_data(self.path), self.path)
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """Return a checksum in the place of the time."""
+        """Return a checksum in place of the time."""
         source = self.get_data(path)
         return {"mtime": crc32(source), "size": len(source)}

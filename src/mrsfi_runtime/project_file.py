@@ -1,4 +1,4 @@
-"""The project file, the metamodels that a project chooses, and which versions are installed."""
+"""The project file, the metamodels of a project, and the installed versions."""
 
 import os
 import tomllib
@@ -16,13 +16,13 @@ _CHOSEN = "MRSFI_METAMODELS"
 
 
 def root() -> Path:
-    """Return the root of the project that the working folder is in."""
+    """Return the root of the project of the working folder."""
     here = Path.cwd()
     return next((place for place in (here, *here.parents) if (place / SETTINGS).is_file()), here)
 
 
 def project_metamodels() -> Path | None:
-    """Return the folder of the metamodels of the project, if it has any.
+    """Return the folder of the project's metamodels, if it has any.
 
     Settings that cannot be read, or name a folder without metamodels, are a ``UsageError``.
     """
@@ -39,7 +39,7 @@ def project_metamodels() -> Path | None:
 
 
 def choose_metamodels() -> bool:
-    """Let this process read the metamodels of the project; return whether it has any to choose."""
+    """Let this process read the project's metamodels; return whether it has any to choose."""
     metamodels = None if _CHOSEN in os.environ else project_metamodels()
     if metamodels is None:
         return False
@@ -49,7 +49,7 @@ def choose_metamodels() -> bool:
 
 @contextmanager
 def metamodels_chosen() -> Iterator[None]:
-    """Let everything in the body read the metamodels of the project, if it has any of its own."""
+    """Let the body read the project's metamodels, if it has any."""
     is_chosen = choose_metamodels()
     try:
         yield
@@ -59,7 +59,7 @@ def metamodels_chosen() -> Iterator[None]:
 
 
 def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Return what a settings file says of the project, name by name, and of its node."""
+    """Return the tables [project] and [node] of a settings file."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -78,7 +78,7 @@ def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
 
 
 def installed_version(name: str) -> str:
-    """Return the version of a distribution, or of python; mrsfi run from its source has none."""
+    """Return the version of a distribution, or of python; mrsfi may be not installed."""
     import platform  # noqa: PLC0415 - as below
     from importlib import metadata  # noqa: PLC0415 - takes half as long as `mrsfi --help`
 
