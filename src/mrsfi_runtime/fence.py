@@ -174,18 +174,18 @@ def _limit() -> float:
 
 @contextmanager
 def fenced(
-    told: Callable[[BaseException], MrsfiError],
+    as_ours: Callable[[BaseException], MrsfiError],
     progress: Callable[[], object] = lambda: None,
     patience: float = 0.0,
 ) -> Iterator[None]:
-    """Run user code; Ctrl-C and errors of mrsfi pass, ``told`` translates all others.
+    """Run user code; Ctrl-C and errors of mrsfi pass, ``as_ours`` translates all others.
 
     Time is unlimited as long as ``progress`` changes, and for at least ``patience`` seconds.
     """
     limit = _limit()
     n_most = max(limit, patience) / _LOOK if limit else float("inf")
     try:
-        with ExitStack() as left, _GUARD.watching(_Watch(told, progress, n_most)):
+        with ExitStack() as left, _GUARD.watching(_Watch(as_ours, progress, n_most)):
             with suppress(OSError):  # a folder that cannot be read
                 here = os.open(".", os.O_RDONLY | os.O_CLOEXEC)
                 left.callback(os.close, here)
@@ -194,7 +194,7 @@ def fenced(
     except (MrsfiError, KeyboardInterrupt):
         raise
     except BaseException as error:
-        raise told(error) from error
+        raise as_ours(error) from error
 
 
 def in_thread(call: Callable[[], object]) -> None:
@@ -227,27 +227,27 @@ def words(error: BaseException) -> str:
 class _Watch:
     """Progress of code, in checks and not in seconds, so that suspended code is not stopped."""
 
-    told: Callable[[BaseException], MrsfiError]
+    as_ours: Callable[[BaseException], MrsfiError]
     progress: Callable[[], object]
     n_most: float
-    seen: object = None
-    n_looks: int = 0
+    last: object = None
+    n_checks: int = 0
 
-    def look(self, thread: int, frame: FrameType) -> None:
+    def check(self, thread: int, frame: FrameType) -> None:
         """Stop code that is overdue; if it goes on, end the process."""
         stack = [each for each, _ in walk_stack(frame)]
         now = self.progress()
-        if now != self.seen or any(each.f_trace for each in stack):  # or in a debugger
-            self.n_looks, self.seen = 0, now
-        self.n_looks += 1
-        if self.n_looks > self.n_most + _N_TRIES:
+        if now != self.last or any(each.f_trace for each in stack):  # or in a debugger
+            self.n_checks, self.last = 0, now
+        self.n_checks += 1
+        if self.n_checks > self.n_most + _N_TRIES:
             where = None
             for each in stack:
                 where = TracebackType(where, each, each.f_lasti, each.f_lineno)
-            error = self.told(TimeLimitReached().with_traceback(where))
+            error = self.as_ours(TimeLimitReached().with_traceback(where))
             os.write(2, f"mrsfi: {error}\n".encode(errors="backslashreplace"))
             _end_process(EvaluationError.exit_code)
-        if self.n_looks > self.n_most:
+        if self.n_checks > self.n_most:
             pythonapi.PyThreadState_SetAsyncExc(c_ulong(thread), py_object(TimeLimitReached))
 
 
@@ -312,7 +312,7 @@ class _Guard:
             with self._lock:
                 frames = sys._current_frames()  # noqa: SLF001 - there is no other way
                 for thread, watch in self._watched.items():
-                    watch.look(thread, frames[thread])
+                    watch.check(thread, frames[thread])
 
 
 _GUARD = _Guard()

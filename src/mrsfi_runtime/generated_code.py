@@ -239,8 +239,8 @@ def load_module(name: str, path: Path) -> ModuleType:
     spec.has_location = True
     module = module_from_spec(spec)
     sys.modules[name] = module
-    told = partial(failed, directory=path.parent, what="cannot be imported", file=path)
-    with fenced(told), importing(path.parent, module):
+    as_ours = partial(failed, directory=path.parent, what="cannot be imported", file=path)
+    with fenced(as_ours), importing(path.parent, module):
         loader.exec_module(module)
     return module
 
@@ -262,14 +262,14 @@ def failed(
     ]
     place = f"{lines[-1][0]}:{lines[-1][1]}: " if lines else f"{file}: " if file else ""
     remedy = "; correct the region" if lines else ""
-    said = words(error)
+    text = words(error)
     if isinstance(error, ImportError) and error.name == "mrsfi_runtime.api":
-        said = said.partition(" (")[0]
+        text = text.partition(" (")[0]
         remedy = (
             "; code of another version of mrsfi: run `mrsfi generate`, then correct the regions"
         )
     kind = WorkerLost if isinstance(error, TimeLimitReached) else EvaluationError
-    found = kind(f"{place}{what}: {type(error).__name__}: {said}{remedy}")
+    found = kind(f"{place}{what}: {type(error).__name__}: {text}{remedy}")
     found.line = lines[-1] if lines else None
     return found
 
