@@ -61,7 +61,6 @@ help: ## print this list
 install: $(BASE) ## make the virtual environment .venv, install mrsfi into it and compile its kernel
 	@echo "Compiling the simulation kernel, unless this was done before: about 20 seconds."
 	@$(BIN)/python -m mrsfi_runtime.engine.compiled
-	@echo "Installed. Next: make evolve"
 
 generate: $(BASE) ## generate the middleware of MISSION from its models
 	$(BIN)/mrsfi generate $(mission)

@@ -37,10 +37,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @click.argument("mission", metavar="[MISSION]", required=False)
 @options.generated_option
 @click.option(
-    "--resume",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Continue the campaign in DIR with its own settings; give no MISSION.",
+    "--resume", type=click.Path(path_type=Path), metavar="DIR", help="Continue the campaign in DIR."
 )
 @click.option(
     "--explain/--no-explain",
@@ -48,12 +45,8 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help="Search for weaknesses and mildest variants at the end, or not: then report and page have "
     "none, and show and keep do not work [default: --explain, or as the campaign was begun].",
 )
-@options.under("Search")
 @click.option(
-    "--case",
-    show_default="a",
-    metavar="a|b|FILE",
-    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
+    "--case", show_default="a", metavar="a|b|FILE", help="Campaign file case_NAME.toml, or any."
 )
 @click.option("--seed", type=int, help="Seed of the search.")
 @click.option("--mission-seed", type=int, help="Mission seed: decides what is random in a flight.")
@@ -76,7 +69,6 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 )
 @options.worker_options
 @options.engine_options(default=AUTO)
-@options.under("Output")
 @options.folder_option(
     "--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N]."
 )
@@ -108,9 +100,7 @@ def evolve_command(
     \b
     Examples:
       mrsfi evolve uuv_sampling
-      mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
       mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
-      mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
       mrsfi evolve uuv_sampling --algorithm cover --until 0.02
       mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
       mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
@@ -222,7 +212,6 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
     """Write the report of CAMPAIGN again and print its weaknesses.
 
     If the campaign has not searched for weaknesses, it prints the ten most critical specifications.
-
     CAMPAIGN is the folder of a finished or interrupted campaign; by default the campaign in runs/
     that was written last. The report uses the folder's own copies, so later edits do not matter.
 
@@ -231,7 +220,6 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
       mrsfi report
       mrsfi report runs/uuv_sampling-b-1 --ratio g3:g1=2:1
       mrsfi report runs/uuv_sampling-a-1 --format latex
-      mrsfi report runs/uuv_sampling-a-1 --json | jq '.top[].fitness'
 
     Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi and
     weaknesses/*.xmi.
@@ -250,13 +238,12 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find mildest variants.")
 @options.worker_options
 @options.engine_options(default=AUTO)
-@options.under("Output")
 @click.option(
     "--map",
     "drawn",
     type=(int, FILE),
     metavar="N FILE",
-    help="Draw which values and windows of weakness N break its goal: .csv, .png, .svg.",
+    help="Map of weakness N: .csv, .png, .svg.",
 )
 @options.file_option("--fmea", "Write failure modes and effects: .csv or .md.")
 @options.file_option("--fault-tree", "Write the fault trees of goals: .xml, or .txt for pfta.")
@@ -288,16 +275,13 @@ def weaknesses_command(
     truth, is active for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
     describes the mildest variant where it is known, else the one shown.
 
-    Every campaign searches for weaknesses at its end; with --algorithm cover it does nothing else.
-    If a campaign was begun with --no-explain, mrsfi explain RUN --all finds them.
+    If a campaign was begun with --no-explain, mrsfi explain RUN --all finds its weaknesses.
 
     \b
     Examples:
       mrsfi weaknesses runs/cover
-      mrsfi weaknesses runs/cover --goal g2
-      mrsfi weaknesses runs/cover --seeds 5
       mrsfi weaknesses runs/cover --goal g2 --mildest
-      mrsfi weaknesses runs/cover --map 3 runs/map.png
+      mrsfi weaknesses runs/cover --map 3 runs/map.png    which values and windows break its goal
       mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
       mrsfi weaknesses runs/cover --bounds --json
       mrsfi weaknesses runs/cover --json | jq '.[] | select(.detection.n_never > 0)'

@@ -64,7 +64,6 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 @click.pass_context
 @click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
 @options.generated_option
-@options.under("Search")
 @click.option(
     "--case",
     default="a",
@@ -92,15 +91,10 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
     help="Runs of each algorithm, with seeds 1, 2, …",
 )
 @click.option(
-    "--evaluations",
-    type=click.IntRange(1),
-    default=909,
-    show_default=True,
-    help="Evaluations per run.",
+    "--evaluations", type=click.IntRange(1), default=909, show_default=True, help="For each run."
 )
 @options.worker_options
 @options.engine_options(default=AUTO, sides=(BOTH,))
-@options.under("Output")
 @options.folder_option(
     "--out", "Folder of the comparison, new or to continue [default: runs/compare-NAME-CASE]."
 )
@@ -128,31 +122,26 @@ def compare_command(  # noqa: PLR0913 - one for each option
     """Compare two campaigns of a mission, or search algorithms or their settings on MISSION.
 
     With two campaign folders, from before and after a fix or an edit of the model, it prints which
-    weaknesses are gone, new, or still there. Each is flown once more, in the mission of the other
-    campaign. --markdown writes this for a pull request, --html as a page. Search options do not
-    apply.
+    weaknesses are gone, new, or still there. Each is flown in the mission of the other campaign.
 
     With MISSION, each algorithm searches with several seeds and equally many evaluations. With
     --sweep, every combination of values does, and is compared with the paper's setup; LOW:HIGH:N
     are N values.
 
-    The seeds are 1 to --seeds, all else is as the campaign file says. It prints medians with
-    quartiles, and for every two setups the Mann-Whitney U test, its p-value, the same adjusted for
-    several tests on one measure (Holm), and A12: the probability that a run of the first is better
-    than one of the second.
+    It prints medians with quartiles, and for every two setups the Mann-Whitney U test, its p-value,
+    the same adjusted for several tests on one measure (Holm), and A12: the probability that a run
+    of the first is better than one of the second.
 
     \b
     Examples:
       mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
       mrsfi compare uuv_sampling
-      mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
       mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
       mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
       mrsfi compare uuv_sampling --sweep crossover=0.3:0.9:5,population=10,20,40 --seeds 20
 
-    The same command continues a comparison that was interrupted. Finished runs are not repeated,
-    also when algorithms or seeds are added. Any run can be repeated alone, with the same digest:
-    mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+    The same command continues an interrupted comparison; finished runs are not repeated. This has
+    the same digest as a run: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
     """
     if len(targets) > 1:
         _compare_runs(ctx, markdown, html, engine, workers)

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 @options.file_option("--faults", "Fly with this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @options.engine_options(sides=(*SIDES, SIMULATION))
-@options.under("Output")
 @options.recording_options
 @click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def simulate_command(
@@ -66,12 +65,6 @@ def simulate_command(
       mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
       mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
       mrsfi simulate uuv_sampling --engine rosbridge
-
-    \b
-    On a server of yours, simulation and collective intelligence apart:
-      mrsfi bridge --port 9090
-      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
-      mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
 
     A violation counts once per goal and tick: believed by the collective intelligence, true in the
     simulation, phantom (a false alarm: believed, not true), masked (undetected: true, not
@@ -128,7 +121,6 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
 @click.option("--best", is_flag=True, help="The most critical evaluation (the default).")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
 @options.engine_options()
-@options.under("Output")
 @options.recording_options
 @click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def replay_command(
@@ -229,7 +221,6 @@ def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool)
 )
 @options.worker_options
 @options.engine_options(default=AUTO)
-@options.under("Output")
 @options.folder_option(
     "--out",
     "Folder for the cause sets [default: RUN/causes, or the folder of FILE unless that holds kept "
@@ -263,7 +254,6 @@ def explain_command(  # noqa: PLR0913 - one parameter per option
     Examples:
       mrsfi explain runs/uuv_sampling-a-1
       mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
-      mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
       mrsfi explain runs/uuv_sampling-a-1 --all
       mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
 

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import click
 
-from mrsfi_runtime.cli.options import BUS, head_of
+from mrsfi_runtime.cli.options import OF_BUS
 from mrsfi_runtime.cli.terminal import steady_output
 from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError, expected
 from mrsfi_runtime.glossary import TERMS
@@ -46,22 +46,18 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
 
 
 _BUS = """\
-How to connect your own simulator, or your own node, to mrsfi.
-
 A mission has two sides: the collective intelligence (CI), which commands the
 robots, and the simulation. With --engine rosbridge they exchange ROS messages
-through a rosbridge server (the bus). Either side can be your own:
+through a rosbridge server (the bus); mrsfi bridge is one that needs no ROS.
+Either side can be your own:
 
-  --engine rosbridge
-      Both sides are mrsfi's, on a server that mrsfi starts.
-  --engine rosbridge --url ws://127.0.0.1:9090 --side ci
-      Your simulator flies; mrsfi runs the CI and injects the faults.
-  --side injector --node "python node.py {url}"
-      Your node is the CI; mrsfi simulates and injects the faults.
+  --engine rosbridge                             both sides are mrsfi's
+  --engine rosbridge --url ws://… --side ci      your simulator, mrsfi's CI
+  --engine rosbridge --url ws://… --side simulation    mrsfi's simulation alone
+  --side injector --node "python node.py {url}"  your node as the CI
 
-mrsfi bridge starts such a server without ROS. The file mrsfi.toml, at the
-root of the project, states the version of ROS and the topics of your node;
-mrsfi new NAME --node URL writes it from a running server:
+mrsfi.toml, at the root of the project, states the version of ROS and the
+topics of your node; mrsfi new NAME --node URL writes it from a server:
 
   [project]
   ros = 2
@@ -76,9 +72,8 @@ mrsfi new NAME --node URL writes it from a running server:
   type = "geometry_msgs/Twist"
   fields = { "linear.x" = "speed", "angular.z" = "turn" }
 
-The other values are options of every command that flies. A campaign records
-them: replay, explain and evolve --resume use the recorded values.
-docs/bus.md and docs/node.md have the details.
+All else is an option of each command that flies. A campaign records them for
+replay, explain and evolve --resume. More: docs/bus.md, docs/node.md
 """
 
 
@@ -165,27 +160,10 @@ def cli(traceback: bool) -> None:
       mrsfi weaknesses runs/uuv_sampling-a-1   print all of them: the main result
       mrsfi show runs/uuv_sampling-a-1 6       draw how weakness 6 breaks its goal
       mrsfi explain runs/uuv_sampling-a-1      explain the worst specification
-      mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
-      mrsfi report runs/uuv_sampling-a-1
-
-    \b
-    Also:
-      mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep a weakness beside the models
-      mrsfi check                              does a kept weakness exceed its limit?
-      mrsfi compare uuv_sampling               is a search better than chance?
-      mrsfi pack runs/uuv_sampling-a-1         one file that can be repeated elsewhere
-      mrsfi bridge                             a rosbridge server that needs no ROS
-      mrsfi import published.xmi               make a mission of a model of the paper's prototype
-      mrsfi rename uuv_sampling r1=scout_1     another ID, in all files
-      mrsfi diff old.xmi uuv_sampling          what changed in a model?
-      mrsfi help bus                           connect your own simulator or node
       mrsfi help words                         every term of mrsfi, with an example
+      eval "$(_MRSFI_COMPLETE=bash_source mrsfi)"    complete words with the Tab key in bash
 
     Results go to standard output, progress to standard error.
-
-    \b
-    Let the Tab key complete commands and options in bash:
-      eval "$(_MRSFI_COMPLETE=bash_source mrsfi)"
 
     \b
     Exit codes:
@@ -206,15 +184,10 @@ def help_command(ctx: click.Context, topic: str) -> None:
     """Print the help of a command, or of a topic.
 
     \b
-    Topics:
-      bus     connect your own simulator or node
-      words   the glossary: every term of mrsfi, with an example
-
-    \b
     Examples:
       mrsfi help evolve
-      mrsfi help bus
-      mrsfi help words
+      mrsfi help bus       topic: connect your own simulator or node
+      mrsfi help words     topic: every term of mrsfi, with an example
     """
     click.echo(help_text(ctx, topic))
 
@@ -224,10 +197,10 @@ def help_text(ctx: click.Context, topic: str) -> str:
     formatter = ctx.make_formatter()
     if topic == "bus":
         simulate = cast("click.Command", cli.get_command(ctx, "simulate"))
-        rows = [each.get_help_record(ctx) for each in simulate.params if head_of(each) == BUS]
         formatter.write(_BUS)
         with formatter.section("Options"):
-            formatter.write_dl([row for row in rows if row is not None])
+            records = (each.get_help_record(ctx) for each in simulate.params if each.name in OF_BUS)
+            formatter.write_dl([*filter(None, records)])
     elif topic == "words":
         for term in TERMS:
             with formatter.section(term.name):

@@ -35,9 +35,7 @@ if TYPE_CHECKING:
     help="Begin with a model published for the paper's prototype.",
 )
 @click.option(
-    "--node",
-    metavar="ws://…",
-    help="Also write [node], the topics of your node, from those of a running server.",
+    "--node", metavar="ws://…", help="Also write [node], the topics of your node, from a server."
 )
 @click.option(
     "--install",
@@ -52,12 +50,10 @@ def new_command(
 ) -> None:
     """Make the folder NAME: a project, ready for git, with a mission NAME that flies.
 
-    It holds the metamodels, for Eclipse and for extensions; a small mission and its pool of faults,
-    as models and as a script that builds them; a campaign file; generated code; a Makefile; and the
-    files with which two common build servers fly the kept weaknesses on each change. mrsfi.toml
-    states where these are, so that commands work from any folder inside. If this mrsfi was
-    installed from a wheel, vendor/ has a copy for the build servers; `make wheel` in mrsfi's tree
-    builds one.
+    It holds the metamodels, for Eclipse and for extensions; a small mission and its pool of faults;
+    a campaign file; generated code; a Makefile; mrsfi.toml, by which commands work from any folder
+    inside; and files for two common build servers, which fly the kept weaknesses on each change. If
+    this mrsfi was installed from a wheel, vendor/ has a copy of it for them.
 
     \b
     Examples:
@@ -91,11 +87,10 @@ def new_command(
 def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> None:
     """Turn FILE, a model published for the paper's prototype, into a mission folder.
 
-    FILE has a root Setup of namespace acs_project_setup, which holds a mission and its fault
+    FILE has a root Setup of namespace acs_project_setup, with a mission and its fault
     specifications. Every number and reference is kept. Readable IDs replace xmi:id: the element's
-    own where it can be used, else one from its place, such as g1_area. The result is validated
-    before anything is written; if a model has an error, import prints the line of FILE, ends with
-    exit code 3, and makes no folder.
+    own where possible, else one from its place, such as g1_area. If the result has an error, import
+    prints the line of FILE, ends with exit code 3, and makes no folder.
 
     \b
     Examples:
@@ -114,7 +109,7 @@ def import_command(file: Path, out: Path | None, force: bool, is_json: bool) -> 
                     number is 0, an absent sensor type GPS_POSITION
       inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
 
-    If FILE has no fault specifications, faults.xmi is empty; add faults before you search. Also
+    Without fault specifications in FILE, faults.xmi is empty; add faults before you search. Also
     written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
     """
     from mrsfi.engines import project
@@ -163,7 +158,6 @@ def diff_command(old: str, new: str, is_json: bool) -> None:
     \b
     Examples:
       mrsfi diff uuv_sampling tight_margins
-      mrsfi diff models/uuv_sampling ../elsewhere/models/uuv_sampling
       git show HEAD:models/uuv_sampling/mission.xmi > old.xmi
       mrsfi diff old.xmi models/uuv_sampling/mission.xmi
       mrsfi diff old.xmi uuv_sampling --json | jq '.changes[].element'
@@ -173,9 +167,7 @@ def diff_command(old: str, new: str, is_json: bool) -> None:
       robot r2: speed 4.0 → 6.0
       goal g3: members r2 r3 r1 → r2 r3
       goal g7 added (Patrol)
-      sensor s4 moved from robot r2 to robot r1
       robot r1 renamed scout
-      goals reordered: g1 g2 g3 → g2 g1 g3
       fault f9: NEW_X 200.0 → 250.0
 
     The order is that of NEW, mission before faults. Equal models give `no difference`. The exit
@@ -229,13 +221,10 @@ def rename_command(
 ) -> None:
     """Give elements of MISSION other IDs, in all files at once.
 
-    OLD is the ID of a robot, a goal, a message, a sensor, a fault of the pool or any other element
-    that has one. It changes in the models, in every fault specification below their folder, in
-    campaign files, in the limits of kept weaknesses, and in generated code, also in the markers and
-    names of its protected regions. Strings and comments do not change, nor does the text in which a
-    kept weakness records where it was found.
-
-    Display names do not change either, and the mission flies to the same digest.
+    OLD is the ID of any element. It changes in the models, in every fault specification below their
+    folder, in campaign files, in the limits of kept weaknesses, and in generated code, also in its
+    protected regions. Strings, comments and display names do not change, nor does the source of a
+    kept weakness. The mission flies to the same digest.
 
     \b
     Examples:
@@ -288,22 +277,20 @@ def validate_command(
     \b
     Examples:
       mrsfi validate uuv_sampling
-      mrsfi validate ../elsewhere/models/harbour
       mrsfi validate runs/uuv_sampling-a-1/critical/01.xmi
       mrsfi validate uuv_sampling --json | jq '.diagnostics[].constraint'
       mrsfi validate uuv_sampling --fix
 
     Each defect is one line: file, line, severity, what was found and what was expected, and the
     constraint. Errors in models end with exit code 3, errors only in regions of the generated code
-    with 6. Warnings alone end with 0; --strict treats them as errors. A name or a field that does
-    not exist is an error, whether or not a flight reaches it. A mission without errors is flown
-    twice without faults, if its generated code is fresh: a flight that ends with an error or
-    differs is an error too; a goal that is violated is a warning. So is code in a region that the
-    compiled engine cannot compile, or would compile to something else.
+    with 6. Warnings alone end with 0; --strict treats them as errors. If there is no error and the
+    generated code is fresh, the mission is flown twice without faults: a flight that ends with an
+    error or differs is an error too, a goal that is violated is a warning. So is code in a region
+    that the compiled engine cannot compile, or would compile to something else.
 
     --fix first repairs each defect that has one sensible remedy: it shows the change as a diff, and
-    writes it once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
-    If an element was deleted, references to it are removed, and what is incomplete without it.
+    writes it once you agree (--yes agrees in advance), as Eclipse writes files. If an element was
+    deleted, it also removes references to it and all that is incomplete without it.
     """
     from mrsfi.loading import n_errors, validate
 

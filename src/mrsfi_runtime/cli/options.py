@@ -21,19 +21,25 @@ from mrsfi_runtime.record.engine_settings import REFERENCE, SIDES, EngineSetting
 F = TypeVar("F", bound=Callable[..., Any])
 
 BUS = "Your own simulator or node"
-"""Head of the options of a bus."""
+"""Head of the options of a bus; after them comes the head "Output"."""
+
+_HEADS = {"--case": "Search", "--help": "Options"}  # by their first options
 
 
 class Command(click.Command):
     """A command whose help lists its options in groups; ``mrsfi help bus`` has those of a bus."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options of each group below its head, and of a bus only the names."""
-        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
+        """Write the options below heads, which follow from their order; of a bus only the names."""
+        head, groups = "Options", dict[str, list[tuple[str, str]]](Options=[])
         for each in self.get_params(ctx):
+            if each.name in OF_ENGINE:
+                head = BUS if each.name in OF_BUS else "Engine"
+            else:
+                head = _HEADS.get(each.opts[-1], "Output" if head == BUS else head)
             record = each.get_help_record(ctx)
             if record is not None and isinstance(each, click.Option):
-                groups.setdefault(head_of(each), []).append(record)
+                groups.setdefault(head, []).append(record)
         for head, rows in groups.items():
             with formatter.section(head):
                 if head == BUS:
@@ -46,28 +52,7 @@ class Command(click.Command):
 command = partial(click.command, cls=Command)
 """Makes a function a command with groups of options."""
 
-
-def head_of(option: click.Parameter) -> str:
-    """Return the head of the group that an option belongs to."""
-    if option.name in OF_ENGINE:
-        return BUS if option.name in _OF_BUS else "Engine"
-    return getattr(option, "head", "Options")
-
-
-def under(head: str) -> Callable[[F], F]:
-    """Put the options that follow, up to the next head, into a group of a command's help."""
-
-    def decorate(command: Any) -> Any:
-        for each in command.__click_params__:
-            each.head = getattr(each, "head", head)
-        return command
-
-    return decorate
-
-
 mission_argument = click.argument("mission", metavar="MISSION")
-"""Gives a command the argument MISSION."""
-
 FILE = click.Path(path_type=Path, dir_okay=False)
 """The type of an option that names a file."""
 
@@ -92,7 +77,6 @@ def seeds_option(text: str) -> Callable[[F], F]:
 generated_option = folder_option(
     "--generated", "Folder of the generated code [default: generated/NAME beside models/]."
 )
-"""Gives a command the option --generated."""
 
 
 def tell_of_metamodels() -> None:
@@ -182,32 +166,19 @@ OF_ENGINE = {
 }
 """Parameters of commands that give the engine and its workers."""
 
-_OF_BUS = {
-    engine_settings.spelling(each)
-    for each in fields(EngineSettings)
-    if each.name not in engine_settings.OF_ANY_ENGINE
-}
+OF_BUS = OF_ENGINE - {"engine", "workers", "dask"}
+"""Those that concern a bus."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightFiles:
     """Files to write of a flight; ``None`` for those that are not wanted."""
 
-    log: Path | None = option(
-        None,
-        "Write the simulation log to FILE: robots at each tick, wrong beliefs, and events.",
-        "FILE",
-    )
-    trace: Path | None = option(
-        None, "Write belief and truth of every tick to FILE as CSV.", "FILE"
-    )
-    mcap: Path | None = option(
-        None, "Write the flight to FILE as a bag for Foxglove or RViz.", "FILE"
-    )
-    html: Path | None = option(
-        None, "Write the flight to FILE as a page that plays it in a browser.", "FILE"
-    )
-    gif: Path | None = option(None, "Write the flight to FILE as an animated picture.", "FILE")
+    log: Path | None = option(None, "Write robots, wrong beliefs and events of each tick.", "FILE")
+    trace: Path | None = option(None, "Write belief and truth of each tick as CSV.", "FILE")
+    mcap: Path | None = option(None, "Write the flight as a bag for Foxglove or RViz.", "FILE")
+    html: Path | None = option(None, "Write the flight as a page that plays it.", "FILE")
+    gif: Path | None = option(None, "Write the flight as an animated picture.", "FILE")
 
     @property
     def wanted(self) -> tuple[Path, ...]:

@@ -188,11 +188,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
 @click.option("--weakness", type=click.IntRange(1), metavar="N", help="Number of the weakness.")
 @click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-weakness-N].")
 @click.option(
-    "--max",
-    "limits",
-    metavar="G=N,…",
-    callback=_limits,
-    help="Limit only these goals, each to N ticks.",
+    "--max", "limits", metavar="G=N,…", callback=_limits, help="Limit these goals only, to N ticks."
 )
 @options.seeds_option(
     "Limits are maxima over N mission seeds [default with --update: the seeds of each so far]."
@@ -216,11 +212,8 @@ def keep_command(
 
     N is its number in mrsfi weaknesses. The faults are written to models/NAME/regressions/ as XMI,
     and beside them the limit: for how many ticks the goal may be violated. It is today's number
-    unless --max gives another; with 0 the check fails until the weakness is gone. Review and commit
-    both files.
-
-    After an intended change, --update replaces the limits by today's counts, and prints the
-    difference.
+    unless --max gives another; with 0 the check fails until it is gone. Commit both files.
+    After an intended change, --update replaces limits by today's counts, and prints the difference.
 
     \b
     Examples:
@@ -285,12 +278,9 @@ def _print_change(before: "Regression", new: "Regression") -> None:
     "than the limit cannot be judged."
 )
 @click.option(
-    "--digest",
-    metavar="HEX",
-    help="Refuse ARCHIVE unless its digest is this one, printed by mrsfi pack.",
+    "--digest", metavar="HEX", help="Refuse ARCHIVE unless mrsfi pack printed this digest for it."
 )
 @options.engine_options(default=AUTO)
-@options.under("Output")
 @options.file_option("--junit", "Write the verdicts to FILE as JUnit's XML, for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts as JSON.")
@@ -308,15 +298,12 @@ def check_command(
 
     Without MISSION it checks all of models/. If a goal has more violations than its limit allows,
     check prints why and ends with exit code 10. A weakness that cannot be judged any more, because
-    a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the
-    others are flown all the same, and the exit code is the lowest of such errors. If nothing is
-    kept, that is an error, too.
+    a robot is gone, say, is an error: the others are flown all the same, and the exit code is the
+    lowest of such errors. If nothing is kept, that is an error, too.
 
-    The files of an archive of mrsfi pack are compared with its list of their hashes. Then check
-    repeats the campaign with the code in the archive, and compares it with the record: evaluations,
-    failures, flights, fitness, weaknesses, summary. Whoever changes another file and the list also
-    changes the digest that mrsfi pack printed; --digest compares it. An archive allows no options
-    of kept weaknesses.
+    With an ARCHIVE of mrsfi pack, check compares its files with the list of their hashes, repeats
+    the campaign with its own code, and compares the results with the record. Whoever changes a file
+    and the list also changes the digest that mrsfi pack printed; --digest compares it.
 
     \b
     Examples:

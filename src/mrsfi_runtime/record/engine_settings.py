@@ -82,34 +82,23 @@ class EngineSettings:
     """
 
     name: str = option(
-        REFERENCE,
-        "Simulate in this process, compiled or not (reference), or over rosbridge.",
-        choices=ENGINES,
-        spelled="engine",
+        REFERENCE, "Simulate in this process or over rosbridge.", choices=ENGINES, spelled="engine"
     )
     url: str | None = option(None, "The rosbridge server [default: mrsfi starts one].", "ws://…")
     _: KW_ONLY
     client: Client = option(
-        CLIENTS[0],
-        "Kind of connection: mrsfi's own, or one of roslibpy's.",
-        choices=CLIENTS,
+        CLIENTS[0], "Kind of connection: mrsfi's own, or one of roslibpy's.", choices=CLIENTS
     )
     side: str = option(
-        BOTH,
-        "Sides that mrsfi runs: both; all but your simulation (ci), or your node (injector).",
-        choices=SIDES,
+        BOTH, "Sides that mrsfi runs; ci leaves out the simulation, injector the CI.", choices=SIDES
     )
     is_bundled: bool = option(
-        False,
-        "Send all messages of a tick as one, for speed.",
-        spelled="bundle",
+        False, "Send all messages of a tick as one, for speed.", spelled="bundle"
     )
     ros: int = option(
-        1,
-        "Version of ROS [default: that of mrsfi.toml, or 1].",
-        choices=ROS_VERSIONS,
+        1, "Version of ROS [default: that of mrsfi.toml, or 1].", choices=ROS_VERSIONS
     )
-    world_prefix: str = option("", "With --url: prefix of all topics of the simulation.", "/PREFIX")
+    world_prefix: str = option("", "Prefix of all topics of your simulation.", "/PREFIX")
     timeout: float = option(
         _TICK, f"Wait this long for the other side [default: {_TICK:g}].", "SECONDS"
     )
@@ -118,14 +107,10 @@ class EngineSettings:
     )
     node_sha256: str = ""
     node_pace: str = option(
-        BARRIER,
-        "What ends a tick of your node: its message, two pings, or a clock (ticks per s).",
-        "answer|barrier|RATE",
+        BARRIER, "What ends its tick: its message, two pings, or a clock.", "answer|barrier|RATE"
     )
     node_reset: str = option(
-        RESTART,
-        "How your node begins a flight [default: restart, or service without --node].",
-        choices=(RESTART, SERVICE),
+        RESTART, "Its reset [default: restart; service without --node].", choices=(RESTART, SERVICE)
     )
     node_mapping: str = ""
     node_prefix: str = option("", "Prefix of all topics of your node.", "/PREFIX")
@@ -261,14 +246,10 @@ class Workers:
     """
 
     number: int | None = option(
-        None,
-        "Processes that evaluate [default: one for each processor].",
-        spelled="workers",
+        None, "Processes that evaluate [default: one for each processor].", spelled="workers"
     )
     dask: str | None = option(
-        None,
-        "Evaluate on the dask cluster of this scheduler, or on a local one of --workers.",
-        "tcp://…|local",
+        None, "Evaluate on the dask cluster of this scheduler, or on a local one.", "tcp://…|local"
     )
 
     def require_sense(self, engine: EngineSettings) -> None:
