@@ -50,10 +50,10 @@ def test_six_goals_have_a_column_each_in_a_pipe(capsys):
     ("missed", "expected"),
     [((0, 1000, 288), ["–", "0", "712"]), ((0, 0, 0), ["–"] * 3)],
 )
-def test_a_line_says_from_which_tick_on_a_goal_was_missed(capsys, missed, expected):
+def test_a_line_says_from_which_tick_on_a_goal_failed(capsys, missed, expected):
     *_, line = _printed(capsys, _table(3, missed=missed))[:5]
 
-    assert line.split() == ["missed", "from", *expected]
+    assert line.split() == ["failed", "from", *expected]
 
 
 def test_what_happened_to_the_papers_goals_fits_into_80_columns(capsys, monkeypatch):
@@ -62,7 +62,7 @@ def test_what_happened_to_the_papers_goals_fits_into_80_columns(capsys, monkeypa
 
     above, head, rule, *rows = _printed(capsys, goal_table("", paper_mission(), flown))
 
-    assert (above.split(), head.split()[-3:]) == (["missed"], ["masked", "from", "samples"])
+    assert (above.split(), head.split()[-3:]) == (["failed"], ["masked", "from", "samples"])
     assert max(map(len, (above, head, rule, *rows))) <= 80
     assert [row.split()[6] for row in rows[:6]] == ["–", "–", "–", "712", "0", "999"]
 
