@@ -97,7 +97,7 @@ def campaign_page(
         "heading": "One weakness of each goal, in its mildest variant",
         "shown": list(shown),
         "search": {
-            "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}",
+            "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}".replace("`", ""),
             "charts": list(_charts(summary)),
         },
         "evaluations": tables.to_page(evaluations),
