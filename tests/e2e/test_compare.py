@@ -40,7 +40,7 @@ def test_it_prints_medians_tests_and_where_everything_is(compared):
     lines = output.splitlines()
     assert lines[0] == "3 algorithms, 2 seeds, 6 evaluations per run"
     assert any(line.split()[:2] == ["fitness", "paper"] for line in lines)
-    assert any(line.startswith("hypervolume  share of the possible") for line in lines)
+    assert any(line.startswith("hypervolume  share of the largest possible") for line in lines)
     assert lines[-1].split() == ["summary", "runs/compare-uuv_sampling-b/comparison.json"]
     assert max(map(len, lines)) <= 100
 

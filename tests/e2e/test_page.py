@@ -65,5 +65,5 @@ def test_what_flies_many_times_writes_no_file_of_a_flight(flown, tmp_path):
 
     done = mrsfi("replay", flown, "--all", *wanted, cwd=tmp_path, expected=2)
 
-    assert "--html, --gif are of one flight" in done.stderr
+    assert "--html, --gif write one flight" in done.stderr
     assert not [*tmp_path.iterdir()]
