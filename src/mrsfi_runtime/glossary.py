@@ -100,8 +100,8 @@ TERMS = (
     ),
     Term(
         "fault",
-        "One possible disturbance of a message, sensor, robot or obstacle: a fault type with a "
-        "target, in the pool of a mission.",
+        "A fault type with a target, in the pool of a mission: it falsifies what the CI believes, "
+        "delays or blocks messages, or forges a command.",
         "f11: FixedRobotCoordinates on r3's position in message m2.",
         "failure mode",
     ),
