@@ -51,7 +51,7 @@ def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(f
         "models/harbour`\n"
     )
     assert not any(goal["believed"] for goal in flight["goals"])
-    assert "fault pool 'faults' is empty; search needs at least one fault" in refused
+    assert "fault pool 'faults' is empty; a search needs at least one fault" in refused
     assert not (place / "runs").exists()
 
 
