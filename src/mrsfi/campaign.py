@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from mrsfi import explaining
 from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly, require_same
 from mrsfi.engines import AS_RECORDED, Given, Tell, again, silent
-from mrsfi.evolving import evolve, tell_of_versions
+from mrsfi.evolving import evolve, warn_of_versions
 from mrsfi.explaining import evaluations_of, explained, explainer_of_campaign, harvested, report
 from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
@@ -43,7 +43,7 @@ from mrsfi_runtime.causes.mildest import Way
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
 from mrsfi_runtime.fence import IMPORTED
-from mrsfi_runtime.files import telling, whole_file
+from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
 from mrsfi_runtime.record.settings import Regression
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.record.settings import CampaignSettings
 
 
-_LISTED, _TOLD = "SHA256SUMS", "REPRODUCE.md"
+_LISTED, _INSTRUCTIONS = "SHA256SUMS", "REPRODUCE.md"
 _BEFORE, _SHOWN = 30, 150  # characters to print before and after a first difference
 _FAILED = "Traceback (most recent call last)"
 _MOST_BYTES = 4 * 1024**3
@@ -85,7 +85,7 @@ def pack(run: Path, out: Path, tell: Tell = silent) -> str:
             if path.resolve() != out.resolve():
                 add(f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
         add(_LISTED, "".join(f"{found}  {name}\n" for name, found in hashes.items()).encode())
-        add(_TOLD, _told(store, hashes[_LISTED]))
+        add(_INSTRUCTIONS, _instructions(store, hashes[_LISTED]))
     made = [path.stat().st_mtime for path in (folder.summary, folder.database) if path.exists()]
     if made[0] < made[-1] or len(made) == 1:
         tell(
@@ -96,7 +96,7 @@ def pack(run: Path, out: Path, tell: Tell = silent) -> str:
     return hashes[_LISTED]
 
 
-def _told(store: CampaignStore, digest: str) -> bytes:
+def _instructions(store: CampaignStore, digest: str) -> bytes:
     versions = store.manifest.versions
     listed = "\n".join(f"- {name} {version}" for name, version in versions.items())
     return (
@@ -127,7 +127,7 @@ def repeat(
             raise ReplayMismatch(f"{archive}: holds no evaluation; expected at least one")
         CampaignFolder(run).require_hashes(manifest.sha256)
         tell(f"{archive}: members are as packed; mrsfi now runs the code in it")
-        tell_of_versions(manifest, tell)
+        warn_of_versions(manifest, tell)
         shutil.copytree(run, again, ignore=shutil.ignore_patterns(store.path.name))
         CampaignStore.create(again, store.settings, manifest).close()
         with open_to_fly(again, tell) as made:
@@ -197,7 +197,7 @@ def _compared(
 @contextmanager
 def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
     """Yield the folder of a packed campaign, and the digest of its list of hashes."""
-    listed, told = _members(archive)
+    listed, instructions = _members(archive)
     found = sha256(listed).hexdigest()
     if digest is not None and digest.lower() != found:
         raise RecordError(
@@ -206,14 +206,14 @@ def _unpacked(archive: Path, digest: str | None) -> Iterator[tuple[Path, str]]:
         )
     with TemporaryDirectory() as place:
         run = Path(place) / "campaign"
-        with telling(Path(gettempdir()), "set TMPDIR to a folder with more room"):
+        with writable(Path(gettempdir()), "set TMPDIR to a folder with more room"):
             with zipfile.ZipFile(archive) as content:
                 content.extractall(place)
             (run / "generated" / IMPORTED).mkdir(parents=True, exist_ok=True)  # if it was empty
         try:
             with CampaignStore.open(run) as store:
-                if told != _told(store, found):
-                    raise _changed(archive, f"{_TOLD} was changed")
+                if instructions != _instructions(store, found):
+                    raise _changed(archive, f"{_INSTRUCTIONS} was changed")
             yield run, found
         except MrsfiError as error:
             error.args = (str(error).replace(place, str(archive)),)
@@ -228,13 +228,13 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
             if sum(each.file_size for each in members) > _MOST_BYTES:
                 raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
             found = {each.filename: sha256(content.read(each)).hexdigest() for each in members}
-            listed, told = content.read(_LISTED), content.read(_TOLD)
+            listed, instructions = content.read(_LISTED), content.read(_INSTRUCTIONS)
             lines = (line.split("  ", 1) for line in listed.decode().splitlines())
             expected = {name: hashed for hashed, name in lines}
     except _UNREADABLE as error:
         what = f"{archive}: is not an archive of a campaign ({error})"
         raise RecordError(f"{what}; expected one of `mrsfi pack`") from error
-    expected |= {name: found[name] for name in (_LISTED, _TOLD)}
+    expected |= {name: found[name] for name in (_LISTED, _INSTRUCTIONS)}
     names = {name for name, _ in found.items() ^ expected.items()}
     changes = [
         f"{name} was {'changed' if name in expected else 'added'}"
@@ -244,7 +244,7 @@ def _members(archive: Path) -> tuple[bytes, bytes]:
     ]
     if changes or len(found) < len(members):
         raise _changed(archive, ", ".join(changes) or "a member occurs twice")
-    return listed, told
+    return listed, instructions
 
 
 def _changed(archive: Path, what: str) -> RecordError:

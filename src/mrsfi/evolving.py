@@ -2,8 +2,8 @@
 
 ``begun`` makes a new campaign and ``resumed`` opens an interrupted one; ``evolve`` runs either to
 its end: search, a second flight of the first specifications, and the harvest of weaknesses. All
-objections to a campaign are reported before anything is written. ``within_reach`` and ``looked_at``
-concern an external node: which faults reach it, and whether its flights repeat themselves.
+objections to a campaign are reported before anything is written. For an external node,
+``within_reach`` finds the faults that reach it; ``repetition_checked`` checks that flights repeat.
 """
 
 import platform
@@ -86,7 +86,7 @@ def within_reach(
     return replace(code, pool=pool), replace(engine, node_left_out=tuple(beyond))
 
 
-def looked_at(
+def repetition_checked(
     code: MissionCode, engine: EngineSettings, settings: CampaignSettings, tell: Tell
 ) -> tuple[EngineSettings, str]:
     """Fly one specification several times; return settings, and why results may be chance.
@@ -147,7 +147,7 @@ def begun(
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
     flown_by = tried(engine, code, settings.mission_seed, tell)
-    engine, doubt = looked_at(code, engine, settings, tell)
+    engine, doubt = repetition_checked(code, engine, settings, tell)
     flown_by = replace(flown_by, node_repeats=engine.node_repeats)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
@@ -191,14 +191,14 @@ def resumed(
     """Yield an interrupted campaign to its only writer, with the engine that continues it."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
-        tell_of_versions(store.manifest, tell)
+        warn_of_versions(store.manifest, tell)
         counts = f"{store.n_generations} generations, {store.n_evaluations} evaluations"
         tell(f"resuming {path}: {counts} and {store.n_failures} failures are recorded")
         _require_ratio(store.settings, campaign.mission, ratio)
         yield campaign, tried_again(campaign, engine, tell)
 
 
-def tell_of_versions(manifest: Manifest, tell: Tell) -> None:
+def warn_of_versions(manifest: Manifest, tell: Tell) -> None:
     """Warn of each version that decides a result and differs today."""
     for name, version in manifest.versions.items():
         now = installed_version(name)

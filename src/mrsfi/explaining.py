@@ -61,7 +61,7 @@ from mrsfi_runtime.errors import (
     counted,
     time_left,
 )
-from mrsfi_runtime.files import telling, whole_file
+from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
@@ -131,7 +131,7 @@ class Explainer:
             rows = specification_rows(self.code.pool, specification)
             identifier = f"{subject.name}_{kind}".replace("-", "_")
             names = [subject.faults[place].name for place in places]
-            with telling(path, "name another folder with --out"):
+            with writable(path, "name another folder with --out"):
                 self.folder.mkdir(parents=True, exist_ok=True)
                 self.write(rows, path, identifier, names)
             paths[what] = path

@@ -22,7 +22,7 @@ from mrsfi_runtime.causes.chain import find_cause
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
-from mrsfi_runtime.files import changing, telling
+from mrsfi_runtime.files import changing, writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
@@ -151,7 +151,7 @@ def keep(
 
 
 def _require_new(regression: Regression, folders: MissionFolders) -> None:
-    with telling(regression.path, "choose another name with --name"):
+    with writable(regression.path, "choose another name with --name"):
         if regression.path.exists() or regression.specification.exists():
             raise UsageError(
                 f"{regression.path}: exists already; choose another name with --name, or replace "

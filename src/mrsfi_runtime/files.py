@@ -35,7 +35,7 @@ _PATIENCE = 30.0  # seconds for which a command waits for another one
 @contextmanager
 def written_file(path: Path) -> Iterator[TextIO]:
     """Open a file for the user; if it cannot be written, it is a ``UsageError``."""
-    with telling(path), path.open("w", encoding="utf-8", newline="\n") as file:
+    with writable(path), path.open("w", encoding="utf-8", newline="\n") as file:
         yield file
 
 
@@ -46,7 +46,7 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
     A file that cannot be written is a ``UsageError``.
     """
     is_device = path.exists() and not path.is_file()  # or a pipe
-    with telling(path), path.open("wb") if is_device else _replacing(path) as file:
+    with writable(path), path.open("wb") if is_device else _replacing(path) as file:
         yield file
 
 
@@ -77,7 +77,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
     A folder that cannot be written is a ``UsageError``.
     """
-    with changing(path.parent) as change, telling(path, "name another folder"):
+    with changing(path.parent) as change, writable(path, "name another folder"):
         (new,) = change.begin({path: b""}).values()
         new.mkdir()
         yield new
@@ -91,7 +91,7 @@ def changing(folder: Path, *, waits: bool = True) -> Iterator["Change"]:
     First, the change of a killed command is completed or undone, and reported on standard error. A
     folder that cannot be written, or that another process keeps locked, is a ``UsageError``.
     """
-    with telling(folder, "nothing is changed"):
+    with writable(folder, "nothing is changed"):
         folder.mkdir(parents=True, exist_ok=True)
         descriptor = _locked(folder, _PATIENCE if waits else 0.0)
     change = Change(folder, descriptor)
@@ -137,7 +137,7 @@ class Change:
         try:
             new = self.begin(contents)
             for path, staged in new.items():
-                with telling(path, "nothing is changed"):
+                with writable(path, "nothing is changed"):
                     if path.is_dir():
                         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
                     staged.parent.mkdir(parents=True, exist_ok=True)
@@ -157,7 +157,7 @@ class Change:
             target = path.resolve() if content is not None else path.parent.resolve() / path.name
             staged = target.with_name(f".{os.getpid()}-{number}{OURS}new")
             entry = [os.path.relpath(each, self._root) for each in (target, staged)]
-            with telling(path, "nothing is changed"):
+            with writable(path, "nothing is changed"):
                 entries.append((*entry, _time(target), content is None))
             if content is not None:
                 new[path] = staged
@@ -167,7 +167,7 @@ class Change:
     def note(self, value: object) -> None:
         """Write a line into the journal, and wait until it is on the disk."""
         line = json.dumps(value).encode() + b"\n"
-        with telling(self._folder, "nothing is changed"):
+        with writable(self._folder, "nothing is changed"):
             while line:
                 line = line[os.write(self._journal, line) :]
             os.fsync(self._journal)
@@ -177,7 +177,7 @@ class Change:
         notes = _notes(self._journal)
         entries = next((note for note in notes if isinstance(note, list)), [])
         end, done = (_finish, "finished") if _WHOLE in notes else (_undo, "undid")
-        with telling(
+        with writable(
             self._folder, "a change is half done; repair that, and the next command completes it"
         ):
             found = [
@@ -273,7 +273,7 @@ def _time(path: Path) -> int | None:
 
 
 @contextmanager
-def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
+def writable(path: Path, advice: str = "name another file") -> Iterator[None]:
     """Turn an error of the operating system into a ``UsageError`` about this file."""
     try:
         yield
@@ -282,7 +282,7 @@ def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
 
 
 @contextmanager
-def telling_of_temporary_files() -> Iterator[None]:
+def temporary_files_writable() -> Iterator[None]:
     """Turn an error of the operating system into a ``UsageError`` about temporary files."""
     try:
         yield

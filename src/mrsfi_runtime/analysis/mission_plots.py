@@ -24,7 +24,7 @@ from matplotlib.text import Annotation
 from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.plots import BELIEVED, BLUE, GRID, INK, PAPER, ROCK, SERIES, SOFT, TRUE
 from mrsfi_runtime.analysis.story import Story, window_around, windows, working_window
-from mrsfi_runtime.files import telling_of_temporary_files
+from mrsfi_runtime.files import temporary_files_writable
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
@@ -122,7 +122,7 @@ def flight_gif(story: Story) -> bytes:
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
     trail = 20 * max(1, n_ticks // _N_FRAMES)  # length of a robot's trail, in ticks
-    with telling_of_temporary_files(), TemporaryDirectory() as folder, rc_context(plots.STYLE):
+    with temporary_files_writable(), TemporaryDirectory() as folder, rc_context(plots.STYLE):
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
         true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)

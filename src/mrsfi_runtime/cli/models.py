@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
+from mrsfi_runtime.cli.options import generated_option, mission_argument, print_metamodels
 from mrsfi_runtime.cli.terminal import print_changes, print_json, tell
 from mrsfi_runtime.errors import EvaluationError, GenerationError, ModelError, UsageError, counted
 
@@ -237,7 +237,7 @@ def rename_command(
     """
     from mrsfi.folders import find_mission, rename, renaming
 
-    tell_of_metamodels()
+    print_metamodels()
     renamed = (renaming if diff else rename)(find_mission(mission, generated), names)
     if diff:
         print_changes(renamed.respelt, renamed.difference)
@@ -298,7 +298,7 @@ def validate_command(
         raise UsageError("--fix shows a diff and --json does not; give one of them")
     if is_agreed and not is_fix:
         raise UsageError("--yes agrees to what --fix would change; give both")
-    tell_of_metamodels()
+    print_metamodels()
     if is_fix:
         _fix(mission, generated, is_agreed=is_agreed)
     found = validate(mission, generated, tell)
@@ -374,7 +374,7 @@ def generate_command(
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
         raise click.UsageError("--check, --diff and --force exclude each other")
-    tell_of_metamodels()
+    print_metamodels()
     if check:
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")

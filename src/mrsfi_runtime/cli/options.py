@@ -79,7 +79,7 @@ generated_option = folder_option(
 )
 
 
-def tell_of_metamodels() -> None:
+def print_metamodels() -> None:
     """Print where the metamodels are if they are the project's."""
     from mrsfi.models import own_metamodels
 

@@ -15,7 +15,7 @@ from mrsfi_runtime.cli.options import FlightFiles
 from mrsfi_runtime.cli.terminal import flight_progress, print_json, print_table, print_words, tell
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
-from mrsfi_runtime.files import telling, whole_file, written_file
+from mrsfi_runtime.files import whole_file, writable, written_file
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification
@@ -71,7 +71,7 @@ def fly_recorded(
 
         def observe(*tick: Any) -> None:
             for path, observer in observers:
-                with telling(path):  # otherwise the error would blame the mission
+                with writable(path):  # otherwise the error would blame the mission
                     observer(*tick)
 
         observer = observe if observers else None

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.files import telling_of_temporary_files
+from mrsfi_runtime.files import temporary_files_writable
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.state import COLUMNS, N_MEMORY, State, state_bytes
@@ -152,13 +152,13 @@ class Recording:
         steps = np.diff(words, axis=0)
         is_changing = steps.any(axis=0)
         kept = words[0].tobytes() + is_changing.tobytes() + steps[:, is_changing].T.tobytes()
-        with telling_of_temporary_files():
+        with temporary_files_writable():
             return self._stream.seek(0, 2), self._stream.write(zlib.compress(kept, 1))
 
     def _read(self, chunk: int, path: tuple[str, ...]) -> npt.NDArray[np.uint64]:
         """Return the words of a quantity in a compressed chunk, shape ``(chunk, n_words)``."""
         place, size = self._places[chunk][path]
-        with telling_of_temporary_files():
+        with temporary_files_writable():
             self._stream.seek(place)
             kept = zlib.decompress(self._stream.read(size))
         n = self._columns[path].words.size

@@ -29,7 +29,7 @@ from typing import Any
 import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.regions import CompilationError
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.files import telling_of_temporary_files
+from mrsfi_runtime.files import temporary_files_writable
 
 FILE = "code"
 N_KEPT = 512
@@ -80,7 +80,7 @@ def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
     try:
         return _kept_in(folder / key, make)
     except OSError as error:  # a full disk, say
-        with telling_of_temporary_files():
+        with temporary_files_writable():
             return _kept_in(temporary(folder, str(error)) / key, make)
 
 
