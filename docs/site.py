@@ -1,7 +1,7 @@
-"""What the site has beside the pages of docs/: the README and its like, and a reference.
+"""Pages of the site beside those of docs/: the README and others of the tree, and a reference.
 
-mkdocs calls the functions of this file. A page links to files of the tree, as who reads the tree
-needs it; such a link leads to the page that the site has of that file, or to a copy of it.
+mkdocs calls the functions of this file. A page may link to files of the tree; on the site, such a
+link leads to the page of that file, or to a copy of it.
 """
 
 import posixpath
@@ -112,7 +112,7 @@ def _python() -> str:
     named = "\n\n".join(f"::: {name}" for name in PUBLIC)
     return (
         f"# Python API\n\nmrsfi {installed_version('mrsfi')}. `import mrsfi` has these names; "
-        f"[the API by example](../api.md) shows them at work.\n\n{named}\n"
+        f"[the API by example](../api.md) shows their use.\n\n{named}\n"
     )
 
 

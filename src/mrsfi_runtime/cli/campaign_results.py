@@ -33,7 +33,7 @@ from mrsfi_runtime.record.store import NONE, Measure, ticks
 def print_verdicts(
     campaign: OpenCampaign, known: Harvest, goals: Sequence[str] | None = None
 ) -> None:
-    """Print of some goals in a sentence each whether they break, by what, and how sure that is."""
+    """Print a sentence for each goal: whether it breaks, by which faults, on what evidence."""
     mission, pool = campaign.mission, campaign.pool
     wanted = mission.goal_ids if goals is None else goals
     found = [each for each in weaknesses.verdicts(mission, pool, known) if each.goal in wanted]
@@ -58,7 +58,7 @@ def print_verdicts(
 def print_all(
     campaign: OpenCampaign, known: Harvest, found: Sequence[Way], goals: Sequence[str]
 ) -> None:
-    """Print ways to break goals, what was not found of these, and what was never flown."""
+    """Print weaknesses, the bounds on those not found, and the faults that were never flown."""
     mission, pool = campaign.mission, campaign.pool
     print_verdicts(campaign, known, goals)
     if found:
@@ -76,7 +76,7 @@ def print_all(
 
 
 def print_bounds(known: Known, goals: Sequence[str]) -> None:
-    """Print how seldom some goals may break in a way that is not known, for a script."""
+    """Print the bounds on unknown weaknesses of goals as JSON."""
     told = [
         {"goal": column.goal, "measure": column.kind, "draws": n, "bound": known.bound(column)}
         for column, n in known.n_kept.items()
@@ -86,7 +86,7 @@ def print_bounds(known: Known, goals: Sequence[str]) -> None:
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool) -> None:
-    """Print the mildest form of each of some ways to break a goal."""
+    """Print the mildest variant of each weakness."""
     told = [(way, way.mildest) for way in found if way.mildest is not None]
     if is_json:
         print_json([{"number": way.number, **each.as_json()} for way, each in told])
@@ -106,7 +106,7 @@ def report(
     draw: Draw | None = None,
     latex: bool = False,
 ) -> None:
-    """Write the report into a campaign's folder and print what it says, or JSON for a script."""
+    """Write the report into a campaign's folder and print its summary, or JSON."""
 
     def show(summary: Summary) -> None:
         if is_json:
@@ -153,7 +153,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What is said of a specification beside its explanation.
+    """The facts to print of a specification beside its explanation.
 
     ``keep`` is the share of the counts that its cause set keeps; ``paths`` say where cause sets
     were written, by what they are.
@@ -189,7 +189,7 @@ class Shown:
 
 
 def print_explanation(shown: Shown, found: Explanation | None) -> None:
-    """Print an explanation for people, or that there is nothing to explain."""
+    """Print an explanation, or that there is nothing to explain."""
     n = counted(len(shown.faults), "faults")
     if found is None:
         click.echo(f"{shown.title}: {n}. No goal is violated, so there is nothing to explain")

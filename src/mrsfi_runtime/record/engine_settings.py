@@ -29,7 +29,7 @@ SIDES = (BOTH, CI, INJECTOR)
 between a simulation and an external node."""
 
 RESTART, SERVICE = "restart", "service"
-"""How a node gets back to before tick 0: started anew, or by a service of its own."""
+"""How a node returns to its state before tick 0: restarted, or by its own service."""
 
 LOCAL = "local"
 """In place of a cluster's address: processes on this machine, for this command only."""
