@@ -67,7 +67,7 @@ def _print(name: str, checked: "Sequence[Checked]") -> None:
     if judged:
         n_kept = _range(len(each.regression.mission_seeds) for each in judged)
         n_flown = _range(len(each.seeds) for each in judged)
-        title += f" (limits from {n_kept} mission seeds, flown in {n_flown})"
+        title += f" (mission seeds: {n_kept} with limits, {n_flown} flown)"
     words = ("kept", "violations", "goal")
     columns = (*words, "allowed", "now", "verdict")
     print_table(Table(title, columns, [*_rows(checked)], words, ("verdict",)))
