@@ -378,8 +378,8 @@ def map_table(title: str, mission: Mission) -> Table:
 def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
     """Return the robots, goals, obstacles and faults of a mission."""
     parts = {
-        "robots": map(with_id, mission.robots),
-        "goals": map(with_id, mission.goals),
+        "robots": (with_id(each.name, each.id) for each in mission.robots),
+        "goals": (with_id(each.name, each.id) for each in mission.goals),
         "obstacles": (each.id for each in mission.obstacles),
         "faults": (f"{each.type} ({each.id})" for each in pool),
     }

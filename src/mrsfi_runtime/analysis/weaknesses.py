@@ -185,9 +185,9 @@ def failure_modes(
     fly, units = lru_cache(4)(record), mission.units
 
     @cache
-    def flown(form: Specification) -> tuple[str, list[tuple[int, ...]]]:
-        effects = (local_effect(mission, chain) or NONE for chain in chains(fly, mission, form))
-        counts = (fly(form)[kind][-1].tolist() for kind in MEASURES)
+    def flown(variant: Specification) -> tuple[str, list[tuple[int, ...]]]:
+        effects = (local_effect(mission, chain) or NONE for chain in chains(fly, mission, variant))
+        counts = (fly(variant)[kind][-1].tolist() for kind in MEASURES)
         return "; ".join(effects), [*zip(*counts, strict=True)]
 
     def happens(named: NamedFault) -> str:
@@ -381,14 +381,13 @@ def _verdict(
 def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> str:
     if found is None:
         return ""
-    evaluation = f"evaluation {found.evaluation}"
-    if found.margin is None:
-        return f"violated in {evaluation}, which no known weakness explains"
-    least, tick = found.margin
-    if least < 0.0:
-        return f"violated at tick {tick} of {evaluation}, which no known weakness explains"
-    near = nearness(mission, goal, found.margin)
-    return f"closest approach: {near} from its limit, at tick {tick} of {evaluation}"
+    where = f"in evaluation {found.evaluation}"
+    if found.margin is not None:
+        where = f"at tick {found.margin[1]} of evaluation {found.evaluation}"
+        if found.margin[0] >= 0.0:
+            near = nearness(mission, goal, found.margin)
+            return f"closest approach: {near} from its limit, {where}"
+    return f"violated {where}, which no known weakness explains"
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
@@ -482,7 +481,7 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
     if not robots:
         return (len(mission.robots), "map"), f"{what} {does}".strip()
     robot = mission.robots[robots[0]]
-    return (robots[0], with_id(robot)), f"{what} {does}".strip()
+    return (robots[0], with_id(robot.name, robot.id)), f"{what} {does}".strip()
 
 
 def headline(goals: Sequence[GoalVerdict]) -> str:

@@ -127,8 +127,8 @@ def _unfailed(specification: Specification, _seed: int, flown: Evaluated) -> Out
     if not isinstance(flown, FailedFlight):
         return flown
     faults = ", ".join(f"{timed.fault} {timed.start} … {timed.finish}" for timed in specification)
-    said = flown.traceback.strip().splitlines()[-1].partition(": ")[2]
-    raise EvaluationError(f"{said} (flown with the faults {faults or 'of none'})")
+    message = flown.traceback.strip().splitlines()[-1].partition(": ")[2]
+    raise EvaluationError(f"{message} (flown with the faults {faults or 'of none'})")
 
 
 KEEP = 0.95

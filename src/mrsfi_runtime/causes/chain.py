@@ -22,7 +22,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Element, Mission, Outcome, with_id
+from mrsfi_runtime.model.mission import Mission, Outcome, with_id
 from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import following
 
@@ -241,9 +241,9 @@ def _deed(mission: Mission, fault: NamedFault) -> str:
 
 def _of(mission: Mission, owner: str, quantity: str) -> str:
     """Return a quantity of a robot, sensor, obstacle or goal, with its owner's name and ID."""
-    named: tuple[Element, ...]
-    named = (*mission.robots, *mission.sensors, *mission.obstacles, *mission.goals)
-    return f"the {quantity} of {next(with_id(each) for each in named if each.id == owner)}"
+    named: tuple[Any, ...] = (*mission.robots, *mission.sensors, *mission.goals)
+    name = next((each.name for each in named if each.id == owner), "")
+    return f"the {quantity} of {with_id(name, owner)}"
 
 
 def local_effect(mission: Mission, chain: Chain) -> str:
@@ -253,11 +253,8 @@ def local_effect(mission: Mission, chain: Chain) -> str:
 
 
 def _differences(mission: Mission, chain: Chain) -> Iterator[tuple[int, str]]:
-    for first, side in (
-        (chain.belief, "believed"),
-        (chain.command, "commanded"),
-        (chain.truth, "true"),
-    ):
+    firsts = {"believed": chain.belief, "commanded": chain.command, "true": chain.truth}
+    for side, first in firsts.items():
         if first is not None:
             yield first.tick, f"At tick {first.tick}, {changed(mission, first, side)}"
 

@@ -162,8 +162,8 @@ def mildest(
     flown = Breaking(space.gate.mission, evaluate, seeds)
     flown.known |= {(each, seeds[0]): broken for each, broken in known.flown.items()}
     least = [_mildest(deviation, known, each, flown) for each in found]
-    forms = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record)
-    return tuple(replace(each, weakness=one) for each, one in zip(least, forms, strict=True))
+    with_ticks = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record)
+    return tuple(replace(each, weakness=one) for each, one in zip(least, with_ticks, strict=True))
 
 
 class Tried(NamedTuple):
@@ -182,19 +182,19 @@ def tried_map(
     ``off`` is the largest error of the faults, in shares of its range; 0 for faults without values.
     """
     steps = [step / N_STEPS for step in range(1, N_STEPS + 1)]
-    forms = [
+    variants = [
         tuple(deviation.milder(timed, off=off, after=after) for timed in weakness.witness)
         for off in steps
         for after in steps
     ]
-    flown = Breaking(deviation.space.gate.mission, evaluate, [seed])(forms, seed)
+    flown = Breaking(deviation.space.gate.mission, evaluate, [seed])(variants, seed)
     return tuple(
         Tried(
             max(map(deviation.share, tried)),
             fault_ticks(tried, deviation.space.duration),
             weakness.column in broken,
         )
-        for tried, broken in zip(forms, flown, strict=True)
+        for tried, broken in zip(variants, flown, strict=True)
     )
 
 
@@ -254,16 +254,13 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     """
     found, (goal, kind) = weakness.witness, weakness.column
     is_off = len(found) == 1 and deviation.share(found[0]) > 0.0
-    in_total = " in total" if len(found) > 1 else ""
-
-    def n_ticks(each: Specification) -> int:
-        return fault_ticks(each, deviation.space.duration)
+    units, duration = deviation.space.gate.mission.units, deviation.space.duration
 
     def size(each: Specification) -> float:
-        return deviation.share(each[0]) if is_off else n_ticks(each)
+        return deviation.share(each[0]) if is_off else fault_ticks(each, duration)
 
     def lasting(each: Specification) -> str:
-        return f"{deviation.space.gate.mission.units.ticks(n_ticks(each))}{in_total}"
+        return units.ticks(fault_ticks(each, duration)) + " in total" * (len(each) > 1)
 
     def words(each: Specification) -> str:
         return deviation.error_in_words(each[0]) if is_off else lasting(each)

@@ -304,8 +304,7 @@ class Mission:
 
     def label_of(self, goal_id: str) -> str:
         """Return the name of a goal before its ID: ``AvoidCollision (g1)``."""
-        goal = self.goals[self.goal_ids.index(goal_id)]
-        return with_id(replace(goal, name=self.name_of(goal)))
+        return with_id(self.name_of(self.goals[self.goal_ids.index(goal_id)]), goal_id)
 
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:
@@ -362,14 +361,9 @@ def _is_elsewhere(area: Area, terms: Terms) -> bool:
     )
 
 
-Element: TypeAlias = Robot | Sensor | Obstacle | Goal
-"""Has an ID, and may have a name."""
-
-
-def with_id(element: Element) -> str:
-    """Return the name of an element before its ID: ``KAL (r3)``; the ID alone if it has no name."""
-    name = "" if isinstance(element, Obstacle) else element.name
-    return f"{name} ({element.id})" if name not in {"", element.id} else element.id
+def with_id(name: str, identifier: str) -> str:
+    """Return a name before an ID: ``KAL (r3)``; the ID alone if there is no other name."""
+    return f"{name} ({identifier})" if name not in {"", identifier} else identifier
 
 
 COUNTED = ("believed", "true", "phantom", "masked", "missed")
