@@ -474,7 +474,7 @@ class Actions(Services):
     ) -> str:
         """Pass a goal to its provider, as ``call`` does; an action of another type is a failure.
 
-        ``answer`` gets the operations that come back: feedback, and last the result.
+        ``answer`` receives the replies: feedback, and last the result.
         """
 
         def reply(is_ok: bool, values: Any) -> None:

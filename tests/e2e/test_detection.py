@@ -237,7 +237,7 @@ def failure_modes(run):
 
 
 def on_page(run):
-    """Return what the page says of each weakness, and whether its cell is that of an unseen one."""
+    """Return what the page says of each weakness, and whether its cell is undetected."""
     page = (run / "report.html").read_text(encoding="utf-8")
     data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)<', page)[1])
     ways = {each["number"]: each for each in data["first"]["ways"]}
@@ -249,7 +249,7 @@ def on_page(run):
         is_alarm = "(a false alarm)" in said
         return "It is a false alarm of the CI" if is_alarm else said.rpartition(". ")[2]
 
-    return {number: (detection(each["said"]), each["unseen"]) for number, each in ways.items()}
+    return {number: (detection(each["said"]), each["undetected"]) for number, each in ways.items()}
 
 
 def stars(printed):

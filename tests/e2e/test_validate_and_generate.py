@@ -1,3 +1,5 @@
+import re
+
 from m2t.models.load import _Loading
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
@@ -75,8 +77,10 @@ def test_generate_check_and_diff_show_what_a_changed_model_means_and_write_nothi
 
     assert "mission_loader.py" in error
     assert "mrsfi generate" in error
-    assert "-" in shown
-    assert any(line.startswith("+") and "LENA" in line for line in shown.splitlines())
+    changed = [line for line in shown.splitlines() if re.match(r"[+-](?![+-]{2} )", line)]
+    assert changed
+    assert all(("LENA" if line[0] == "+" else "LEN") in line for line in changed)
+    assert len([line for line in changed if line[0] == "-"]) == len(changed) / 2
     assert contents(place) == before
 
 

@@ -136,7 +136,7 @@ def _first_screen(
                 "said": weaknesses.sentence(mission, pool, way),
                 "sure": weaknesses.evidence(way),
                 "kind": way.shown.column.kind,
-                "unseen": way.is_undetected,
+                "undetected": way.is_undetected,
                 "share": way.shown.share,
                 "joint": len(way.faults) > 1,
                 "shown": places.get(way.number),

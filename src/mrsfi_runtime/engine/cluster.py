@@ -3,7 +3,7 @@
 A worker may be on another machine. A ``Shipment`` carries the mission's code to it, once;
 ``MissionPlugin`` unpacks it in an empty folder, builds an engine for each of the settings, and
 keeps both. A worker whose environment could give other results refuses. A ``Cluster`` is the
-connection: tasks go out, results or clear errors come back. ``ClusterPool`` is the evaluator.
+connection: it sends tasks, and receives results or clear errors. ``ClusterPool`` is the evaluator.
 
 Results do not depend on the size of chunks. A chunk of a lost worker goes to another worker.
 """

@@ -47,12 +47,12 @@ class Screen {
     const cell = (number) => {
       const each = this.ways.find((way) => way.number === number);
       if (!each) return make("td", { class: "none" });
-      const bar = make("span", { class: `share ${each.kind}${each.unseen ? " unseen" : ""}` });
+      const bar = make("span", { class: `share ${each.kind}${each.undetected ? " undetected" : ""}` });
       bar.style.height = `${Math.max(12, 100 * each.share)}%`;
       return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), bdi("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), bdi("broken, detected in all variants", terms),
+      make("p", { class: "note keys" }, make("span", { class: "key share undetected" }), bdi("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), bdi("broken, detected in all variants", terms),
         make("span", { class: "key share believed" }), bdi("false alarm only. Height: share of tried variants. +: only together with other faults", terms)),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
