@@ -287,9 +287,9 @@ def _value(value: tuple[float, ...]) -> str:
 def _verdict(mission: Mission, first: FirstVerdicts) -> Iterator[str]:
     goal = mission.label_of(first.goal)
     words = (
-        ("was violated in belief", "was not violated in belief"),
-        ("was truly violated", "was not truly violated"),
-        ("failed", "had not failed"),
+        ("was violated in belief", "was violated in belief only without this fault"),
+        ("was truly violated", "was truly violated only without this fault"),
+        ("failed", "had failed only without this fault"),
     )
     by_tick: dict[int, list[str]] = {}
     for (so, not_so), verdict in zip(words, first[1:], strict=True):
