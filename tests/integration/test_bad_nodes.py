@@ -71,7 +71,10 @@ def test_what_never_runs_is_no_result(place):
     absent = told_of("no-such-node {url}", place, 8)
     ended = told_of(command_of("ends"), place, 8)
 
-    assert "tick 0: the node did not start: no-such-node: No such file or directory; look" in absent
+    assert (
+        "tick 0: the node did not start: no-such-node: No such file or directory; check --node"
+        in absent
+    )
     assert "before tick 0: the node ended: exit code 1: has no map" in ended
 
 

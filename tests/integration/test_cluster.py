@@ -148,7 +148,7 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifi
 
     with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
-        with pytest.raises(EvaluationError, match="while they had the same chunk"):
+        with pytest.raises(EvaluationError, match="while they evaluated the same chunk"):
             list(pool.evaluate_many(specifications[:1]))
 
 
