@@ -218,8 +218,8 @@ KEPT = "weaknesses"
 """Key under which a record keeps weaknesses."""
 
 Progress: TypeAlias = Callable[[str, int, int, Known], None]
-"""Receives a unit, how many are done and how many there are at most: first flights, then mildest
-variants. And what is known by then."""
+"""Receives a unit (flights, then mildest variants), how many are done, the most there can be, and
+the knowledge so far."""
 
 _N_EVALUATIONS = 20  # most evaluations to reduce of a column without weaknesses
 _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
