@@ -171,6 +171,24 @@ def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
     assert {*done.stderr.splitlines()[-1].split()} == expected
 
 
+def test_help_imports_neither_subcommands_nor_their_options_nor_the_glossary(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "mrsfi_runtime.cli.main", "--help"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=True,
+        encoding="utf-8",
+    )
+
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert {name for name in imported if name.startswith("mrsfi_runtime.")} == {
+        "mrsfi_runtime.cli",
+        "mrsfi_runtime.cli.terminal",
+        "mrsfi_runtime.errors",
+        "mrsfi_runtime.project_file",
+    }
+
+
 def test_version_is_printed(tmp_path):
     assert mrsfi("--version", cwd=tmp_path).stdout.startswith("mrsfi, version ")
 

@@ -13,10 +13,8 @@ from typing import Any, cast
 
 import click
 
-from mrsfi_runtime.cli.options import OF_BUS
 from mrsfi_runtime.cli.terminal import steady_output
 from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError, expected
-from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.project_file import installed_version, metamodels_chosen
 
 _INTERRUPTED = 130
@@ -196,12 +194,16 @@ def help_text(ctx: click.Context, topic: str) -> str:
     """Return the help of a command or of a topic, as wide as the terminal."""
     formatter = ctx.make_formatter()
     if topic == "bus":
+        from mrsfi_runtime.cli.options import OF_BUS
+
         simulate = cast("click.Command", cli.get_command(ctx, "simulate"))
         formatter.write(_BUS)
         with formatter.section("Options"):
             records = (each.get_help_record(ctx) for each in simulate.params if each.name in OF_BUS)
             formatter.write_dl([*filter(None, records)])
     elif topic == "words":
+        from mrsfi_runtime.glossary import TERMS
+
         for term in TERMS:
             with formatter.section(term.name):
                 formatter.write_text(f"{term.meaning} Example: {term.example}")
