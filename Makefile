@@ -81,7 +81,7 @@ report: $(BASE) ## write the report of campaign folder OUT again (default: the l
 regressions: generate ## fly the kept weaknesses of MISSION; fails if one exceeds its limit
 	$(BIN)/mrsfi check $(mission) $(engine)
 
-quick: $(DEV) ## run the units and laws of the tests, in less than a minute
+quick: $(DEV) ## run the units and laws of the tests, in about a minute
 	$(PYTEST) --dist worksteal --hypothesis-profile quick $(QUICK)
 
 test: $(DEV) generate ## run the tests, in some minutes
