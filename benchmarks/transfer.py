@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 from mrsfi_runtime.analysis.tables import Table, to_markdown
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Probing
-from mrsfi_runtime.causes.mildest import Deviation, mildest, ways
+from mrsfi_runtime.causes.mildest import Deviation, goal_weaknesses, mildest
 from mrsfi_runtime.causes.weakness import Known, Weakness, form, parts, yardstick_of
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine
@@ -103,7 +103,7 @@ def own() -> Own:
     """Return what ``cover`` finds in the own world."""
     engine = open_engine(EngineSettings("compiled"), MISSION, SEED)
     known = search(engine, N_OWN, SEED).known
-    shown = tuple(way.shown for way in ways(known.weaknesses()))
+    shown = tuple(each.shown for each in goal_weaknesses(known.weaknesses()))
     least = mildest(SPACE, known, shown, engine.evaluate_many, engine.record, (SEED,))
     return Own(shown, tuple(each.weakness for each in least))
 

@@ -39,7 +39,7 @@ from mrsfi_runtime.analysis.weaknesses import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.harvest import KEPT
-from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError, ReplayMismatch
 from mrsfi_runtime.fence import IMPORTED
@@ -309,10 +309,10 @@ class Campaign:
             return harvested(campaign).weaknesses
 
     @property
-    def ways(self) -> tuple[Way, ...]:
+    def ways(self) -> tuple[GoalWeakness, ...]:
         """The same by goal and set of faults, numbered as ``keep`` takes them."""
         with open_campaign(self.folder) as campaign:
-            return harvested(campaign).ways
+            return harvested(campaign).goal_weaknesses
 
     @property
     def digest(self) -> str:

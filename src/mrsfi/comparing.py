@@ -22,7 +22,7 @@ from mrsfi.explaining import flying_again, harvested
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.tables import Table
 from mrsfi_runtime.analysis.weaknesses import cause_in_words
-from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.region_sources import imported_files
@@ -189,13 +189,13 @@ class Change:
 
     goal: str
     cause: str
-    before: Way | None
-    after: Way | None
+    before: GoalWeakness | None
+    after: GoalWeakness | None
     breaks: bool | None
     reason: str = ""
 
     @property
-    def way(self) -> Way:
+    def weakness(self) -> GoalWeakness:
         """The weakness of the first campaign that found it."""
         found = self.before or self.after
         assert found is not None
@@ -230,8 +230,8 @@ class Change:
         """Return it as plain values."""
         return {
             "verdict": self.verdict,
-            "goal": self.way.goal,
-            "faults": list(self.way.faults),
+            "goal": self.weakness.goal,
+            "faults": list(self.weakness.faults),
             "cause": self.cause,
             "before": self.before and self.before.number,
             "after": self.after and self.after.number,
@@ -240,8 +240,8 @@ class Change:
         }
 
 
-def _is_true(way: Way) -> bool:
-    return way.shown.column.kind != MEASURES[0]
+def _is_true(weakness: GoalWeakness) -> bool:
+    return weakness.shown.column.kind != MEASURES[0]
 
 
 def changes(
@@ -251,7 +251,8 @@ def changes(
     by_cause, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
-            by_cause.append({(way.goal, way.faults): way for way in harvested(campaign).ways})
+            listed = harvested(campaign).goal_weaknesses
+            by_cause.append({(each.goal, each.faults): each for each in listed})
             models.append((campaign.mission, campaign.pool))
             names.append(campaign.store.manifest.mission or campaign.mission.name)
     if names[0] != names[1]:
@@ -262,35 +263,35 @@ def changes(
         (after, by_cause[0], by_cause[1], models[0], True),
         (before, by_cause[1], by_cause[0], models[1], False),
     ):
-        ways = [way for key, way in flown.items() if is_before or key not in others]
+        weaknesses = [each for key, each in flown.items() if is_before or key not in others]
         with flying_again(path, engine, workers, tell) as (campaign, evaluator, _):
-            there = _broken(campaign, evaluator, ways)
-        for way in ways:
-            other = others.get((way.goal, way.faults))
-            old_one, new_one = (way, other) if is_before else (None, way)
-            cause = cause_in_words(mission, pool, way)
-            name = mission.label_of(way.goal)
-            results.append(Change(name, cause, old_one, new_one, *there[way.number]))
+            there = _broken(campaign, evaluator, weaknesses)
+        for weakness in weaknesses:
+            other = others.get((weakness.goal, weakness.faults))
+            old_one, new_one = (weakness, other) if is_before else (None, weakness)
+            cause = cause_in_words(mission, pool, weakness)
+            name = mission.label_of(weakness.goal)
+            results.append(Change(name, cause, old_one, new_one, *there[weakness.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(results, key=lambda each: order.index(each.verdict)))
 
 
 def _broken(
-    campaign: FlyableCampaign, evaluator: Evaluator, ways: Sequence[Way]
+    campaign: FlyableCampaign, evaluator: Evaluator, weaknesses: Sequence[GoalWeakness]
 ) -> Mapping[int, tuple[bool | None, str]]:
     seed, gate = campaign.store.settings.mission_seed, Gate(campaign.mission, campaign.pool)
     outcomes: dict[int, tuple[bool | None, str]] = {}
     flyable = {}
-    for way in ways:
+    for weakness in weaknesses:
         try:
-            form = gate.admitted(way.shown.witness)
+            form = gate.admitted(weakness.shown.witness)
         except SpecificationError as error:
-            outcomes[way.number] = None, str(error)
+            outcomes[weakness.number] = None, str(error)
             continue
-        if way.goal in campaign.mission.goal_ids:
-            flyable[way.number, way.shown.column] = form
+        if weakness.goal in campaign.mission.goal_ids:
+            flyable[weakness.number, weakness.shown.column] = form
         else:
-            outcomes[way.number] = None, f"the mission has no goal {way.goal}"
+            outcomes[weakness.number] = None, f"the mission has no goal {weakness.goal}"
     breaking = Breaking(campaign.mission, evaluator.evaluate_many, [seed])
     for (number, column), broken in zip(flyable, breaking([*flyable.values()], seed), strict=True):
         outcomes[number] = column in broken, ""
@@ -310,7 +311,7 @@ def sentence(weaknesses: Iterable[Change]) -> str:
 def change_table(weaknesses: Iterable[Change]) -> Table:
     """Return a row for each weakness: verdict, faults, goal, cause and remark."""
     rows = [
-        (each.verdict, " and ".join(each.way.faults), each.goal, each.cause, each.remark)
+        (each.verdict, " and ".join(each.weakness.faults), each.goal, each.cause, each.remark)
         for each in weaknesses
     ]
     columns = ("verdict", "faults", "goal", "cause", "remark")

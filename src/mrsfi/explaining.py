@@ -48,7 +48,7 @@ from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_weaknesses
-from mrsfi_runtime.causes.mildest import Way, least
+from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import tried
@@ -270,12 +270,12 @@ def harvested(campaign: OpenCampaign) -> Harvest:
     return found
 
 
-def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
+def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWeakness:
     """Return a campaign's weakness by its number; an unknown number is a ``UsageError``."""
-    for way in found:
-        if way.number == number:
-            return way
-    numbers = ", ".join(str(way.number) for way in found) or "none, because no goal breaks"
+    for weakness in found:
+        if weakness.number == number:
+            return weakness
+    numbers = ", ".join(str(each.number) for each in found) or "none, because no goal breaks"
     raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
 
 
@@ -338,11 +338,11 @@ def refined(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
     record: Record,
-    found: Sequence[Way],
+    found: Sequence[GoalWeakness],
     n_seeds: int | None,
     *,
     is_mildest: bool,
-) -> list[Way]:
+) -> list[GoalWeakness]:
     """Return weaknesses, with their mildest variants if asked for, in ``n_seeds`` mission seeds.
 
     The mildest variant, by the gravest measure, takes some 30 flights each. These count for its
@@ -350,10 +350,10 @@ def refined(
     """
     seed = campaign.store.settings.mission_seed
     prober = Prober[Evaluated](evaluator.evaluate_many, lambda _, __, flown: flown)
-    judged = [one for way in found for one in way.by]
+    judged = [one for each in found for one in each.by]
     if is_mildest:
         space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
-        shown, seeds = [way.shown for way in found], following(seed, shrinking.N_SEEDS)
+        shown, seeds = [each.shown for each in found], following(seed, shrinking.N_SEEDS)
         least = shrinking.mildest(space, known, shown, prober, record, seeds)
         judged = [one.weakness for one in least]
     if n_seeds is not None:
@@ -363,13 +363,17 @@ def refined(
         flown = (RecordedFlight(seed, each, found) for (each, seed), found in prober.known.items())
         again = iter(detected(campaign.mission, campaign.store, judged, flown))
         mild = (replace(each, weakness=next(again)) for each in least)
-        return [replace(way, mildest=each) for way, each in zip(found, mild, strict=True)]
+        return [replace(weakness, mildest=each) for weakness, each in zip(found, mild, strict=True)]
     again = iter(judged)
-    return [replace(way, by=tuple(islice(again, len(way.by)))) for way in found]
+    return [replace(each, by=tuple(islice(again, len(each.by)))) for each in found]
 
 
 def write_map(
-    campaign: FlyableCampaign, evaluator: Evaluator, record: Record, way: Way, path: Path
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    record: Record,
+    weakness: GoalWeakness,
+    path: Path,
 ) -> None:
     """Fly milder variants of a weakness, and write which break the goal, as one of ``MAPS``.
 
@@ -377,18 +381,20 @@ def write_map(
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     deviation, seed = shrinking.Deviation(space, record(())), campaign.store.settings.mission_seed
-    tried = shrinking.tried_map(deviation, way.shown, evaluator.evaluate_many, seed)
+    tried = shrinking.tried_map(deviation, weakness.shown, evaluator.evaluate_many, seed)
     if path.suffix == ".csv":
         content = as_csv([shrinking.Tried._fields, *tried])
     else:
-        goal = campaign.mission.label_of(way.goal)
-        title = f"{goal} under {' and '.join(way.faults)}"
+        goal = campaign.mission.label_of(weakness.goal)
+        title = f"{goal} under {' and '.join(weakness.faults)}"
         content = drawn(Drawing("tried_map", (title, tried)))[path.suffix]
     with whole_file(path) as file:
         file.write(content)
 
 
-def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, path: Path) -> None:
+def write_fmea(
+    campaign: OpenCampaign, found: Sequence[GoalWeakness], record: Record, path: Path
+) -> None:
     """Write failure modes and effects, flown in the campaign's mission seed, as one of ``FMEA``."""
     mission = campaign.store.manifest.mission or campaign.mission.name
     modes = failure_modes(campaign.mission, campaign.pool, found, record)
@@ -396,7 +402,7 @@ def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, pat
         file.write(FMEA[path.suffix](mission, modes))
 
 
-def write_fault_trees(campaign: OpenCampaign, found: Sequence[Way], path: Path) -> None:
+def write_fault_trees(campaign: OpenCampaign, found: Sequence[GoalWeakness], path: Path) -> None:
     """Write the fault tree of each goal, as one of ``FAULT_TREES``."""
     with whole_file(path) as file:
         file.write(FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
@@ -432,11 +438,11 @@ def report(
 
 def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
     """Draw a weakness by its number, or one of each goal, and yield it; keep figures that exist."""
-    path, found = campaign.folder.path, harvested(campaign).ways
-    wanted = least(found) if number is None else (way_of(path, found, number).at_least,)
+    path, found = campaign.folder.path, harvested(campaign).goal_weaknesses
+    wanted = least(found) if number is None else (weakness_of(path, found, number).at_least,)
     with _flying(campaign) as record:
-        for way in wanted:
-            yield draw_weakness(campaign.folder, campaign.mission, campaign.pool, way, record)
+        for weakness in wanted:
+            yield draw_weakness(campaign.folder, campaign.mission, campaign.pool, weakness, record)
 
 
 @contextmanager

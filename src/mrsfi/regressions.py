@@ -12,7 +12,7 @@ from time import monotonic
 
 from mrsfi.campaign_folders import OpenCampaign, mission_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
-from mrsfi.explaining import flying_again, harvested, way_of
+from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
@@ -108,21 +108,22 @@ def keep(
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
     known = harvested(campaign)
-    way = way_of(path, known.ways, number)
-    specification = way.shown.witness
+    weakness = weakness_of(path, known.goal_weaknesses, number)
+    specification = weakness.shown.witness
     settings = campaign.store.settings
     folders = mission_of(campaign)
     folder = folder_of(folders.models)
     stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
-    faults, found = " and ".join(way.faults), sentence(campaign.mission, campaign.pool, way)
+    faults = " and ".join(weakness.faults)
+    found = sentence(campaign.mission, campaign.pool, weakness)
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, weakness {number} ({faults}): {found}. {evidence(way)}",
-        way.shown.column.kind,
+        f"{path}, weakness {number} ({faults}): {found}. {evidence(weakness)}",
+        weakness.shown.column.kind,
         following(settings.mission_seed, n_seeds),
-        {way.goal: 0} if limits is None else limits,
+        {weakness.goal: 0} if limits is None else limits,
         accepted=accepted,
         side=campaign.store.manifest.engine.side,
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.documents import as_pfta
-from mrsfi_runtime.causes.mildest import ways
+from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.missing import skip
 from tests.support.search import PAPER_FAULTS, paper_mission
@@ -37,7 +37,7 @@ def test_pfta_finds_the_same_minimal_cut_sets(tmp_path, chance):
     found.append(weakness("g2", "missed", IDS[0], IDS[-1]))  # not minimal over both
     found.append(weakness("g1", "believed", IDS[0]))  # not real
     path = tmp_path / "trees.txt"
-    path.write_bytes(as_pfta(replace(mission, goals=goals), pool, ways(found)))
+    path.write_bytes(as_pfta(replace(mission, goals=goals), pool, goal_weaknesses(found)))
 
     done = subprocess.run(
         [sys.executable, "-m", "pfta.cli", path],

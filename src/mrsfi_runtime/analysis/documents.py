@@ -21,8 +21,8 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
-from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, way_table
-from mrsfi_runtime.causes.mildest import Way, least
+from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, weakness_table
+from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import named_faults
@@ -56,7 +56,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         *_section(_occurring("Fault types in these specifications", summary.patterns), _FREQUENT),
         *_linked(captions, "fault_types"),
     ]
-    if summary.ways:
+    if summary.weaknesses:
         sections += _section(
             _occurring("Fault types in the weaknesses", summary.guilty),
             "The same numbers for all weaknesses. A type that is listed above but not here is part "
@@ -138,8 +138,8 @@ def _top(summary: Summary) -> Iterator[str]:
             f"file [critical/{rank:02d}.xmi](critical/{rank:02d}.xmi)."
         )
         if known:
-            listed = (f"{way.number} ({way.goal} by {' and '.join(way.faults)})" for way in known)
-            yield f"It contains the weaknesses {', '.join(listed)}."
+            causes = (f"{one.number} ({one.goal} by {' and '.join(one.faults)})" for one in known)
+            yield f"It contains the weaknesses {', '.join(causes)}."
 
 
 def _weaknesses(summary: Summary) -> Iterator[str]:
@@ -151,27 +151,28 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
         f"{each.sentence}. Evidence: {' · '.join(each.evidence)}" for each in summary.verdicts
     ]
     yield "\n".join(f"- {plain(each)}." for each in facts)
-    if not summary.ways:
+    if not summary.weaknesses:
         return
-    matrix = matrix_table(mission, pool, summary.ways)
+    matrix = matrix_table(mission, pool, summary.weaknesses)
     title, key = matrix.title.split("\n")
     yield from _section(replace(matrix, title=title), f"{key}.", level=3)
     title = "Weaknesses, by goal"
     yield from _section(
-        way_table(title, mission, pool, summary.ways),
+        weakness_table(title, mission, pool, summary.weaknesses),
         "The faults of each weakness in one variant. A percentage is the share of tried variants "
         "that break the goal, by each measure; *seeds* counts mission seeds in which this variant "
         "does. `weaknesses/` has each weakness by its number as a fault specification, and the "
         "mildest variant of those below. `mrsfi show RUN N` draws weakness N in time and space.",
         level=3,
     )
-    for way in least(summary.ways):
-        title = f"{mission.label_of(way.goal)}, weakness {way.number}"
-        outcome, faults = summary.outcome(way), named_faults(mission, pool, way.shown.witness)
-        goals, by = tables.goal_table(title, mission, outcome), broken_by(way, mission.units)
+    for weakness in least(summary.weaknesses):
+        title = f"{mission.label_of(weakness.goal)}, weakness {weakness.number}"
+        faults = named_faults(mission, pool, weakness.shown.witness)
+        outcome = summary.outcome(weakness)
+        goals, by = tables.goal_table(title, mission, outcome), broken_by(weakness, mission.units)
         yield from _section(goals, f"{by} {tables.COUNTS} First mission seed only.", level=3)
         yield tables.to_markdown(tables.fault_table("", faults, outcome))
-        if sentences := summary.sentences.get(way.number):
+        if sentences := summary.sentences.get(weakness.number):
             yield "\n".join(f"- {plain(each)}" for each in sentences)
 
 
@@ -252,11 +253,11 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         yield "\n".join(f"{in_latex(each)}." for each in summary.highlights)
         items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
-    if summary.ways:
-        matrix = matrix_table(mission, pool, summary.ways)
+    if summary.weaknesses:
+        matrix = matrix_table(mission, pool, summary.weaknesses)
         yield to_latex(replace(matrix, title=matrix.title.replace("\n", ". ")))
         title = "One weakness of each goal, in its mildest variant"
-        yield to_latex(way_table(title, mission, pool, least(summary.ways)))
+        yield to_latex(weakness_table(title, mission, pool, least(summary.weaknesses)))
     yield to_latex(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
     yield to_latex(tables.settings_table(summary.settings))
     for each in shown:
@@ -279,11 +280,10 @@ _PFTA_COMMENT = (
 )
 
 
-def cut_sets(weaknesses: Iterable[Way], goal: str) -> list[tuple[str, ...]]:
+def cut_sets(weaknesses: Iterable[GoalWeakness], goal: str) -> list[tuple[str, ...]]:
     """Return the minimal sets of faults that truly violate a goal or make it fail, by size."""
-    real = {
-        way.faults for way in weaknesses if way.goal == goal and way.shown.column.kind != "believed"
-    }
+    breaking = (each for each in weaknesses if each.goal == goal)
+    real = {each.faults for each in breaking if each.shown.column.kind != "believed"}
     least = (faults for faults in real if not any({*other} < {*faults} for other in real))
     return sorted(least, key=lambda faults: (len(faults), faults))
 
@@ -298,7 +298,7 @@ class _Gate(NamedTuple):
 
 
 def _trees(
-    mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]
+    mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]
 ) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
     """Return the gates of each goal, the top gate first, and names and labels of the faults."""
     taken: set[str] = set()
@@ -335,7 +335,7 @@ def _trees(
     ]
 
 
-def as_open_psa(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> bytes:
+def as_open_psa(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]) -> bytes:
     """Return the fault trees in Open-PSA's exchange format, an XML that many tools read."""
     trees, events = _trees(mission, pool, weaknesses)
     root = Element("opsa-mef")
@@ -364,7 +364,7 @@ def _defined(parent: Element, what: str, name: str, label: str) -> Element:
     return defined
 
 
-def as_pfta(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> bytes:
+def as_pfta(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]) -> bytes:
     """Return the fault trees as text for ``pfta``."""
     trees, events = _trees(mission, pool, weaknesses)
     comment = fill(f"{_COMMENT} {_PFTA_COMMENT}", 98, initial_indent="# ", subsequent_indent="# ")

@@ -40,7 +40,7 @@ from mrsfi_runtime.analysis.summary import (
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, State
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
-from mrsfi_runtime.causes.mildest import Way, least
+from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError, counted
 from mrsfi_runtime.glossary import TERMS
@@ -82,7 +82,7 @@ def campaign_page(
     summary: Summary,
     store: CampaignStore,
     shown: Sequence[dict[str, Any]],
-    next_of: Callable[[Way], Mapping[str, Sequence[str]]],
+    next_of: Callable[[GoalWeakness], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
     """Return the page's content for a campaign; ``next_of`` returns labelled commands."""
     step = tables.every(summary.n_evaluations, 5000)  # listed at most
@@ -106,17 +106,17 @@ def campaign_page(
 
 
 def _first_screen(
-    summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
+    summary: Summary, next_of: Callable[[GoalWeakness], Mapping[str, Sequence[str]]]
 ) -> dict[str, Any] | None:
     harvest, mission, pool = summary.harvest, summary.mission, summary.pool
     if harvest is None:
         return None
     headline, *facts = summary.highlights
-    described = least(summary.ways)
-    places = {way.number: place for place, way in enumerate(described)}
+    described = least(summary.weaknesses)
+    places = {weakness.number: place for place, weakness in enumerate(described)}
     names = {each.goal: each.name for each in summary.verdicts}
-    shown = {way.number: way for way in (*summary.ways, *described)}
-    guilty = {fault for way in summary.ways for fault in way.faults}
+    shown = {each.number: each for each in (*summary.weaknesses, *described)}
+    guilty = {fault for each in summary.weaknesses for fault in each.faults}
     about = (
         f"Campaign {summary.folder.name} on mission {summary.name}",
         counted(len(mission.robots), "robots"),
@@ -130,26 +130,26 @@ def _first_screen(
         "goals": [*map(_goal, summary.verdicts)],
         "ways": [
             {
-                "number": way.number,
-                "goal": way.goal,
-                "name": names[way.goal],
-                "said": weaknesses.sentence(mission, pool, way),
-                "sure": weaknesses.evidence(way),
-                "kind": way.shown.column.kind,
-                "undetected": way.is_undetected,
-                "share": way.shown.share,
-                "joint": len(way.faults) > 1,
-                "shown": places.get(way.number),
-                "next": [(what, shlex.join(words)) for what, words in next_of(way).items()],
+                "number": weakness.number,
+                "goal": weakness.goal,
+                "name": names[weakness.goal],
+                "said": weaknesses.sentence(mission, pool, weakness),
+                "sure": weaknesses.evidence(weakness),
+                "kind": weakness.shown.column.kind,
+                "undetected": weakness.is_undetected,
+                "share": weakness.shown.share,
+                "joint": len(weakness.faults) > 1,
+                "shown": places.get(weakness.number),
+                "next": [(what, shlex.join(words)) for what, words in next_of(weakness).items()],
             }
-            for way in shown.values()
+            for weakness in shown.values()
         ],
-        "matrix": _matrix(summary) if summary.ways else None,
+        "matrix": _matrix(summary) if summary.weaknesses else None,
     }
 
 
 def _goal(verdict: GoalVerdict) -> dict[str, Any]:
-    way = verdict.way
+    weakness = verdict.weakness
     return {
         "id": verdict.goal,
         "name": verdict.name,
@@ -159,17 +159,17 @@ def _goal(verdict: GoalVerdict) -> dict[str, Any]:
         "cause": verdict.cause,
         "detection": verdict.detection,
         "evidence": " · ".join(verdict.evidence),
-        "number": None if way is None else way.number,
+        "number": None if weakness is None else weakness.number,
     }
 
 
 def _matrix(summary: Summary) -> dict[str, Any]:
     mission, pool = summary.mission, summary.pool
-    guilty = {fault for way in summary.ways for fault in way.faults}
+    guilty = {fault for each in summary.weaknesses for fault in each.faults}
     owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
-    fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # the smallest last
-    cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
+    fewest = sorted(summary.weaknesses, key=lambda each: -len(each.faults))  # smallest last
+    cells = {(each.goal, fault): each.number for each in fewest for fault in each.faults}
     owners = groupby(owned, key=lambda each: each[0])
     return {
         "owners": [{"name": name, "n": len([*some])} for (_, name), some in owners],
@@ -184,26 +184,26 @@ def _matrix(summary: Summary) -> dict[str, Any]:
                 "cells": [cells.get((each.goal, fault.id)) for *_, fault in owned],
             }
             for each in summary.verdicts
-            if each.way is not None
+            if each.weakness is not None
         ],
-        "note": f"{weaknesses.harmless(pool, summary.ways)}.",
+        "note": f"{weaknesses.harmless(pool, summary.weaknesses)}.",
     }
 
 
 def flown_of(
-    mission: Mission, pool: FaultPool, way: Way, record: Record
+    mission: Mission, pool: FaultPool, weakness: GoalWeakness, record: Record
 ) -> tuple[Flown, tuple[str, ...]]:
     """Simulate a weakness, then without each of its faults; describe the effect of each fault."""
-    witness, others, effects = way.shown.witness, {}, []
+    witness, others, effects = weakness.shown.witness, {}, []
     faults, flight = named_faults(mission, pool, witness), record(witness)
     for place, fault in enumerate(faults):
         twin = record(without(witness, place))
         linked = chain(mission, flight, twin)
-        verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
+        verdicts = tuple(each for each in linked.verdicts if each.goal == weakness.goal)
         effects.append(sentence(mission, fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
-    title, since = mission.label_of(way.goal), way.shown.since or 0
-    return Flown(title, faults, flight, others, way.goal, since), tuple(effects)
+    title, since = mission.label_of(weakness.goal), weakness.shown.since or 0
+    return Flown(title, faults, flight, others, weakness.goal, since), tuple(effects)
 
 
 def entry_content(
@@ -347,7 +347,7 @@ class Shown(NamedTuple):
     in time and in space; an SVG file stands beside each.
     """
 
-    way: Way
+    weakness: GoalWeakness
     title: str
     sentences: Sequence[str]
     figures: Sequence[Path]
@@ -412,14 +412,18 @@ def write_report(  # noqa: PLR0913 - most have a default
 
 
 def draw_weakness(
-    layout: CampaignFolder, mission: Mission, pool: FaultPool, way: Way, record: Record
+    layout: CampaignFolder,
+    mission: Mission,
+    pool: FaultPool,
+    weakness: GoalWeakness,
+    record: Record,
 ) -> Shown:
     """Simulate a weakness; draw its figures if missing or older than the campaign's record."""
-    flown, sentences = flown_of(mission, pool, way, record)
+    flown, sentences = flown_of(mission, pool, weakness, record)
     scene = story.story_of(flown.title, mission, flown.faults, flown.recording)
     illustrations = [
         Illustration(
-            f"weakness_{way.number:02d}_{what}",
+            f"weakness_{weakness.number:02d}_{what}",
             Drawing(f"flight_{what}", (scene,), "mission_plots"),
             table(scene),
         )
@@ -433,55 +437,58 @@ def draw_weakness(
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
             _write_figures(layout, illustrations, draw_here)()
-    described = (weaknesses.broken_by(way, mission.units), *sentences)
-    return Shown(way, flown.title, described, files[: len(illustrations)])
+    described = (weaknesses.broken_by(weakness, mission.units), *sentences)
+    return Shown(weakness, flown.title, described, files[: len(illustrations)])
 
 
 def _fly(
     layout: CampaignFolder, summary: Summary, record: Record
 ) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
     """Simulate one weakness of each goal; yield number, sentences and the page's content."""
-    mission, pool, shown = summary.mission, summary.pool, least(summary.ways)
-    n_flights = sum(1 + len(way.faults) for way in shown)
-    for way in shown:
+    mission, pool, shown = summary.mission, summary.pool, least(summary.weaknesses)
+    n_flights = sum(1 + len(each.faults) for each in shown)
+    for weakness in shown:
         flown: Flown | str
         try:
-            flown, sentences = flown_of(mission, pool, way, record)
+            flown, sentences = flown_of(mission, pool, weakness, record)
         except UsageError:  # such as a full folder for temporary files
             raise
         except MrsfiError as error:
             flown, sentences = str(error), ()
         entry = PageEntry(
-            title=mission.label_of(way.goal),
-            sentence=weaknesses.broken_by(way, mission.units),
-            faults=named_faults(mission, pool, way.shown.witness),
+            title=mission.label_of(weakness.goal),
+            sentence=weaknesses.broken_by(weakness, mission.units),
+            faults=named_faults(mission, pool, weakness.shown.witness),
             sentences=sentences,
-            outcome=summary.outcome(way),
-            command=_command(layout, summary, way),
-            xmi=_witness(layout, way).read_text(encoding="utf-8"),
+            outcome=summary.outcome(weakness),
+            command=_command(layout, summary, weakness),
+            xmi=_witness(layout, weakness).read_text(encoding="utf-8"),
         )
         content = entry_content(mission, entry, flown, n_flights)
-        yield way.number, sentences, content
+        yield weakness.number, sentences, content
 
 
-def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
-    path, seed = str(_witness(layout, way)), str(summary.settings.mission_seed)
+def _command(layout: CampaignFolder, summary: Summary, weakness: GoalWeakness) -> Sequence[str]:
+    path, seed = str(_witness(layout, weakness)), str(summary.settings.mission_seed)
     return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
 
 
-def _next(layout: CampaignFolder, summary: Summary, way: Way) -> dict[str, Sequence[str]]:
-    run, number = str(layout.path), str(way.number)
+def _next(
+    layout: CampaignFolder, summary: Summary, weakness: GoalWeakness
+) -> dict[str, Sequence[str]]:
+    run, number = str(layout.path), str(weakness.number)
+    command = _command(layout, summary, weakness)
     return {
         "Show it": ("mrsfi", "show", run, number),
-        "Simulate it again": (*_command(layout, summary, way), "--html", f"weakness-{number}.html"),
+        "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
         "Check after a fix": ("mrsfi", "check", summary.place),
     }
 
 
-def _witness(layout: CampaignFolder, way: Way) -> Path:
-    kind = "-mildest" if way.is_mildest else ""
-    return layout.weaknesses / f"{way.number:02d}{kind}.xmi"
+def _witness(layout: CampaignFolder, weakness: GoalWeakness) -> Path:
+    kind = "-mildest" if weakness.is_mildest else ""
+    return layout.weaknesses / f"{weakness.number:02d}{kind}.xmi"
 
 
 @contextmanager
@@ -514,11 +521,11 @@ def _write_specifications(
         (layout.critical / f"{rank:02d}.xmi", f"evaluation_{each.index}", each.specification)
         for rank, each in enumerate(summary.top, start=1)
     ]
-    ways = [
-        (_witness(layout, way), f"weakness_{way.number}", way.shown.witness)
-        for way in {*summary.ways, *least(summary.ways)}
+    witnesses = [
+        (_witness(layout, weakness), f"weakness_{weakness.number}", weakness.shown.witness)
+        for weakness in {*summary.weaknesses, *least(summary.weaknesses)}
     ]
-    for path, name, specification in (*top, *ways):
+    for path, name, specification in (*top, *witnesses):
         rows = specification_rows(summary.pool, specification)
         write(rows, path, name, numbered(row[0] for row in rows))
 

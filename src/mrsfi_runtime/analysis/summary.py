@@ -33,7 +33,7 @@ from mrsfi_runtime.analysis.fronts import Columns, Front, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
-from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
@@ -50,8 +50,8 @@ class Summary:
 
     ``name`` is the mission's, ``place`` its place in the project. ``top`` has the most critical
     distinct specifications, at most ten, the worst first, with the ``faults`` of each and the
-    weaknesses that it ``contained``. ``ways`` are the weaknesses; ``harvest`` is ``None`` without a
-    search for them. ``highlights`` are the headline of ``verdicts`` and the facts below it.
+    weaknesses that it ``contained``. ``harvest`` is ``None`` without a search for weaknesses.
+    ``highlights`` are the headline of ``verdicts`` and the facts below it.
     ``sentences`` describe by number what the faults of some weaknesses did. ``front`` is ``None``
     if it has fewer than two aims. ``patterns`` are fault types in the top, ``guilty`` those in the
     weaknesses. ``unrepeated`` describes how an external simulation or node gave different results
@@ -75,10 +75,10 @@ class Summary:
     top: tuple[Evaluation, ...]
     faults: tuple[tuple[NamedFault, ...], ...]
     harvest: Harvest | None
-    ways: tuple[Way, ...]
+    weaknesses: tuple[GoalWeakness, ...]
     verdicts: tuple[GoalVerdict, ...]
     highlights: tuple[str, ...]
-    contained: tuple[tuple[Way, ...], ...]
+    contained: tuple[tuple[GoalWeakness, ...], ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
     pick: Pick | None
@@ -94,20 +94,22 @@ class Summary:
             return f"{self.n_evaluations} of {self.settings.evaluations} evaluations"
         return counted(self.n_evaluations, "evaluations")
 
-    def outcome(self, way: Way) -> Outcome:
+    def outcome(self, weakness: GoalWeakness) -> Outcome:
         """Return the outcome of the variant of a weakness that is shown."""
         assert self.harvest is not None
-        return self.harvest.outcomes[way.shown.witness]
+        return self.harvest.outcomes[weakness.shown.witness]
 
 
-def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) -> tuple[Way, ...]:
+def _contained(
+    known: Harvest | None, found: Iterable[GoalWeakness], each: Evaluation
+) -> tuple[GoalWeakness, ...]:
     if known is None or known.yardstick is None:
         return ()
     broken, faults = known.yardstick.broken(each.outcome), faults_of(each.specification)
     return tuple(
-        way
-        for way in found
-        if faults.issuperset(way.faults) and any(one.column in broken for one in way.by)
+        weakness
+        for weakness in found
+        if faults.issuperset(weakness.faults) and any(one.column in broken for one in weakness.by)
     )
 
 
@@ -128,7 +130,7 @@ def summarise(
     tops = {each.index: each.specification for each in best}
     trend = tables.find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
-    found = () if known is None else known.ways
+    found = () if known is None else known.goal_weaknesses
     judged = () if known is None else verdicts(mission, pool, known)
     summary = Summary(
         folder=folder,
@@ -148,7 +150,7 @@ def summarise(
         top=best,
         faults=tuple(named_faults(mission, pool, each.specification) for each in best),
         harvest=known,
-        ways=found,
+        weaknesses=found,
         verdicts=judged,
         highlights=()
         if known is None
@@ -203,11 +205,11 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
         "found": [
             each
             | {
-                "sentences": list(summary.sentences.get(way.number, ())),
-                "mildest": way.mildest and way.mildest.as_json(),  # which the sentences describe
+                "sentences": list(summary.sentences.get(weakness.number, ())),
+                "mildest": least and least.as_json(),  # which the sentences describe
             }
-            for way in summary.ways
-            for each in way.as_json()
+            for weakness, least in ((each, each.mildest) for each in summary.weaknesses)
+            for each in weakness.as_json()
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
     }
@@ -221,7 +223,10 @@ def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio
 
 
 def _ranked(
-    summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault], found: Iterable[Way]
+    summary: Summary,
+    evaluation: Evaluation,
+    faults: Sequence[NamedFault],
+    found: Iterable[GoalWeakness],
 ) -> dict[str, Any]:
     outcome, goals = evaluation.outcome, summary.measure.goals
     results = outcome.results(summary.measure.duration)
@@ -233,7 +238,7 @@ def _ranked(
         **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in results.items()},
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
-        "weaknesses": [way.number for way in found],
+        "weaknesses": [each.number for each in found],
         "specification": [{"fault": fault.fault.id, **fault.as_json()} for fault in faults],
     }
 
@@ -400,7 +405,7 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
         yield from _fronts(summary, summary.front.goals[:2], columns, store)
     for name, found, where, patterns in (
         ("fault_types", summary.top, "most critical specifications", summary.patterns),
-        ("weaknesses", summary.ways, "weaknesses", summary.guilty),
+        ("weaknesses", summary.weaknesses, "weaknesses", summary.guilty),
     ):
         if found:
             table = tables.pattern_table(f"Fault types in the {len(found)} {where}", patterns)

@@ -20,7 +20,7 @@ from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, 
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
-from mrsfi_runtime.causes.mildest import Way, least
+from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
@@ -38,7 +38,7 @@ _DOES = {
 """What one fault does to a goal, and what several specifications do, by measure."""
 
 
-def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -> Table:
+def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]) -> Table:
     """Return a row for each fault of a weakness: the fault, its type, goals, what it touches.
 
     A cell has the share of the fault's variants that break the goal without other faults, by the
@@ -46,17 +46,18 @@ def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -
     """
     cells: dict[str, dict[str, str]] = {}
     targets: dict[str, str] = {}
-    for way in weaknesses:
-        for named in named_faults(mission, pool, way.shown.witness):
+    for weakness in weaknesses:
+        for named in named_faults(mission, pool, weakness.shown.witness):
             targets[named.name] = named.target
             row = cells.setdefault(named.name, {})
-            if len(way.faults) == 1:
-                share = f"{100 * way.shown.share:.0f}%"
-                is_believed = way.shown.column.kind == MEASURES[0]
-                row[way.goal] = f"({share})" if is_believed else share + "*" * way.is_undetected
+            if len(weakness.faults) == 1:
+                share = f"{100 * weakness.shown.share:.0f}%"
+                is_believed = weakness.shown.column.kind == MEASURES[0]
+                mark = "*" * weakness.is_undetected
+                row[weakness.goal] = f"({share})" if is_believed else share + mark
             else:
-                row.setdefault(way.goal, "joint")
-    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in weaknesses)]
+                row.setdefault(weakness.goal, "joint")
+    goals = [goal for goal in mission.goal_ids if any(each.goal == goal for each in weaknesses)]
     rows = [
         (fault.id, fault.type, *map(cells[fault.id].get, goals), targets[fault.id])
         for fault in pool
@@ -71,9 +72,9 @@ def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[Way]) -
     return Table(title, columns, rows, words, is_compact=True, spare=words[-1:], folded=folded)
 
 
-def harmless(pool: FaultPool, weaknesses: Iterable[Way]) -> str:
+def harmless(pool: FaultPool, weaknesses: Iterable[GoalWeakness]) -> str:
     """Return in a sentence which faults of a pool are part of no weakness."""
-    guilty = {fault for way in weaknesses for fault in way.faults}
+    guilty = {fault for each in weaknesses for fault in each.faults}
     rest = [fault.id for fault in pool if fault.id not in guilty]
     faults = counted(len(pool), "faults")
     if not rest:
@@ -82,16 +83,18 @@ def harmless(pool: FaultPool, weaknesses: Iterable[Way]) -> str:
     return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(rest)}"
 
 
-def way_table(title: str, mission: Mission, pool: FaultPool, weaknesses: Iterable[Way]) -> Table:
+def weakness_table(
+    title: str, mission: Mission, pool: FaultPool, weaknesses: Iterable[GoalWeakness]
+) -> Table:
     """Return a row for each fault of each weakness, in the variant that breaks the goal."""
     rows = []
-    for way in weaknesses:
-        shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
-        shares[way.shown.column.kind] += "*" * way.is_undetected
-        seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
+    for weakness in weaknesses:
+        shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in weakness.by}
+        shares[weakness.shown.column.kind] += "*" * weakness.is_undetected
+        seeds = f"{weakness.shown.n_held}/{weakness.shown.n_seeds}"
         by = map(shares.get, MEASURES)
-        head: tuple[Cell, ...] = (way.number, way.goal, *by, way.shown.since, seeds)
-        for named in named_faults(mission, pool, way.shown.witness):
+        head: tuple[Cell, ...] = (weakness.number, weakness.goal, *by, weakness.shown.since, seeds)
+        for named in named_faults(mission, pool, weakness.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
             how = named.fault.type, window, named.target, named.values_in_words
             rows.append((*head, named.name, *how))
@@ -118,17 +121,17 @@ def not_found(known: Known, goal: str) -> str:
     )
 
 
-def detection(way: Way, units: Units) -> str:
+def detection(weakness: GoalWeakness, units: Units) -> str:
     """Return in a sentence whether the CI detects what breaks a goal."""
-    if way.shown.column.kind == MEASURES[0]:
+    if weakness.shown.column.kind == MEASURES[0]:
         return "It is a false alarm of the CI"
-    found = way.shown.detection
+    found = weakness.shown.detection
     return found.in_words(units) if found else "Whether the CI detects it is not recorded"
 
 
-def evidence(way: Way) -> str:
+def evidence(weakness: GoalWeakness) -> str:
     """Return in sentences in how many variants and mission seeds a weakness holds."""
-    shown = way.shown
+    shown = weakness.shown
     breaks = "violate it in belief" if shown.column.kind == MEASURES[0] else "break it"
     return (
         f"Of {counted(shown.n_tried, 'tried variants')}, {100 * shown.share:.0f} % {breaks}. "
@@ -136,13 +139,13 @@ def evidence(way: Way) -> str:
     )
 
 
-def broken_by(way: Way, units: Units) -> str:
+def broken_by(weakness: GoalWeakness, units: Units) -> str:
     """Return in sentences which faults break a goal, its detection, and the mildest variant."""
-    kind, faults = way.shown.column.kind, " and ".join(way.faults)
+    kind, faults = weakness.shown.column.kind, " and ".join(weakness.faults)
     alone, together = _DOES[kind]
-    does = f"alone {alone}" if len(way.faults) == 1 else f"together {together}"
-    sentences = [f"{faults} {does}", "" if kind == MEASURES[0] else detection(way, units)]
-    sentences += [evidence(way), way.mildest.sentence if way.mildest else ""]
+    does = f"alone {alone}" if len(weakness.faults) == 1 else f"together {together}"
+    sentences = [f"{faults} {does}", "" if kind == MEASURES[0] else detection(weakness, units)]
+    sentences += [evidence(weakness), weakness.mildest.sentence if weakness.mildest else ""]
     return " ".join(f"{each}." for each in filter(None, sentences))
 
 
@@ -176,7 +179,7 @@ _FMEA_HEADS = (
 
 
 def failure_modes(
-    mission: Mission, pool: FaultPool, weaknesses: Sequence[Way], record: Record
+    mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness], record: Record
 ) -> list[FailureMode]:
     """Return the failure modes of weaknesses, by occurrence if recorded, then by severity.
 
@@ -194,25 +197,25 @@ def failure_modes(
         window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
         return ", ".join(filter(None, (window, named.values_in_words)))
 
-    def mode(way: Way) -> FailureMode:
-        shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
+    def mode(weakness: GoalWeakness) -> FailureMode:
+        shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
         faults = named_faults(mission, pool, shown.witness)
         effect, counts = flown(shown.witness)
-        chances = (pool[fault].likelihood for fault in way.faults)
+        chances = (pool[fault].likelihood for fault in weakness.faults)
         known = [chance for chance in chances if chance is not None]
         return FailureMode(
-            number=way.number,
-            faults=" ".join(way.faults),
-            form="listed" if way.mildest is None else "mildest",
+            number=weakness.number,
+            faults=" ".join(weakness.faults),
+            form="listed" if weakness.mildest is None else "mildest",
             item="; ".join(dict.fromkeys(each.target for each in faults)),
             failure_mode="; ".join(map(happens, faults)),
             local_effect=effect,
-            end_effect=mission.label_of(way.goal),
+            end_effect=mission.label_of(weakness.goal),
             measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
-            detected=detection(way, units),
+            detected=detection(weakness, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
             ticks=max(counts[place]),
-            occurrence=math.prod(known) if len(known) == len(way.faults) else None,
+            occurrence=math.prod(known) if len(known) == len(weakness.faults) else None,
         )
 
     def rank(mode: FailureMode) -> tuple[float, bool, int]:
@@ -293,7 +296,7 @@ class GoalVerdict:
     name: str
     label: str
     state: State
-    way: Way | None
+    weakness: GoalWeakness | None
     n_others: int
     cause: str
     detection: str
@@ -321,9 +324,9 @@ class GoalVerdict:
     def evidence(self) -> tuple[str, ...]:
         """The weakness, its strength, other weaknesses, and the bound on what was not found."""
         near = (self.nearest,) if self.nearest else ()
-        if self.way is None:
+        if self.weakness is None:
             return (self.bound, *near)
-        number = f"weakness {self.way.number}", " and ".join(self.way.faults)
+        number = f"weakness {self.weakness.number}", " and ".join(self.weakness.faults)
         return (*number, *self.strength, *filter(None, (self.others,)), self.bound, *near)
 
     @property
@@ -334,18 +337,21 @@ class GoalVerdict:
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
     """Return the verdict on each goal of a mission, the gravest first."""
-    least_of = {way.goal: way for way in least(known.ways)}
+    least_of = {each.goal: each for each in least(known.goal_weaknesses)}
     found = (_verdict(mission, pool, known, goal, least_of.get(goal.id)) for goal in mission.goals)
-    return tuple(
-        sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_undetected)))
-    )
+
+    def rank(each: GoalVerdict) -> tuple[State, bool]:
+        return each.state, not (each.weakness and each.weakness.is_undetected)
+
+    return tuple(sorted(found, key=rank))
 
 
 def _verdict(
-    mission: Mission, pool: FaultPool, known: Harvest, goal: Goal, way: Way | None
+    mission: Mission, pool: FaultPool, known: Harvest, goal: Goal, weakness: GoalWeakness | None
 ) -> GoalVerdict:
     unknown = max(known.known.bound(Column(goal.id, measure)) for measure in MEASURES)
-    state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
+    n_weaknesses = sum(each.goal == goal.id for each in known.goal_weaknesses)
+    state = State.HOLDS if weakness is None else _STATES[weakness.shown.column.kind]
     of = known.yardstick
     fault_free = dict(zip(of.columns, of.most, strict=True)) if of else {}
     is_broken = any(fault_free.get(Column(goal.id, kind), 0) > 0 for kind in MEASURES[1:])
@@ -355,12 +361,12 @@ def _verdict(
     strength: tuple[str, ...] = ()
     if state is State.BROKEN_ANYWAY:  # not because of the weakness
         cause = starvation(mission, goal)
-    elif way is not None:
-        cause = f"if {cause_in_words(mission, pool, way)}"
-        detected = "" if state is State.FALSE_ALARM else detection(way, mission.units)
-    if way is not None:
-        seeds = f"in {way.shown.n_held} of {counted(way.shown.n_seeds, 'mission seeds')}"
-        strength = seeds, f"{100 * way.shown.share:.0f} % of tried variants"
+    elif weakness is not None:
+        cause = f"if {cause_in_words(mission, pool, weakness)}"
+        detected = "" if state is State.FALSE_ALARM else detection(weakness, mission.units)
+    if weakness is not None:
+        seeds = f"in {weakness.shown.n_held} of {counted(weakness.shown.n_seeds, 'mission seeds')}"
+        strength = seeds, f"{100 * weakness.shown.share:.0f} % of tried variants"
     others = "other random specifications"
     limit = f"{others} that break it: at most {100 * unknown:.0f} % (95 % confidence)"
     return GoalVerdict(
@@ -368,8 +374,8 @@ def _verdict(
         name=mission.name_of(goal),
         label=mission.label_of(goal.id),
         state=state,
-        way=way,
-        n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
+        weakness=weakness,
+        n_others=n_weaknesses - (weakness is not None),
         cause=cause,
         detection=detected,
         strength=strength,
@@ -390,19 +396,20 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
     return f"violated {where}, which no known weakness explains"
 
 
-def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
+def cause_in_words(mission: Mission, pool: FaultPool, weakness: GoalWeakness) -> str:
     """Return the conditions under which a weakness breaks its goal."""
-    faults = named_faults(mission, pool, way.shown.witness)
-    off = way.mildest.off if way.is_mildest and way.mildest else ()
+    faults = named_faults(mission, pool, weakness.shown.witness)
+    off = weakness.mildest.off if weakness.is_mildest and weakness.mildest else ()
     pairs = zip(faults, off or [None] * len(faults), strict=True)
     return " and ".join(deed(mission, fault, apart) for fault, apart in pairs)
 
 
-def sentence(mission: Mission, pool: FaultPool, way: Way) -> str:
+def sentence(mission: Mission, pool: FaultPool, weakness: GoalWeakness) -> str:
     """Return in one or two sentences which goal a weakness breaks, when, and who detects it."""
-    state, cause = _STATES[way.shown.column.kind], cause_in_words(mission, pool, way)
-    breaks = f"{mission.label_of(way.goal)} {_WORDS[state]} if {cause}"
-    return breaks if state is State.FALSE_ALARM else f"{breaks}. {detection(way, mission.units)}"
+    state, cause = _STATES[weakness.shown.column.kind], cause_in_words(mission, pool, weakness)
+    breaks = f"{mission.label_of(weakness.goal)} {_WORDS[state]} if {cause}"
+    detected = f". {detection(weakness, mission.units)}"
+    return breaks if state is State.FALSE_ALARM else breaks + detected
 
 
 def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
@@ -491,7 +498,7 @@ def headline(goals: Sequence[GoalVerdict]) -> str:
         return "No faults were found that break a goal"
     is_failing = all(each.state is State.FAILS for each in broken)
     verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
-    alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]
+    alone = [each for each in broken if each.weakness and len(each.weakness.faults) == 1]
     if len(alone) == len(broken):
         by = "under a single fault" if len(broken) == 1 else "each under a single fault"
     elif alone:
@@ -504,23 +511,26 @@ def headline(goals: Sequence[GoalVerdict]) -> str:
 
 
 def facts(
-    mission: Mission, pool: FaultPool, goals: Sequence[GoalVerdict], ways: Sequence[Way]
+    mission: Mission,
+    pool: FaultPool,
+    goals: Sequence[GoalVerdict],
+    weaknesses: Sequence[GoalWeakness],
 ) -> Iterator[str]:
     """Yield sentences: undetected weaknesses, false alarms, and the element to protect first."""
-    undetected = [each.label for each in goals if each.way is not None and each.way.is_undetected]
+    undetected = [each.label for each in goals if each.weakness and each.weakness.is_undetected]
     if undetected:
         yield f"Undetected in at least one variant: {', '.join(undetected)}"
     alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"False alarms only: {', '.join(alarms)}"
-    struck: defaultdict[str, list[Way]] = defaultdict(list)
-    for way in ways:
-        if len(way.faults) == 1 and way.shown.column.kind != MEASURES[0]:
-            struck[_subject(mission, pool[way.faults[0]])[0]].append(way)
-    n_goals = {subject: len({way.goal for way in some}) for subject, some in struck.items()}
+    struck: defaultdict[str, list[GoalWeakness]] = defaultdict(list)
+    for weakness in weaknesses:
+        if len(weakness.faults) == 1 and weakness.shown.column.kind != MEASURES[0]:
+            struck[_subject(mission, pool[weakness.faults[0]])[0]].append(weakness)
+    n_goals = {subject: len({each.goal for each in some}) for subject, some in struck.items()}
     first = max(struck, key=n_goals.__getitem__, default="")
     if n_goals.get(first, 0) > 1:
-        by = ", ".join(sorted({way.faults[0] for way in struck[first]}))
+        by = ", ".join(sorted({each.faults[0] for each in struck[first]}))
         yield f"Protect first: {first} ({by}), which alone breaks {_number(n_goals[first])} goals"
 
 

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 from mrsfi_runtime.causes import weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
-from mrsfi_runtime.causes.mildest import Mildest, Way, least, mildest, ways
+from mrsfi_runtime.causes.mildest import GoalWeakness, Mildest, goal_weaknesses, least, mildest
 from mrsfi_runtime.causes.weakness import MEASURES, Broken, FaultSet, Known, Weakness, Yardstick
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
@@ -254,13 +254,13 @@ class Harvest:
     nearest: Mapping[str, Nearest] = field(default_factory=dict)
 
     @property
-    def ways(self) -> tuple[Way, ...]:
+    def goal_weaknesses(self) -> tuple[GoalWeakness, ...]:
         """The weaknesses by goal and set of faults, numbered."""
-        return ways(self.weaknesses, self.mildest)
+        return goal_weaknesses(self.weaknesses, self.mildest)
 
-    def with_seeds_of(self, found: Iterable[Way]) -> Self:
+    def with_seeds_of(self, found: Iterable[GoalWeakness]) -> Self:
         """Return it with weaknesses replaced by those that were flown in more mission seeds."""
-        flown = {(one.column, one.faults): one for way in found for one in way.by}
+        flown = {(one.column, one.faults): one for each in found for one in each.by}
         replaced = (flown.get((one.column, one.faults), one) for one in self.weaknesses)
         return replace(self, weaknesses=tuple(replaced))
 
@@ -338,7 +338,7 @@ def harvest(
     found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
         found = weakness.dated(yardstick, found, record)
-    smallest = [way.shown for way in least(ways(found))]
+    smallest = [each.shown for each in least(goal_weaknesses(found))]
     shrunk = _reporting(smallest, on_progress, known)
     mild = mildest(space, known, shrunk, prober, record, seeds[:N_MILD]) if smallest else ()
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())

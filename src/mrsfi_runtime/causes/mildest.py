@@ -5,8 +5,8 @@ one after the other, while the goal breaks in several mission seeds at once. Bis
 a variant milder than one that does not break the goal does not break it either. This need not
 hold, so the result is the mildest variant that was found.
 
-``Deviation`` measures variants, ``mildest`` shrinks them. A ``Way`` is a numbered weakness: a goal
-and a set of faults that breaks it, by up to three measures.
+``Deviation`` measures variants, ``mildest`` shrinks them. A ``GoalWeakness`` is a numbered
+weakness: a goal and a set of faults that breaks it, by up to three measures.
 """
 
 import math
@@ -280,7 +280,7 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class GoalWeakness:
     """A numbered weakness, from 1: a goal, and a minimal set of the pool's faults that breaks it.
 
     ``by`` has a ``Weakness`` for each measure by which they break it, in the order of ``MEASURES``;
@@ -320,7 +320,9 @@ class Way:
         return [{"number": self.number, **each.as_json()} for each in self.by]
 
 
-def ways(weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tuple[Way, ...]:
+def goal_weaknesses(
+    weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()
+) -> tuple[GoalWeakness, ...]:
     """Return weaknesses by goal and set of faults, numbered in the order in which they come."""
 
     def broken(weakness: Weakness) -> tuple[str, tuple[str, ...]]:
@@ -328,15 +330,15 @@ def ways(weaknesses: Iterable[Weakness], mildest: Iterable[Mildest] = ()) -> tup
 
     least_of = {broken(each.weakness): each for each in mildest}
     return tuple(
-        Way(number, *way, tuple(each), least_of.get(way))
-        for number, (way, each) in enumerate(groupby(weaknesses, key=broken), 1)
+        GoalWeakness(number, *cause, tuple(each), least_of.get(cause))
+        for number, (cause, each) in enumerate(groupby(weaknesses, key=broken), 1)
     )
 
 
-def least(weaknesses: Iterable[Way]) -> tuple[Way, ...]:
+def least(weaknesses: Iterable[GoalWeakness]) -> tuple[GoalWeakness, ...]:
     """Return one for each goal: fewest faults, in truth, in most mission seeds and variants."""
 
-    def size(each: Way) -> tuple[int, bool, int, float]:
+    def size(each: GoalWeakness) -> tuple[int, bool, int, float]:
         shown = each.shown
         n_lost = shown.n_seeds - shown.n_held
         return len(each.faults), shown.column.kind == MEASURES[0], n_lost, -shown.share

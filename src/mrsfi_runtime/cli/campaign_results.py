@@ -21,7 +21,7 @@ from mrsfi_runtime.analysis.weaknesses import State
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
-from mrsfi_runtime.causes.mildest import Way
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import counted
@@ -38,7 +38,7 @@ def print_verdicts(
     wanted = mission.goal_ids if goals is None else goals
     found = [each for each in weaknesses.verdicts(mission, pool, known) if each.goal in wanted]
     print_words((weaknesses.headline(found), "bold"))
-    for fact in weaknesses.facts(mission, pool, found, known.ways):
+    for fact in weaknesses.facts(mission, pool, found, known.goal_weaknesses):
         print_words(fact)
     click.echo()
     held = [each for each in found if each.state is State.HOLDS]
@@ -56,7 +56,7 @@ def print_verdicts(
 
 
 def print_all(
-    campaign: OpenCampaign, known: Harvest, found: Sequence[Way], goals: Sequence[str]
+    campaign: OpenCampaign, known: Harvest, found: Sequence[GoalWeakness], goals: Sequence[str]
 ) -> None:
     """Print weaknesses, the bounds on those not found, and the faults that were never flown."""
     mission, pool = campaign.mission, campaign.pool
@@ -64,7 +64,7 @@ def print_all(
     if found:
         print_table(weaknesses.matrix_table(mission, pool, found))
         title = "How, in one of the variants of each weakness"
-        print_table(weaknesses.way_table(title, mission, pool, found))
+        print_table(weaknesses.weakness_table(title, mission, pool, found))
     for each in goals:
         print_words(weaknesses.not_found(known.known, each))
     click.echo()
@@ -72,7 +72,8 @@ def print_all(
     named = ", ".join(" with ".join(each) for each in never[:10]) or "none"
     more = f" and {len(never) - 10} more" if len(never) > 10 else ""
     pairs = f"{n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs"
-    click.echo(f"{weaknesses.harmless(pool, known.ways)}\nOf {pairs}, never flown: {named}{more}")
+    harmless = weaknesses.harmless(pool, known.goal_weaknesses)
+    click.echo(f"{harmless}\nOf {pairs}, never flown: {named}{more}")
 
 
 def print_bounds(known: Known, goals: Sequence[str]) -> None:
@@ -85,17 +86,17 @@ def print_bounds(known: Known, goals: Sequence[str]) -> None:
     print_json(told)
 
 
-def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool) -> None:
+def print_mildest(campaign: OpenCampaign, found: Sequence[GoalWeakness], *, is_json: bool) -> None:
     """Print the mildest variant of each weakness."""
-    told = [(way, way.mildest) for way in found if way.mildest is not None]
+    told = [(each, each.mildest) for each in found if each.mildest is not None]
     if is_json:
-        print_json([{"number": way.number, **each.as_json()} for way, each in told])
+        print_json([{"number": weakness.number, **each.as_json()} for weakness, each in told])
         return
-    shown = [replace(way, by=(each.weakness,)) for way, each in told]
+    shown = [replace(weakness, by=(each.weakness,)) for weakness, each in told]
     title = "The mildest variant that was found of each weakness"
-    print_table(weaknesses.way_table(title, campaign.mission, campaign.pool, shown))
-    for way, each in told:
-        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')}).")
+    print_table(weaknesses.weakness_table(title, campaign.mission, campaign.pool, shown))
+    for weakness, each in told:
+        click.echo(f"{weakness.number}  {each.sentence} ({counted(each.n_flights, 'flights')}).")
 
 
 def report(
@@ -128,8 +129,8 @@ def report(
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     folder, known = campaign.folder.path, summary.harvest
     mission, pool = campaign.mission, campaign.pool
-    if known is not None and summary.ways:
-        print_table(weaknesses.matrix_table(mission, pool, summary.ways))
+    if known is not None and summary.weaknesses:
+        print_table(weaknesses.matrix_table(mission, pool, summary.weaknesses))
     else:
         print_table(tables.critical_table(summary.measure, pool, summary.top, summary.n_distinct))
     if summary.front is not None:
@@ -147,7 +148,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     if known is None:
         doubt, advice = summary.unrepeated, f"mrsfi explain {folder} --all"
         click.echo(f"caution   {doubt}" if doubt else f"next      {advice}")
-    elif summary.ways:
+    elif summary.weaknesses:
         click.echo(f"next      mrsfi show {folder}")
 
 

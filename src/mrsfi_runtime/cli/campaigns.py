@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
-    from mrsfi_runtime.causes.mildest import Way
+    from mrsfi_runtime.causes.mildest import GoalWeakness
 
 
 def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
@@ -299,7 +299,7 @@ def weaknesses_command(
                 raise UsageError(f"--goal: found '{goal}'; {expected(goal, goals)}")
             goals = (goal,)
         known = harvested(campaign)
-        found = [way for way in known.ways if way.goal in goals]
+        found = [each for each in known.goal_weaknesses if each.goal in goals]
         is_told = not is_bounds or any(files.values())
         is_named = bool(engine)  # a named engine has to be the one that flew it
         if is_told and (is_mildest or n_seeds is not None or is_named):
@@ -311,14 +311,14 @@ def weaknesses_command(
         elif is_mildest:
             campaign_results.print_mildest(campaign, found, is_json=is_json)
         elif is_json:
-            print_json([each for way in found for each in way.as_json()])
+            print_json([each for weakness in found for each in weakness.as_json()])
         else:
             campaign_results.print_all(campaign, known.with_seeds_of(found), found, goals)
 
 
 def _write(
     campaign: "OpenCampaign",
-    found: "Sequence[Way]",
+    found: "Sequence[GoalWeakness]",
     engine: Given,
     workers: Workers,
     drawn: tuple[int, Path] | None = None,
@@ -332,7 +332,7 @@ def _write(
     wanted = [(path, known) for path, known in files if path is not None]
     for path, known in wanted:
         of.require_format(path, known)
-    drawn_of = None if drawn is None else of.way_of(campaign.folder.path, found, number)
+    drawn_of = None if drawn is None else of.weakness_of(campaign.folder.path, found, number)
     if fault_tree is not None:
         of.write_fault_trees(campaign, found, fault_tree)
     if fmea is not None or map_path is not None:
@@ -373,7 +373,7 @@ def show_command(run: Path, number: int | None) -> None:
         if number is None:
             print_verdicts(campaign, found)
         for each in show(campaign, number):
-            click.echo(f"{each.way.number}  {each.title}")
+            click.echo(f"{each.weakness.number}  {each.title}")
             for line in (*each.sentences, *each.figures):
                 click.echo(f"    {line}")
             click.echo()

@@ -358,9 +358,9 @@ def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> No
         harvest(campaign, evaluator, own, tell)
         known = harvested(campaign)
         if is_json:
-            print_json([each for way in known.ways for each in way.as_json()])
+            print_json([each for weakness in known.goal_weaknesses for each in weakness.as_json()])
         else:
-            print_all(campaign, known, known.ways, campaign.mission.goal_ids)
+            print_all(campaign, known, known.goal_weaknesses, campaign.mission.goal_ids)
 
 
 def _serve_bridge(settings: ServerSettings) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.analysis.weaknesses import failure_modes
-from mrsfi_runtime.causes.mildest import ways
+from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool
@@ -22,7 +22,9 @@ STOP, BLIND = (
 def modes(found, chances=()):
     given = dict(chances)
     pool = FaultPool("p", tuple(replace(f, likelihood=given.get(f.id)) for f in CODE.pool))
-    return failure_modes(CODE.mission, pool, ways(found), ReferenceEngine(CODE, 1).record)
+    return failure_modes(
+        CODE.mission, pool, goal_weaknesses(found), ReferenceEngine(CODE, 1).record
+    )
 
 
 def test_a_row_says_what_the_flight_shows():

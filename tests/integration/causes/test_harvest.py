@@ -90,10 +90,10 @@ def n_shrinking(found):
 def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
     found = harvest(space, store, engine.evaluate_many, engine.record)
 
-    told = least(found.ways)
+    told = least(found.goal_weaknesses)
     assert [each.goal for each in told] == [each.weakness.column.goal for each in found.mildest]
     assert all(each.is_mildest for each in told)
-    listed = [found.ways[each.number - 1] for each in told]
+    listed = [found.goal_weaknesses[each.number - 1] for each in told]
     assert not any(each.is_mildest for each in listed)
     assert [each.faults for each in told] == [each.faults for each in listed]
     n_ticks = [

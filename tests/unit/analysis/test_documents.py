@@ -12,7 +12,7 @@ from mrsfi_runtime.analysis.story import working_window
 from mrsfi_runtime.analysis.tables import Table, to_html
 from mrsfi_runtime.analysis.weaknesses import FailureMode, harmless, modes_as_csv, modes_as_markdown
 from mrsfi_runtime.api import Patrol, Stay, Visit
-from mrsfi_runtime.causes.mildest import ways
+from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.integration.analysis.test_page import HOSTILE
@@ -20,7 +20,7 @@ from tests.support.campaigns import area
 from tests.support.search import PAPER_FAULTS, paper_mission, pool_of
 from tests.support.weaknesses import weakness
 
-FOUND = ways(
+FOUND = goal_weaknesses(
     [
         weakness("g2", "believed", "f7"),
         weakness("g2", "true", "f9"),
@@ -73,7 +73,7 @@ def test_labels_are_one_line_and_names_differ_whatever_ids_and_names_hold():
     goals[0] = replace(goals[0], id="F 9")
     first, second = (replace(each, name="=x\t\n") for each in PAPER_FAULTS[:2])
     pool = FaultPool("pool", (replace(first, id="f.9"), replace(second, id="f-9")))
-    found = ways([weakness("F 9", "true", "f.9"), weakness("F 9", "true", "f-9")])
+    found = goal_weaknesses([weakness("F 9", "true", "f.9"), weakness("F 9", "true", "f-9")])
     hostile = replace(mission, goals=tuple(goals))
 
     text = as_pfta(hostile, pool, found).decode()
@@ -124,7 +124,7 @@ def test_no_cell_is_a_formula_in_a_spreadsheet_or_markup_on_a_page():
 def test_faults_that_are_in_no_way_to_break_a_goal_are_named_in_the_order_of_the_pool(
     found, approved
 ):
-    approved(harmless(POOL, ways(found)))
+    approved(harmless(POOL, goal_weaknesses(found)))
 
 
 class Tags(HTMLParser):

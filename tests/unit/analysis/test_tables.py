@@ -41,7 +41,7 @@ from mrsfi_runtime.analysis.weaknesses import (
 )
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Harvest
-from mrsfi_runtime.causes.mildest import ways
+from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.weakness import Detection, Known, Yardstick
 from mrsfi_runtime.errors import RecordError, SpecificationError
 from mrsfi_runtime.model.fault_types import Mode, Units
@@ -410,9 +410,9 @@ def test_a_goal_whose_name_others_have_is_told_by_its_robots():
 def test_the_worst_of_all_variants_is_told_and_in_how_many_it_is_so(measure, late, approved):
     found = Detection.of(dict(enumerate(late)))
 
-    (way,) = ways([weakness("g1", measure, "f11", detection=found)])
+    (only,) = goal_weaknesses([weakness("g1", measure, "f11", detection=found)])
 
-    approved(detection(way, Units()))
+    approved(detection(only, Units()))
 
 
 @pytest.mark.parametrize(
@@ -433,8 +433,8 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
 
 
 def verdict(goal, state, *faults):
-    way = ways([weakness(goal, "true", *faults)])[0] if faults else None
-    return GoalVerdict(goal, goal, goal, state, way, 0, "", "", (), "")
+    least = goal_weaknesses([weakness(goal, "true", *faults)])[0] if faults else None
+    return GoalVerdict(goal, goal, goal, state, least, 0, "", "", (), "")
 
 
 HOLDS = verdict("g9", State.HOLDS)

@@ -12,7 +12,7 @@ import pytest
 from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import N_ALONE, Cover
-from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map, ways
+from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, goal_weaknesses, mildest, tried_map
 from mrsfi_runtime.causes.weakness import MEASURES, Detection, Known, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.model.faults import Specification, TimedFault
@@ -487,6 +487,6 @@ def test_a_map_has_every_step_of_value_and_window_and_what_breaks():
 def test_a_way_is_undetected_if_a_variant_is_never_detected(late, expected):
     found = Detection.of(dict(enumerate(late)))
 
-    (way,) = ways([weakness("g1", "true", "f4", detection=found)])
+    (only,) = goal_weaknesses([weakness("g1", "true", "f4", detection=found)])
 
-    assert way.is_undetected == expected
+    assert only.is_undetected == expected
