@@ -87,8 +87,8 @@ TERMS = (
     ),
     Term(
         "undetected",
-        "Of a violation: true at a tick at which the CI does not believe it; `masked` in files and "
-        "options.",
+        "Of a violation: true at a tick at which the CI does not believe it (`masked` in files and "
+        "options); of a variant: believed at no tick from the first true violation on.",
         "r3 is outside the area for 20 ticks while the CI believes that it is inside.",
         "undetected violation, missed detection, false negative",
     ),
