@@ -31,7 +31,7 @@ from typing import Any, TypeAlias
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
-from mrsfi_runtime.files import MARKER
+from mrsfi_runtime.files import MARKER, not_a_manifest
 from mrsfi_runtime.model.fault_types import SEMANTICS
 
 LINE_LENGTH = 100
@@ -530,10 +530,8 @@ def loads(text: str, name: str) -> dict[str, FileRecord]:
             for path, entry in document["files"].items()
         }
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise GenerationError(
-            f"{name}: is not a manifest ({type(error).__name__}: {error}); restore it from version "
-            "control, or delete it: then everything in the generated files counts as edited"
-        ) from error
+        counts = "then everything in the generated files counts as edited"
+        raise GenerationError(f"{not_a_manifest(name, error)}: {counts}") from error
 
 
 def _but_sources(text: str) -> dict[str, Any]:

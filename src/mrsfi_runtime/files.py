@@ -300,6 +300,12 @@ MARKER = re.compile(
 """A marker line with its line end; the end of a region has no ``state``."""
 
 
+def not_a_manifest(place: object, error: Exception) -> str:
+    """Return the start of a message about a broken manifest of generated code."""
+    broken = f"{place}: is not a manifest ({type(error).__name__}: {error})"
+    return f"{broken}; restore it from version control, or delete it"
+
+
 def lines_in_regions(text: str) -> Mapping[int, str]:
     """Return the regions of lines, by line number."""
     found = {}

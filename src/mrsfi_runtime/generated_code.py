@@ -29,7 +29,7 @@ from zlib import crc32
 from mrsfi_runtime.cosimulation.lockstep import SimInterface, Simulation
 from mrsfi_runtime.errors import EvaluationError, GenerationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, importing, words
-from mrsfi_runtime.files import MARKER
+from mrsfi_runtime.files import MARKER, not_a_manifest
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import FaultPool
@@ -49,10 +49,8 @@ def require_semantics(directory: Path) -> None:
     try:
         found = int(json.loads(path.read_bytes()).get("semantics", 1))  # the first had no number
     except (ValueError, TypeError, AttributeError) as error:
-        raise GenerationError(
-            f"{path}: is not a manifest ({type(error).__name__}: {error}); restore it from version "
-            "control, or delete it and run `mrsfi generate`"
-        ) from error
+        broken = not_a_manifest(path, error)
+        raise GenerationError(f"{broken} and run `mrsfi generate`") from error
     if found != SEMANTICS:
         remedy = "run `mrsfi generate`, then review the diff and your regions"
         raise GenerationError(
