@@ -2,7 +2,8 @@
 
 A test hands over a text or a list of lines, ``approved(text)``, or what fails, ``with
 refused(UsageError)``; its texts stand in that file under its name. ``pytest --approve FILE``
-writes what they are now, and drops what no test asks for.
+writes what they are now, and drops what no test asks for. A line number in a copy of a metamodel
+is replaced by the name in that line, so that a new fault type changes no approved text.
 """
 
 import re
@@ -21,6 +22,15 @@ Approved = Callable[[object], None]
 Refused = Callable[..., AbstractContextManager[pytest.ExceptionInfo[BaseException]]]
 _NEW = pytest.StashKey[dict[str, dict[str, str]]]()
 """For each file of texts what its tests handed over in this run."""
+_METAMODEL_LINE = re.compile(r"(/[^\s:]+\.ecore):(\d+)(?=:)")
+
+
+def _named(place: re.Match[str]) -> str:
+    """Return a place in a metamodel with the first name in its line for the line's number."""
+    path, number = Path(place[1]), int(place[2])
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    name = re.search('name="([^"]+)"', lines[number - 1]) if number <= len(lines) else None
+    return f"{path}:LINE OF {name[1]}" if name else place[0]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -46,7 +56,8 @@ def approved(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     def compare(text: object) -> None:
         name = next(names)
         lines = map(str, text) if isinstance(text, list) else [str(text)]
-        plain = folder.sub("TMP", "\n".join(lines).replace(str(ROOT), "ROOT"))
+        named = _METAMODEL_LINE.sub(_named, "\n".join(lines))
+        plain = folder.sub("TMP", named.replace(str(ROOT), "ROOT"))
         plain = re.sub(r"ROOT/(src|m2t|tests)/[^:]+:\d+", "ROOT/SOURCE", plain)
         new[name] = "\n".join(line.rstrip() for line in plain.strip("\n").splitlines())
         if old.get(name) != new[name] and not request.config.getoption("--approve"):
