@@ -96,6 +96,7 @@ NoiseNotNegative (mission): a noise is not below 0
 EnergyNotNegative (mission): energies and energy costs are not below 0
 SamplesPerSecondPositive (mission): a sensor takes at least 1 sample per tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
+RequiredMembersNotNegative (mission): a number of required members is not below 0
 PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is tick 1 or later
 TolerancePositive (mission): a tolerance is above 0
@@ -109,6 +110,9 @@ MessageFieldType (mission): a message field is of type Coordinates, Int, Double 
 SenderIsNotReceiver (mission): the receiver of a message is not its sender
 UniquePropertyName (mission): user-defined properties of one station have different names
 GoalDependsOnOthers (mission): a goal does not depend on itself
+RequiredMembersAvailable (mission): a goal does not require more members than it has
+RequiredMembersCounted (mission): a goal requires some of its members only if its task is judged
+    member by member
 GatherSamplesArea (mission): a goal that gathers samples has an area
 SensorOfMember (mission): the sensor of a goal belongs to one of its members
 PairOfMembers (mission): a goal that keeps a distance between robots has at least two members

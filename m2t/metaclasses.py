@@ -65,8 +65,8 @@ Obstacle: {_IDENTIFIED}, val Area[1] area
 Message: {_IDENTIFIED}, attr EString[?] header, ref Station[1] sender, ref Station[1] receiver,
     val MessageData[+] body
 MessageData: attr EString[1] name, attr EString[1] type
-Goal: {_NAMED}, ref Robot[+] members, ref Goal[*] dependentGoals, val Area[?] area,
-    val GoalTask[1] task, val Message[*] messages
+Goal: {_NAMED}, ref Robot[+] members, attr EInt[?] requiredMembers, ref Goal[*] dependentGoals,
+    val Area[?] area, val GoalTask[1] task, val Message[*] messages
 AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles
 StayWithinMissionArea extends GoalTask:
 SufficientEnergy extends GoalTask:

@@ -64,7 +64,11 @@ def call(element: Any) -> Call:
         for slot in known
         if not slot.feature.unsettable or element.eIsSet(slot.feature)
     )
-    arguments = tuple((name, value) for name, value in given if value not in (None, ()))
+    arguments = tuple(
+        (name, value)
+        for name, value in given
+        if value not in (None, ()) and (name, value) != ("required_members", 0)
+    )
     return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))
 
 

@@ -351,6 +351,10 @@ class Goal(Identified):
         ecore.EReference(lower=1, upper=-1, derived_class=Values),
         "The robots that take part in the goal.",
     )
+    requiredMembers = annotated(
+        ecore.EAttribute(eType=ecore.EInt, unsettable=True),
+        "How many members must satisfy the task, 0 to the number of members; all of them if 0 or unset. A task that is not judged member by member needs all: AvoidCollision, GatherSamples, FixedDistanceBetweenRobots.",
+    )
     dependentGoals = annotated(
         ecore.EReference(upper=-1, derived_class=Values),
         "The goals that depend on this one.",

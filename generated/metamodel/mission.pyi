@@ -329,6 +329,8 @@ class Goal(Identified):
     """The display name of the goal; any text is allowed."""
     members: EList[Robot]
     """The robots that take part in the goal."""
+    requiredMembers: int
+    """How many members must satisfy the task, 0 to the number of members; all of them if 0 or unset. A task that is not judged member by member needs all: AvoidCollision, GatherSamples, FixedDistanceBetweenRobots."""
     dependentGoals: EList[Goal]
     """The goals that depend on this one."""
     area: Area | None
@@ -343,6 +345,7 @@ class Goal(Identified):
         ID: str | None = ...,
         name: str | None = ...,
         members: Iterable[Robot] = ...,
+        requiredMembers: int | None = ...,
         dependentGoals: Iterable[Goal] = ...,
         area: Area | None = ...,
         task: GoalTask | None = ...,

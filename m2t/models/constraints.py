@@ -40,6 +40,8 @@ _LENGTHS = {
     "FixedDistanceBetweenRobots": ("fixedDistance", "tolerance"),
 }
 
+_JOINT_TASKS = ("AvoidCollision", "GatherSamples", "FixedDistanceBetweenRobots")
+
 Point: TypeAlias = tuple[float, float]
 
 
@@ -162,6 +164,7 @@ def _check_goal(mission: Any, goal: Any, report: Report) -> None:
         finding = "depends on itself; expected other goals; delete it from dependentGoals"
         report.add(goal, "GoalDependsOnOthers", finding)
     _check_figures(mission, goal.task, report)
+    _check_required_members(goal, report)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
         check(mission.duration, goal, report)
@@ -182,6 +185,19 @@ def _check_figures(mission: Any, element: Any, report: Report) -> None:
                 "more than that; correct one of them, or the unit"
             )
             report.add(element, "FigureInsideMission", finding)
+
+
+def _check_required_members(goal: Any, report: Report) -> None:
+    n = len(goal.members)
+    if goal.requiredMembers > n:
+        finding = f"requires {goal.requiredMembers} of {n} members; expected no more than it has"
+        report.add(goal, "RequiredMembersAvailable", f"{finding}; correct one of them")
+    if goal.requiredMembers > 0 and base_class(goal.task.eClass).name in _JOINT_TASKS:
+        finding = (
+            f"has requiredMembers {goal.requiredMembers}, but its task is not judged member by "
+            "member; expected none; delete it"
+        )
+        report.add(goal, "RequiredMembersCounted", finding)
 
 
 def _check_gather_samples(_: int, goal: Any, report: Report) -> None:

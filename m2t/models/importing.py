@@ -162,7 +162,7 @@ WRAPPED: Mapping[str, Mapping[str, str]] = {
 
 OPTIONAL = frozenset(
     {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
-    | {"distanceUnit", "timeUnit", "energyUnit"}
+    | {"distanceUnit", "timeUnit", "energyUnit", "requiredMembers"}
 )
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 

@@ -77,6 +77,7 @@ EnergyNotNegative | energyPerDistanceUnit="5.0" | energyPerDistanceUnit="-1" | m
     motionSources 'ms1'
 SamplesPerSecondPositive | samplesPerSecond="5" | samplesPerSecond="0" | s1 | sensors 's1'
 TargetSampleNumberNotNegative | Number="250" | Number="-1" | Number="-1" | task of goals 'g4'
+RequiredMembersNotNegative | ID="g2" | ID="g2" requiredMembers="-1" | ID="g2" | goals 'g2'
 PeriodPositive | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Patrol" period="0"><area ID="p" radius="1.0"/></task> | Patrol
     task of goals 'g2'
@@ -97,6 +98,8 @@ UniquePropertyName | <position
     doubleProperties | doubleProperties 'hull'
 SpeedWithinMaximum | speed="4.0" | speed="4.0" maxSpeed="3.5" | ID="r2" | robots 'r2'
 GoalDependsOnOthers | ID="g2" | ID="g2" dependentGoals="g1 g2" | ID="g2" | goals 'g2'
+RequiredMembersAvailable | ID="g2" | ID="g2" requiredMembers="4" | ID="g2" | goals 'g2'
+RequiredMembersCounted | ID="g1" | ID="g1" requiredMembers="2" | ID="g1" | goals 'g1'
 GatherSamplesArea
     <area ID="a4" radius="150.0">\n      <center x="-250.0" y="250.0" z="1.0"/>\n    </area>
     - | ID="g4" | goals 'g4'

@@ -254,6 +254,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
             deadline=terms.deadline,
         )
     )
+    state.required += (goal.required_members or len(terms.robots),)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

@@ -280,8 +280,9 @@ class State:
 
     Tuples are constant tables, the same in every state of a mission; digests and records leave
     them out. ``traits`` has one entry per robot, ``directions`` are the unit vectors of whole
-    degrees. ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin.
-    ``lookup`` is scratch space.
+    degrees. ``required`` has for each goal how many members must keep to the rule of its task.
+    ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
+    is scratch space.
     """
 
     mission: MissionState
@@ -295,6 +296,7 @@ class State:
     traits: tuple[TraitState, ...]
     chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
+    required: tuple[int, ...] = ()
     commands: list[CommandState] = field(default_factory=list)
     switches: list[SwitchState] = field(default_factory=list)
     map: MapState

@@ -218,7 +218,10 @@ class GoalTask:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A goal of its members, which are robot IDs."""
+    """A goal of its members, which are robot IDs.
+
+    ``required_members`` is how many of them must keep to the task; 0 stands for all.
+    """
 
     id: str
     name: str
@@ -227,6 +230,7 @@ class Goal:
     area: Area | None = None
     messages: tuple[Message, ...] = ()
     dependent_goals: tuple[str, ...] = ()
+    required_members: int = 0
 
     @property
     def terms(self) -> Terms:

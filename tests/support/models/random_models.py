@@ -12,6 +12,7 @@ from m2t.metaclasses import conforms, features
 from m2t.metamodels import load_metamodels
 from m2t.models.check import RANGES
 from tests.support.features import is_contained, is_reference, reference_type
+from tests.support.models.shapes import JOINT
 
 FIELDS = ("POSITION", "SPEED", "ENERGY", "GPS_POSITION", "DEPTH", "TEMPERATURE", "PRESSURE")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
@@ -261,6 +262,9 @@ def _make_sense(mission: Any, rng: random.Random) -> None:
             if goal.area is None:
                 goal.area = metaclasses.getEClassifier("Area")()
                 goal.area.ID, goal.area.radius = f"area-of-{goal.ID}", 2.5
+        if goal.eIsSet("requiredMembers"):
+            is_joint = goal.task.eClass.name in JOINT
+            goal.requiredMembers = 0 if is_joint else rng.randint(0, len(goal.members))
 
 
 _REFERRED = {"VIOLATED": ("goal",), "REACHED": ("goal",), "ENTERED": ("robot", "at", "area")}

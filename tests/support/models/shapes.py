@@ -33,6 +33,8 @@ TASKS = (
     "Stay",
     "FixedDistanceBetweenRobots",
 )
+JOINT = ("AvoidCollision", "GatherSamples", "FixedDistanceBetweenRobots")
+"""Tasks that are not judged member by member."""
 SENSOR_TYPES = ("GPS_POSITION", "DEPTH", "TEMPERATURE", "PRESSURE")
 FIELDS = {"POSITION": "Coordinates", "SPEED": "Double", "ENERGY": "Double"}
 RATES = (1, 2, 5, 40)
@@ -238,7 +240,11 @@ class _Parts:
         for n, goal in enumerate(self._of.goals):
             members = [robots[each] for each in goal.members]
             task = getattr(m, goal.task)(**self._task(n, goal, members, robots, obstacles))
-            more = {"area": self.area(f"ga{n}")} if goal.task == "GatherSamples" else {}
+            more: dict[str, Any] = {}
+            if goal.task == "GatherSamples":
+                more = {"area": self.area(f"ga{n}")}
+            elif goal.task not in JOINT and self._rng.random() < 0.5:
+                more = {"requiredMembers": self._rng.randint(0, len(members))}
             messages = [
                 self._message(f"m{N_MESSAGES * n + k}", members, base) for k in range(N_MESSAGES)
             ]

@@ -361,7 +361,7 @@ def test_samples_are_missed_when_all_that_can_still_come_are_too_few(count, tick
 )
 @pytest.mark.parametrize(
     ("task", "field", "values"),
-    [(Stay(HERE), "reached", (0, 1)), (Track(NORTHWARD, 5.0), "waypoint", (1, 2))],
+    [(Stay(HERE), "since", (-1, 99)), (Track(NORTHWARD, 5.0), "waypoint", (1, 2))],
 )
 def test_stay_and_track_are_missed_by_leaving_or_by_what_is_not_done_at_the_end(
     task, field, values, violated, tick, is_done, expected

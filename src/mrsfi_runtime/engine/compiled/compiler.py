@@ -407,6 +407,7 @@ def _reached_by(first: Any) -> list[FunctionType]:
     for function in found:
         names = set(names_of(function.__code__))
         read = [function.__globals__[name] for name in names & function.__globals__.keys()]
+        read += [cell.cell_contents for cell in function.__closure__ or ()]
         for module in [each for each in read if isinstance(each, ModuleType)]:
             read += [vars(module)[name] for name in names & vars(module).keys()]
         found += [each for each in dict.fromkeys(filter(is_kernel, read)) if each not in found]

@@ -1,8 +1,13 @@
-"""Functions that goal tasks share: margins, and which members have been in a goal's area.
+"""What goal tasks share: counting members, margins, and who has been in a goal's area.
+
+A goal is violated if fewer members than it requires keep to the rule of its task. ``too_many``
+makes this check of a rule for one member, ``kth_best`` the value that decides it.
 
 A margin is the distance from violation, in the unit of the goal's task; it is negative if the goal
 is violated. Robot motion bounds how fast most margins change. ``patience`` uses this bound to tell
-for how many ticks a margin need not be computed, as it cannot fall below the least so far.
+for how many ticks a margin need not be computed, as it cannot fall below the least so far. If no
+member's value falls by more than a bound in a tick, neither does the ``kth_best``: the k members
+that are best now all keep a value of at least the present k-th best minus the bound.
 
 References
 ----------
@@ -11,7 +16,8 @@ Temporal Logic over Real-Valued Signals", FORMATS 2010), taken as the minimum ov
 """
 
 import math
-from typing import Final
+from collections.abc import Callable
+from typing import Final, TypeAlias
 
 from mrsfi_runtime.kernel.geometry import distance, inside
 from mrsfi_runtime.kernel.guidance import roam
@@ -21,6 +27,54 @@ NO_MARGIN: Final = math.inf
 """Margin of a goal while it is undefined, such as before a robot first enters its area."""
 
 NEVER: Final = 1 << 40  # a tick that no mission reaches
+
+
+MemberRule: TypeAlias = Callable[[State, GoalState, int], bool]
+"""Return whether a member of a goal, by its index in ``State.members``, breaks a rule."""
+
+MemberValue: TypeAlias = Callable[[State, GoalState, int], float]
+"""Return a number of a member, which is greater the further it is from a violation."""
+
+
+def too_many(breaks: MemberRule) -> Callable[[State, int], bool]:
+    """Return the check whether so many members break a rule that fewer than required keep it."""
+
+    @kernel
+    def is_broken(view: State, g: int) -> bool:
+        goal = view.goals[g]
+        spare = goal.n_members - view.required[g]
+        for m in range(goal.first_member, goal.first_member + goal.n_members):
+            if breaks(view, goal, m):
+                if spare == 0:
+                    return True
+                spare -= 1
+        return False
+
+    return is_broken
+
+
+def kth_best(value: MemberValue) -> Callable[[State, int], float]:
+    """Return the function for the greatest value that as many members as required have or exceed.
+
+    If all are required, it is the least value. Each pass over the members finds the next greater
+    value; equal ones follow by index.
+    """
+
+    @kernel
+    def decisive(view: State, g: int) -> float:
+        goal = view.goals[g]
+        first = goal.first_member
+        found, at = -NO_MARGIN, -1
+        for _ in range(goal.n_members - view.required[g] + 1):
+            least, place = NO_MARGIN, at
+            for m in range(first, first + goal.n_members):
+                own = value(view, goal, m)
+                if own < least and (own > found or (own == found and m > at)):
+                    least, place = own, m
+            found, at = least, place
+        return found
+
+    return decisive
 
 
 @kernel
@@ -63,13 +117,9 @@ def depth(goal: GoalState, robot: RobotState) -> float:
 
 
 @kernel
-def is_awaited(view: State, g: int) -> bool:
+def is_absent(view: State, goal: GoalState, m: int) -> bool:  # noqa: ARG001 - as of all rules
     """Return whether a member has not yet been at the goal's area or point."""
-    goal = view.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if view.members[m].reached == 0:
-            return True
-    return False
+    return view.members[m].reached == 0
 
 
 @kernel

@@ -3,8 +3,15 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from mrsfi_runtime.kernel.goal_tasks.common import NEVER, depth, note_presence, patience, roam_area
-from mrsfi_runtime.kernel.state import State, kernel
+from mrsfi_runtime.kernel.goal_tasks.common import (
+    depth,
+    kth_best,
+    note_presence,
+    patience,
+    roam_area,
+    too_many,
+)
+from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, GoalTask
 
@@ -24,29 +31,36 @@ react = roam_area
 
 
 @kernel
-def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare of the member that has been outside the area for longest."""
-    goal = world.goals[g]
-    tick = world.mission.tick
-    first = tick
-    soonest = NEVER  # tick at which a member can first use up its whole period outside
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        member = world.members[m]
-        first = min(first, member.since)
-        stays = 0
-        if member.since == tick:
-            robot = world.robots[member.robot]
-            stays = patience(depth(goal, robot), 0.0, robot.max_speed) - 1
-        soonest = min(soonest, member.since + stays + goal.period - 1)
-    left = float(goal.period - 1 - (tick - first))
-    return left, max(soonest - tick - int(min(left, least)), 1)
+def is_overdue(view: State, goal: GoalState, m: int) -> bool:
+    """Return whether a member has not been inside the area for one period."""
+    return view.mission.tick - view.members[m].since >= goal.period
 
 
 @kernel
-def violated(view: State, g: int) -> bool:
-    """Return whether a member has not been inside the area for one period."""
-    goal = view.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if view.mission.tick - view.members[m].since >= goal.period:
-            return True
-    return False
+def last_inside(view: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
+    """Return the tick at which a member was last inside the area."""
+    return float(view.members[m].since)
+
+
+@kernel
+def soonest(world: State, goal: GoalState, m: int) -> float:
+    """Return the tick at which a member can first use up its whole period outside."""
+    member = world.members[m]
+    stays = 0
+    if member.since == world.mission.tick:
+        robot = world.robots[member.robot]
+        stays = patience(depth(goal, robot), 0.0, robot.max_speed) - 1
+    return float(member.since + stays + goal.period - 1)
+
+
+violated = too_many(is_overdue)
+decisive = kth_best(last_inside)
+due = kth_best(soonest)
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return the ticks to spare of the required member that was last inside the longest ago."""
+    tick = world.mission.tick
+    left = world.goals[g].period - 1 - (tick - decisive(world, g))
+    return left, max(int(due(world, g)) - tick - int(min(left, least)), 1)

@@ -7,12 +7,14 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     NEVER,
     NO_MARGIN,
     depth,
+    kth_best,
     note_presence,
     patience,
     roam_area,
+    too_many,
     top_speed,
 )
-from mrsfi_runtime.kernel.state import State, kernel
+from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.mission import Area, GoalTask
 
 
@@ -29,30 +31,40 @@ react = roam_area
 
 
 @kernel
-def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return how far inside the area the outermost member is, among those that have entered."""
-    goal = world.goals[g]
-    left = NO_MARGIN
-    wait = NEVER
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        member = world.members[m]
-        robot = world.robots[member.robot]
-        deep = depth(goal, robot)
-        if member.reached == 1:
-            left = min(left, deep)
-        else:
-            wait = min(wait, patience(-deep, 0.0, robot.max_speed))
-    if left < NO_MARGIN:
-        wait = min(wait, patience(left, min(left, least), top_speed(world, goal)))
-    return left, wait
+def is_outside(view: State, goal: GoalState, m: int) -> bool:  # noqa: ARG001 - as of all rules
+    """Return whether a member is outside the area."""
+    return view.members[m].since != view.mission.tick
 
 
 @kernel
-def violated(view: State, g: int) -> bool:
+def has_left(view: State, goal: GoalState, m: int) -> bool:
     """Return whether a member has left the area after it first entered."""
-    goal = view.goals[g]
+    return view.members[m].reached == 1 and is_outside(view, goal, m)
+
+
+@kernel
+def depth_inside(world: State, goal: GoalState, m: int) -> float:
+    """Return how far inside the area a member is, undefined before it has entered."""
+    member = world.members[m]
+    return depth(goal, world.robots[member.robot]) if member.reached == 1 else NO_MARGIN
+
+
+violated = too_many(has_left)
+is_unfinished = too_many(is_outside)
+decisive = kth_best(depth_inside)
+
+
+@kernel
+def margin(world: State, g: int, least: float) -> tuple[float, int]:
+    """Return how far inside the area the outermost required member is, if enough have entered."""
+    goal = world.goals[g]
+    left = decisive(world, g)
+    wait = NEVER
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        member = view.members[m]
-        if member.reached == 1 and member.since != view.mission.tick:
-            return True
-    return False
+        member = world.members[m]
+        if member.reached == 0:
+            robot = world.robots[member.robot]
+            wait = min(wait, patience(-depth(goal, robot), 0.0, robot.max_speed))
+    if left < NO_MARGIN:
+        wait = min(wait, patience(left, min(left, least), top_speed(world, goal)))
+    return left, wait

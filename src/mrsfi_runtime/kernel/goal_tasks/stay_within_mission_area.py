@@ -1,13 +1,12 @@
 """StayWithinMissionArea: every member stays inside the mission area."""
 
-import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.geometry import inside, well_inside
-from mrsfi_runtime.kernel.goal_tasks.common import patience, top_speed
+from mrsfi_runtime.kernel.geometry import distance, inside, well_inside
+from mrsfi_runtime.kernel.goal_tasks.common import kth_best, patience, too_many, top_speed
 from mrsfi_runtime.kernel.guidance import pace
-from mrsfi_runtime.kernel.state import State, kernel
+from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -17,31 +16,30 @@ class StayWithinMissionArea(GoalTask):
 
 
 @kernel
-def violated(view: State, g: int) -> bool:
+def is_outside(view: State, goal: GoalState, m: int) -> bool:  # noqa: ARG001 - as of all rules
     """Return whether a member is farther from the mission's centre than its radius."""
-    goal = view.goals[g]
-    mission = view.mission
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        robot = view.robots[view.members[m].robot]
-        if not inside(robot.x, robot.y, mission.x, mission.y, mission.radius):
-            return True
-    return False
+    robot, mission = view.robots[view.members[m].robot], view.mission
+    return not inside(robot.x, robot.y, mission.x, mission.y, mission.radius)
+
+
+@kernel
+def depth(world: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
+    """Return how far inside the mission area a member is."""
+    robot, mission = world.robots[world.members[m].robot], world.mission
+    return mission.radius - distance(robot.x, robot.y, mission.x, mission.y)
+
+
+violated = too_many(is_outside)
+decisive = kth_best(depth)
 
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return how far inside the outermost member is, and when that can be below ``least``."""
-    goal = world.goals[g]
-    mission = world.mission
-    square = 0.0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        robot = world.robots[world.members[m].robot]
-        dx, dy = robot.x - mission.x, robot.y - mission.y
-        square = max(square, dx * dx + dy * dy)
-    left = mission.radius - math.sqrt(square)
+    """Return how far inside the outermost required member is, and when that can be less."""
+    left = decisive(world, g)
     if left <= least:
         return left, 1
-    return left, patience(left, least, top_speed(world, goal))
+    return left, patience(left, least, top_speed(world, world.goals[g]))
 
 
 @kernel

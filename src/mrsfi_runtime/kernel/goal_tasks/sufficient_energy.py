@@ -5,8 +5,8 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.forecast import endurance, energy_reserve, sensor_power, ticks_left
-from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
-from mrsfi_runtime.kernel.state import RESERVE, State, kernel
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, kth_best, too_many
+from mrsfi_runtime.kernel.state import RESERVE, GoalState, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import GoalTask
 
@@ -19,36 +19,36 @@ class SufficientEnergy(GoalTask):
 
 
 @kernel
-def violated(view: State, g: int) -> bool:
-    """Return whether a member is exhausted, or its energy below the forecast need."""
-    goal = view.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if energy_reserve(view, view.members[m].robot) < 0.0:
-            return True
-    return is_exhausted(view, g)
+def energy(world: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
+    """Return the energy that a member has left."""
+    return world.robots[world.members[m].robot].energy
 
 
 @kernel
-def is_exhausted(world: State, g: int) -> bool:
+def has_none(world: State, goal: GoalState, m: int) -> bool:
     """Return whether a member has no energy left."""
-    goal = world.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if world.robots[world.members[m].robot].energy <= 0.0:
-            return True
-    return False
+    return energy(world, goal, m) <= 0.0
+
+
+@kernel
+def lacks(view: State, goal: GoalState, m: int) -> bool:
+    """Return whether a member is exhausted, or its energy below the forecast need."""
+    return energy_reserve(view, view.members[m].robot) < 0.0 or has_none(view, goal, m)
+
+
+violated = too_many(lacks)
+is_exhausted = too_many(has_none)
+decisive = kth_best(energy)
 
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
-    """Return the least energy of a member at the end of the mission."""
+    """Return the least energy of a required member at the end of the mission."""
     goal = world.goals[g]
-    left = NO_MARGIN
     wait = NEVER
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        index = world.members[m].robot
-        left = min(left, world.robots[index].energy)
-        wait = min(wait, endurance(world, index))
-    return (NO_MARGIN if ticks_left(world) > 0 else left), wait
+        wait = min(wait, endurance(world, world.members[m].robot))
+    return (NO_MARGIN if ticks_left(world) > 0 else decisive(world, g)), wait
 
 
 @kernel

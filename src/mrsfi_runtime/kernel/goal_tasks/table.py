@@ -21,7 +21,7 @@ from mrsfi_runtime.kernel.goal_tasks import (
     track,
     visit,
 )
-from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, is_awaited
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
@@ -87,18 +87,18 @@ def is_missed(world: State, g: int, violated: int) -> bool:
         if task == TRACK:
             return track.is_unfinished(world, g)
         if task == STAY:
-            return is_awaited(world, g)
+            return stay.is_unfinished(world, g)
     return violated == 1
 
 
 @kernel
 def is_reached(world: State, g: int) -> bool:
-    """Return whether a goal has its samples, or all its robots its point or last waypoint."""
+    """Return whether a goal has its samples, or all required robots its point or last waypoint."""
     goal = world.goals[g]
     if goal.task == SAMPLES:
         return goal.count >= goal.target
     if goal.task == VISIT:
-        return not is_awaited(world, g)
+        return not visit.is_awaited(world, g)
     return goal.task == TRACK and not track.is_unfinished(world, g)
 
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.geometry import inside, off_segment
-from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, kth_best, too_many
 from mrsfi_runtime.kernel.guidance import approach
-from mrsfi_runtime.kernel.state import State, excess, kernel
+from mrsfi_runtime.kernel.state import GoalState, State, excess, kernel
 from mrsfi_runtime.model.mission import Coordinates, GoalTask
 
 
@@ -33,45 +33,48 @@ def progress(view: State, g: int) -> None:
 
 
 @kernel
-def violated(view: State, g: int) -> bool:
-    """Return whether a member is off its current segment by more than the tolerance.
+def off_track(view: State, goal: GoalState, m: int) -> float:
+    """Return the distance of a member from its current segment; -1 if it has none.
 
     Before the first waypoint and after the last there is no current segment.
     """
-    return excess(off_track(view, g), view.goals[g].tolerance) > 0.0
+    member = view.members[m]
+    if not 0 < member.waypoint < goal.n_waypoints:
+        return -1.0
+    robot = view.robots[member.robot]
+    start = view.waypoints[goal.first_waypoint + member.waypoint - 1]
+    end = view.waypoints[goal.first_waypoint + member.waypoint]
+    return off_segment(robot.x - start.x, robot.y - start.y, end.x - start.x, end.y - start.y)
 
 
 @kernel
-def off_track(view: State, g: int) -> float:
-    """Return the largest distance of a member from its current segment; -1 if none has one."""
-    goal = view.goals[g]
-    off = -1.0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        member = view.members[m]
-        if 0 < member.waypoint < goal.n_waypoints:
-            robot = view.robots[member.robot]
-            start = view.waypoints[goal.first_waypoint + member.waypoint - 1]
-            end = view.waypoints[goal.first_waypoint + member.waypoint]
-            x, y = robot.x - start.x, robot.y - start.y
-            off = max(off, off_segment(x, y, end.x - start.x, end.y - start.y))
-    return off
+def has_strayed(view: State, goal: GoalState, m: int) -> bool:
+    """Return whether a member is off its current segment by more than the tolerance."""
+    return excess(off_track(view, goal, m), goal.tolerance) > 0.0
+
+
+@kernel
+def has_more(view: State, goal: GoalState, m: int) -> bool:
+    """Return whether a member has not reached its last waypoint yet."""
+    return view.members[m].waypoint < goal.n_waypoints
+
+
+@kernel
+def slack(world: State, goal: GoalState, m: int) -> float:
+    """Return the tolerance minus a member's distance from its current segment."""
+    off = off_track(world, goal, m)
+    return NO_MARGIN if off < 0.0 else goal.tolerance - off
+
+
+violated = too_many(has_strayed)
+is_unfinished = too_many(has_more)
+decisive = kth_best(slack)
 
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: ARG001 - as of all tasks
-    """Return the tolerance minus the largest distance of a member from its current segment."""
-    off = off_track(world, g)
-    return (NO_MARGIN if off < 0.0 else world.goals[g].tolerance - off), 1
-
-
-@kernel
-def is_unfinished(world: State, g: int) -> bool:
-    """Return whether a member has not reached its last waypoint yet."""
-    goal = world.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if world.members[m].waypoint < goal.n_waypoints:
-            return True
-    return False
+    """Return the least slack of a required member, to be computed at every tick."""
+    return decisive(world, g), 1
 
 
 @kernel

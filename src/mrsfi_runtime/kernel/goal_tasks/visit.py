@@ -8,12 +8,14 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     NEVER,
     NO_MARGIN,
     depth,
-    is_awaited,
+    is_absent,
+    kth_best,
     note_presence,
     patience,
+    too_many,
 )
 from mrsfi_runtime.kernel.guidance import approach
-from mrsfi_runtime.kernel.state import State, kernel
+from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
 
@@ -35,27 +37,38 @@ class Visit(GoalTask):
 progress = note_presence
 
 
+is_awaited = too_many(is_absent)
+
+
 @kernel
 def violated(view: State, g: int) -> bool:
-    """Return whether a member has not been at the point by the deadline."""
+    """Return whether a required member has not been at the point by the deadline."""
     return view.mission.tick >= view.goals[g].deadline and is_awaited(view, g)
 
 
 @kernel
+def earliness(world: State, goal: GoalState, m: int) -> float:
+    """Return minus the least number of ticks before a member can be at the point."""
+    member = world.members[m]
+    if member.reached == 1:
+        return 0.0
+    robot = world.robots[member.robot]
+    return -float(patience(-depth(goal, robot), 0.0, robot.max_speed))
+
+
+decisive = kth_best(earliness)
+
+
+@kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare when the last member arrives; less with each tick that it is late.
+    """Return the ticks to spare when the last required member arrives; less the later it is.
 
     Before that, the margin is undefined.
     """
     if least < NO_MARGIN:
         return least, NEVER
-    goal = world.goals[g]
-    left = goal.deadline - world.mission.tick
-    wait = 0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if world.members[m].reached == 0:
-            robot = world.robots[world.members[m].robot]
-            wait = max(wait, patience(-depth(goal, robot), 0.0, robot.max_speed))
+    left = world.goals[g].deadline - world.mission.tick
+    wait = int(-decisive(world, g))
     if wait == 0:
         return float(left), NEVER
     if left <= 0:
