@@ -217,7 +217,7 @@ def in_words(late, unit):
     if late is None:
         return "It is a false alarm of the CI"
     found = counted(late)
-    variants = f"{len(late)} variant{'s' * (len(late) > 1)}"
+    variants = f"{len(late)} breaking variant{'s' * (len(late) > 1)}"
     if found["worst"] == "never":
         return f"The CI does not detect it in {found['n_never']} of {variants}"
     if found["worst"] == "late":

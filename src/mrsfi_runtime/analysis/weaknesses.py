@@ -132,9 +132,10 @@ def detection(weakness: GoalWeakness, units: Units) -> str:
 def evidence(weakness: GoalWeakness) -> str:
     """Return in sentences in how many variants and mission seeds a weakness holds."""
     shown = weakness.shown
-    breaks = "violate it in belief" if shown.column.kind == MEASURES[0] else "break it"
+    does = "violate the goal in belief" if shown.column.kind == MEASURES[0] else "break the goal"
+    flown = f"{counted(shown.n_tried, 'variants')} flown to isolate the faults"
     return (
-        f"Of {counted(shown.n_tried, 'tried variants')}, {100 * shown.share:.0f} % {breaks}. "
+        f"Of {flown}, {100 * shown.share:.0f} % {does}. "
         f"This one does in {shown.n_held} of {counted(shown.n_seeds, 'mission seeds')}"
     )
 

@@ -240,7 +240,7 @@ class Detection:
 
     def in_words(self, units: Units) -> str:
         """Return the worst case in a sentence, with the number of variants."""
-        of = f"of {counted(self.n_variants, 'variants')}"
+        of = f"of {counted(self.n_variants, 'breaking variants')}"
         if self.n_never:
             return f"The CI does not detect it in {self.n_never} {of}"
         if self.n_late:
@@ -255,10 +255,10 @@ class Weakness:
 
     ``witness`` is a variant that breaks it. Of the variants that break the most goals and measures
     for which their faults are minimal, it is active for the most ticks. Under it the goal is broken
-    from tick ``since`` on, if recorded. ``n_tried`` variants of exactly these faults were flown;
-    ``n_broken`` of them broke it. In ``n_held`` of the ``n_seeds`` that were flown, the witness
-    breaks it and no part of the witness does. All weaknesses of a goal and a set share one
-    ``detection``, ``None`` for false alarms or if not recorded.
+    from tick ``since`` on, if recorded. ``n_tried`` variants of exactly these faults were flown
+    to isolate them; ``n_broken`` of these broke it. In ``n_held`` of the ``n_seeds`` that were
+    flown, the witness breaks it and no part of the witness does. All weaknesses of a goal and a set
+    share one ``detection``, ``None`` for false alarms or if not recorded.
     """
 
     column: Column

@@ -41,7 +41,7 @@ def test_a_row_says_what_the_flight_shows():
     assert mode.local_effect.startswith("At tick 99, the commanded speed of ")
     assert f" ({robot}) was 0 instead of " in mode.local_effect
     assert mode.end_effect == f"{goal.name} ({goal.id})"
-    assert mode.detected == "The CI does not detect it in 2 of 3 variants"
+    assert mode.detected == "The CI does not detect it in 2 of 3 breaking variants"
     assert mode.severity == "missed"
     assert (mode.number, mode.occurrence) == (1, None)
     outcome = ReferenceEngine(CODE, 1).evaluate(form.witness)
