@@ -21,7 +21,7 @@ from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.fence import IMPORTED, copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
-from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.faults import FaultPool, unprotected
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.database import CampaignFolder, hashes
@@ -31,7 +31,10 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 @dataclass(frozen=True, slots=True)
 class OpenCampaign:
-    """A campaign with its store open, and the mission and pool of its own copy of the models."""
+    """A campaign with its store open, and the mission of its own copy of the models.
+
+    ``pool`` has the faults among which it searches.
+    """
 
     folder: CampaignFolder
     store: CampaignStore
@@ -82,6 +85,7 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
         mission = mission_from_text(rendered_file("mission_loader.py", models))
         pool = pool_from_text(rendered_file("fault_loader.py", models))
         pool = pool.without(store.manifest.engine.node_left_out)
+        pool = unprotected(mission, pool, store.settings.protect)
         yield OpenCampaign(folder, store, mission, pool)
 
 
@@ -104,7 +108,8 @@ def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
         others = ", ".join(_edited(folder))
         if others:
             tell(f"{path} flies its own copies; today's project has other versions of: {others}")
-        yield FlyableCampaign(folder, store, code.mission, code.pool, code)
+        pool = unprotected(code.mission, code.pool, store.settings.protect)
+        yield FlyableCampaign(folder, store, code.mission, pool, code)
 
 
 def _edited(folder: CampaignFolder) -> Iterator[str]:

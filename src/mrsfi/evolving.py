@@ -31,7 +31,7 @@ from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import EvaluationError, ReplayMismatch, UsageError, WorkerLost, counted
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import Specification, unprotected
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission
 from mrsfi_runtime.project_file import installed_version
 from mrsfi_runtime.record.database import CampaignFolder, only_writer
@@ -96,7 +96,7 @@ def repetition_checked(
     """
     if engine.side != INJECTOR:
         return engine, ""
-    space = SearchSpace.of(code.mission, code.pool)
+    space = SearchSpace.of(code.mission, unprotected(code.mission, code.pool, settings.protect))
     specification = random_specification(space, settings.faults, Random(settings.seed))
     with open_engine(engine, code, settings.mission_seed) as opened:
         found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
@@ -123,7 +123,13 @@ _UNEXPLAINED = "unexplained"  # key in the record of a campaign without weakness
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
     """Refuse settings that do not fit a mission, and a pool that cannot be searched."""
     require_settings(settings, code.mission, algorithms=ALGORITHMS)
-    SearchSpace.of(code.mission, code.pool)
+    left = unprotected(code.mission, code.pool, settings.protect)
+    if settings.protect and not left:
+        raise UsageError(
+            f"{settings.where('protect')}: found {', '.join(settings.protect)}, which leaves out "
+            f"all of {counted(len(code.pool), 'faults')}; expected elements without some faults"
+        )
+    SearchSpace.of(code.mission, left)
 
 
 @contextmanager
@@ -145,6 +151,10 @@ def begun(
     """
     code, engine = within_reach(code, engine, tell)
     require_searchable(code, settings)
+    if settings.protect:
+        left_out = len(code.pool) - len(unprotected(code.mission, code.pool, settings.protect))
+        what = f"{left_out} of {counted(len(code.pool), 'faults')}"
+        tell(f"left out: {what}, which strike or touch {', '.join(settings.protect)}")
     _require_ratio(settings, code.mission, ratio)
     flown_by = tried(engine, code, settings.mission_seed, tell)
     engine, doubt = repetition_checked(code, engine, settings, tell)

@@ -207,3 +207,44 @@ def test_a_fitness_of_ones_own_plays_no_part_in_causes_and_explain_says_so(small
         "fitness planted_search:truly_violated is not used: causes are found for true violations\n"
         in told.stderr
     )
+
+
+@pytest.mark.parametrize("algorithm", ["paper", "cover"])
+def test_the_faults_of_protected_elements_are_left_out_of_search_and_results(small, algorithm):
+    words = ("evolve", NAME, *ONE, "--engine", "reference", "--algorithm", algorithm)
+    short = ("--evaluations", "30", "--faults", "2", "--out", "out")
+    case = small / "empty.toml"
+    case.write_text("[search]\n", encoding="utf-8")
+
+    done = mrsfi(*words, *short, "--case", case, "--protect", "a", cwd=small)
+    again = mrsfi("evolve", "--resume", "out", *ONE, "--engine", "reference", cwd=small)
+
+    assert "left out: 2 of 3 faults, which strike or touch a\n" in done.stderr
+    assert again.stdout == done.stdout
+    assert "Protect first: b: all 2 weaknesses\n" in done.stdout
+    assert (
+        "Of 1 faults and 0 pairs, never flown: none" in mrsfi("weaknesses", "out", cwd=small).stdout
+    )
+    told = summary(small / "out")
+    assert told["settings"]["protect"] == ["a"]
+    assert {fault for each in found_in(small / "out") for fault in each["faults"]} == {"stop_b"}
+    assert told["weaknesses"]["protect"] == [
+        {"element": "b", "faults": ["stop_b"], "closes": [1, 2], "gone": [1, 2]}
+    ]
+    assert not any("stop_a" in str(row) or "lie_a" in str(row) for row in rows(small / "out"))
+
+
+@pytest.mark.parametrize(
+    ("protect", "found"),
+    [
+        ("c", "option protect: found 'c'; expected one of a, b, report"),
+        ("a,b", "option protect: found a, b, which leaves out all of 3 faults"),
+    ],
+)
+def test_elements_that_are_unknown_or_have_all_faults_are_refused(small, protect, found):
+    evolve = write_planted(small, PLANTED)
+
+    refused = mrsfi(*evolve, "--protect", protect, "--out", "out", cwd=small, expected=2)
+
+    assert found in refused.stderr
+    assert not (small / "out").exists()

@@ -34,6 +34,7 @@ from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.mildest import GoalWeakness
+from mrsfi_runtime.causes.protection import confirmed, ladder
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
@@ -154,7 +155,7 @@ def summarise(
         verdicts=judged,
         highlights=()
         if known is None
-        else (headline(judged), *facts(mission, pool, judged, found)),
+        else (headline(judged), *facts(mission, pool, judged, known)),
         contained=tuple(_contained(known, found, each) for each in best),
         front=front,
         harm=fronts.find_harm(measure, columns) if measure.minimised else None,
@@ -212,7 +213,18 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
             for each in weakness.as_json()
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
+        "protect": [*_protect(summary, known)],
     }
+
+
+def _protect(summary: Summary, known: Harvest) -> Iterator[dict[str, Any]]:
+    """Yield the elements to protect, one after the other, and the weaknesses that each closes."""
+    steps = ladder(summary.mission, summary.pool, summary.weaknesses)
+    _, gone = confirmed(steps, known.known)
+    for step in steps:
+        numbers = [each.number for each in step.closed]
+        flown = {"gone": [each for each in numbers if gone.get(each)]}
+        yield {"element": step.element, "faults": sorted(step.faults), "closes": numbers, **flown}
 
 
 def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio) -> Pick:

@@ -9,11 +9,11 @@ goal: a sentence with its evidence. ``deed`` describes a fault.
 
 import math
 import re
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, lru_cache
+from itertools import accumulate
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, to_markdown
@@ -21,6 +21,7 @@ from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
+from mrsfi_runtime.causes.protection import confirmed, ladder
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
@@ -515,24 +516,55 @@ def facts(
     mission: Mission,
     pool: FaultPool,
     goals: Sequence[GoalVerdict],
-    weaknesses: Sequence[GoalWeakness],
+    known: Harvest,
 ) -> Iterator[str]:
-    """Yield sentences: undetected weaknesses, false alarms, and the element to protect first."""
+    """Yield sentences: undetected weaknesses, false alarms, and the elements to protect first."""
     undetected = [each.label for each in goals if each.weakness and each.weakness.is_undetected]
     if undetected:
         yield f"Undetected in at least one variant: {', '.join(undetected)}"
     alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"False alarms only: {', '.join(alarms)}"
-    struck: defaultdict[str, list[GoalWeakness]] = defaultdict(list)
-    for weakness in weaknesses:
-        if len(weakness.faults) == 1 and weakness.shown.column.kind != MEASURES[0]:
-            struck[_subject(mission, pool[weakness.faults[0]])[0]].append(weakness)
-    n_goals = {subject: len({each.goal for each in some}) for subject, some in struck.items()}
-    first = max(struck, key=n_goals.__getitem__, default="")
-    if n_goals.get(first, 0) > 1:
-        by = ", ".join(sorted({each.faults[0] for each in struck[first]}))
-        yield f"Protect first: {first} ({by}), which alone breaks {_number(n_goals[first])} goals"
+    yield from _protect_first(mission, pool, known)
+
+
+_N_NAMED = 4  # elements in a sentence
+
+
+def _protect_first(mission: Mission, pool: FaultPool, known: Harvest) -> Iterator[str]:
+    """Yield the sentences about the elements to protect, if several weaknesses are true."""
+    steps = ladder(mission, pool, known.goal_weaknesses)
+    n_closed = [*accumulate(len(step.closed) for step in steps)]
+    n = n_closed[-1] if steps else 0
+    if n < 2:
+        return
+    rungs = [
+        f"{_element(mission, step.element)}: {f'all {n}' if closed == n else f'{closed} of {n}'}"
+        for step, closed in zip(steps, n_closed, strict=True)
+    ]
+    rungs[0] += " weaknesses"
+    if len(rungs) > _N_NAMED:
+        rungs[_N_NAMED:] = [f"{counted(len(rungs) - _N_NAMED, 'other elements')}: all {n}"]
+    yield f"Protect first: {'; and '.join(rungs)}"
+    n_flights, gone = confirmed(steps, known.known)
+    unknown = f"; {n - len(gone)} were not flown" if len(gone) < n else ""
+    flown = f"In {counted(n_flights, 'flights')} without the faults of these"
+    yield f"{flown}, {sum(gone.values())} of {len(gone)} weaknesses are gone{unknown}"
+
+
+def _element(mission: Mission, element: str) -> str:
+    """Return the name of what can be protected: ``KAL (r3)``, ``message m9 of KAL``."""
+    robots = mission.robot_index
+    if element in robots:
+        return with_id(mission.robots[robots[element]].name, element)
+    if element in mission.sensor_index:
+        owner, measured = _owned(mission, (Field.ACTIVATION, mission.sensor_index[element]))
+        return f"{owner}'s {measured} sensor ({element})"
+    if element in mission.message_goal:
+        sender = mission.message_goal[element][0].sender
+        name = mission.robots[robots[sender]].name if sender in robots else ""
+        return f"message {element} of {name or sender}"
+    return f"obstacle {element}"
 
 
 def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:

@@ -21,7 +21,7 @@ from itertools import islice
 from random import Random
 from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
-from mrsfi_runtime.causes import weakness
+from mrsfi_runtime.causes import protection, weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import GoalWeakness, Mildest, goal_weaknesses, least, mildest
@@ -341,6 +341,8 @@ def harvest(
     smallest = [each.shown for each in least(goal_weaknesses(found))]
     shrunk = _reporting(smallest, on_progress, known)
     mild = mildest(space, known, shrunk, prober, record, seeds[:N_MILD]) if smallest else ()
+    to_protect = protection.ladder(mission, space.gate.pool, goal_weaknesses(found))
+    prober([rest for _, rest in protection.closing(to_protect)], seeds[0])
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None

@@ -38,7 +38,7 @@ def print_verdicts(
     wanted = mission.goal_ids if goals is None else goals
     found = [each for each in weaknesses.verdicts(mission, pool, known) if each.goal in wanted]
     print_words((weaknesses.headline(found), "bold"))
-    for fact in weaknesses.facts(mission, pool, found, known.goal_weaknesses):
+    for fact in weaknesses.facts(mission, pool, found, known):
         print_words(fact)
     click.echo()
     held = [each for each in found if each.state is State.HOLDS]

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from mrsfi_runtime.causes.mildest import GoalWeakness
 
 
-def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
-    return None if text is None else [goal.strip() for goal in text.split(",")]
+def _ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
+    return None if text is None else [each.strip() for each in text.split(",")]
 
 
 @options.command(name="evolve")
@@ -60,7 +60,13 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @click.option("--evaluations", type=int, help="Stop after exactly this number of evaluations.")
 @click.option("--until", type=float, metavar="P", help="With cover: stop when all bounds are ≤ P.")
 @click.option("--faults", type=int, help="Timed faults per individual (with --minimise, at most).")
-@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Only these goals.")
+@click.option("--goals", metavar="G,H,…", callback=_ids, help="Only these goals.")
+@click.option(
+    "--protect",
+    metavar="ID,…",
+    callback=_ids,
+    help="Leave out the faults of these robots, messages, sensors or obstacles.",
+)
 @click.option("--violations", metavar="NAME", help=f"Violations to count: {', '.join(VIOLATIONS)}.")
 @click.option(
     "--minimise",
@@ -168,7 +174,8 @@ def _resumed(
     with CampaignStore.open(path) as store:  # first: without a campaign there is nothing to lock
         store.require_flyable()
         manifest, settings = store.manifest, store.settings
-    begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
+    begun_with = {"mission": manifest.mission, "case": manifest.case, "protect": []}
+    begun_with |= settings.as_json()
     _require_same_options(path, ctx, begun_with)
     flown_by = chosen(engine, AUTO, manifest.engine)
     workers.require_sense(flown_by)

@@ -252,6 +252,25 @@ def robots_of(mission: Mission, targets: Iterable[Target]) -> frozenset[int]:
     )
 
 
+def elements_of(mission: Mission, fault: Fault) -> frozenset[str]:
+    """Return the IDs of what a fault strikes, and of the robots that it touches."""
+    robots = robots_of(mission, touched(mission, fault))
+    return frozenset((fault.target, *(mission.robots[index].id for index in robots)))
+
+
+def unprotected(mission: Mission, pool: FaultPool, elements: Collection[str]) -> FaultPool:
+    """Return a pool without the faults of some elements, and triggers of these faults alone."""
+    if not elements:
+        return pool
+    left_out = {fault.id for fault in pool if not elements_of(mission, fault).isdisjoint(elements)}
+    triggers = (
+        each
+        for each in pool.triggers
+        if each.event is not Event.EFFECT or not left_out.issuperset(each.of)
+    )
+    return replace(pool.without(left_out), triggers=tuple(triggers))
+
+
 def describe(mission: Mission, target: Target) -> str:
     """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
     affected, index = target

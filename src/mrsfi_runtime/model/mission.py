@@ -325,6 +325,12 @@ class Mission:
         return {message.id: (message, goal) for goal in self.goals for message in goal.messages}
 
     @cached_property
+    def elements(self) -> tuple[str, ...]:
+        """IDs of robots, sensors, messages and obstacles: what a fault can strike."""
+        by_kind = (self.robot_index, self.sensor_index, self.message_goal, self.obstacle_index)
+        return tuple(dict.fromkeys(element for known in by_kind for element in known))
+
+    @cached_property
     def touches(self) -> dict[tuple[str, str], tuple[tuple[Field, int], ...]]:
         """Cache of ``faults.touched``, by type and target of the fault."""
         return {}

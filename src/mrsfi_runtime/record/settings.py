@@ -74,9 +74,13 @@ def _one_of(names: Iterable[str]) -> _Rule:
     return _Rule("", lambda value: value in known, str, known)
 
 
-def _are_goals(value: Any) -> bool:
-    is_texts = isinstance(value, list | tuple) and all(isinstance(goal, str) for goal in value)
+def _are_different(value: Any) -> bool:
+    is_texts = isinstance(value, list | tuple) and all(isinstance(each, str) for each in value)
     return is_texts and len(set(value)) == len(value)
+
+
+def _ids(of: str) -> _Rule:
+    return _Rule(f"a list of different {of}", _are_different, tuple)
 
 
 _SEED = _whole(0, _LARGEST_SEED)
@@ -120,7 +124,9 @@ class CampaignSettings:
     # Mission seeds, from ``mission_seed`` on, over which fitness and goal vector are averaged
     replications: int = _setting(1, _whole(1, 1000))
     # IDs of the goals that ``focused`` and the Pareto front use; none means all
-    goals: tuple[str, ...] = _setting((), _Rule("a list of different goal IDs", _are_goals, tuple))
+    goals: tuple[str, ...] = _setting((), _ids("goal IDs"))
+    # IDs of robots, messages, sensors and obstacles whose faults are left out
+    protect: tuple[str, ...] = _setting((), _ids("IDs of elements"))
     seed: int = _setting(1, _SEED)  # of the search
     mission_seed: int = _setting(1, _SEED)
     # The run ends after exactly so many, in place of ``generations``: a control run gets as many
@@ -171,10 +177,11 @@ class CampaignSettings:
         return cls(**_checked(given, source), source=source)
 
     def as_json(self) -> dict[str, Any]:
-        """Return all settings as values of JSON, without their source."""
+        """Return all settings as values of JSON, ``protect`` only if set, without their source."""
         values = asdict(self)
-        del values["source"], values["options"]
-        return values | {"goals": list(self.goals)}
+        del values["source"], values["options"], values["protect"]
+        protect = {"protect": list(self.protect)} if self.protect else {}
+        return values | {"goals": list(self.goals)} | protect
 
     def where(self, key: str) -> str:
         """Return the source of a setting, for messages: an option, or the campaign file."""

@@ -63,7 +63,7 @@ def require_settings(
     mission: Mission,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
 ) -> None:
-    """Refuse settings that name an unknown function or goal."""
+    """Refuse settings that name an unknown function, goal or element."""
     tables: dict[str, Mapping[str, object]] = {
         "algorithm": algorithms,
         "selection": SELECTIONS,
@@ -79,10 +79,11 @@ def require_settings(
             f"'{settings.algorithm}', which uses only the fitness; expected algorithm "
             f"{' or '.join(map(repr, MINIMISING))}, or no minimise"
         )
-    for goal in settings.goals:
-        if goal not in mission.goal_ids:
-            known = expected(goal, mission.goal_ids)
-            raise UsageError(f"{settings.where('goals')}: found '{goal}'; {known}")
+    for key, known in (("goals", mission.goal_ids), ("protect", mission.elements)):
+        for each in getattr(settings, key):
+            if each not in known:
+                wanted = expected(each, known)
+                raise UsageError(f"{settings.where(key)}: found '{each}'; {wanted}")
 
 
 def run_campaign(  # noqa: PLR0913 - four of them have a default
