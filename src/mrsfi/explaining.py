@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations, islice
+from itertools import islice
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
@@ -49,7 +49,8 @@ from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_weaknesses
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.weakness import Known, Weakness, detected, faults_of, in_seeds
+from mrsfi_runtime.causes.weakness import Known, Weakness, detected, in_seeds
+from mrsfi_runtime.causes.weakness import untried as untried_in
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import tried
 from mrsfi_runtime.engine.recording import Record, Recording
@@ -67,7 +68,13 @@ from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_of, following
+from mrsfi_runtime.record.settings import (
+    COVERING,
+    VIOLATIONS,
+    CampaignSettings,
+    folder_of,
+    following,
+)
 from mrsfi_runtime.record.store import Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -279,14 +286,13 @@ def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWe
     raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
 
 
-def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
-    """Return the faults, and the pairs of faults, that no specification contained."""
-    flown = {faults_of(each.specification) for each in campaign.store.flights()}
-    flown.update(campaign.store.fault_sets())
-    known = {some for each in flown for n in (1, 2) for some in combinations(sorted(each), n)}
+def untried(campaign: OpenCampaign, known: Harvest) -> dict[int, dict[str, set[tuple[str, ...]]]]:
+    """Return the sets of faults that the campaign did not try in its mission seed."""
+    flights, store = {**known.outcomes}, campaign.store
+    if store.settings.algorithm != COVERING:
+        flights |= {each.specification: each.outcome for each in store.evaluations()}
     faults = [fault.id for fault in campaign.pool]
-    every = (some for n in (1, 2) for some in combinations(faults, n))
-    return tuple(some for some in every if tuple(sorted(some)) not in known)
+    return untried_in(known.known, known.yardstick, faults, flights)
 
 
 @contextmanager

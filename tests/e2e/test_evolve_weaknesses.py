@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.generated_code import load_code
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json
 from tests.support.interrupted import is_equal, rows
 from tests.support.rendezvous import (
@@ -16,6 +17,7 @@ from tests.support.rendezvous import (
     searched,
     write_planted,
 )
+from tests.support.weaknesses import untried_by_hand
 from tests.tiers import slow
 
 ONE = ("--workers", "1")
@@ -68,6 +70,16 @@ def test_it_ends_with_what_weaknesses_lists(ended):
     assert all(sentence in report for sentence in sentences)
     assert all("g2" not in each for each in sentences if "stop_a" in each)
     assert "harvest  " in done.stderr
+
+
+def test_sets_that_neither_search_nor_harvest_tried_are_counted_from_the_record(found):
+    run, code = found / "runs" / "it", load_code(found / "generated" / NAME)
+
+    said = mrsfi("weaknesses", "runs/it", cwd=found).stdout
+
+    told = mrsfi_json("weaknesses", "runs/it", cwd=found)
+    counted = untried_by_hand(run, code.mission, code.pool, told)
+    assert " ".join(said.split()).endswith(counted)
 
 
 def test_each_of_the_most_critical_names_the_weaknesses_that_it_has(ended):

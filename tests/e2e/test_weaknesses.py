@@ -10,6 +10,7 @@ import pytest
 import mrsfi as api
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.cli import execute, mrsfi, mrsfi_json, workspace
+from tests.support.weaknesses import untried_by_hand
 
 MISSION = "tight_margins"
 REFERENCE = ("--engine", "reference", "--workers", "1")
@@ -110,6 +111,16 @@ def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatc
     assert guilty <= words
     assert guilty == {f"f{n}" for n in range(1, 31)}
     assert "Each of 30 faults is part of a known weakness\n" in said
+
+
+def test_sets_that_were_not_tried_are_counted_from_the_record(place, told, monkeypatch):
+    monkeypatch.chdir(place)
+    mission = api.load(MISSION)
+
+    said = mrsfi("weaknesses", "runs/cover", cwd=place).stdout
+
+    counted = untried_by_hand(place / "runs" / "cover", mission.model, mission.pool, told)
+    assert " ".join(said.split()).endswith(counted)
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):

@@ -40,6 +40,7 @@ from mrsfi_runtime.analysis.summary import (
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, State
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
+from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError, counted
@@ -144,7 +145,7 @@ def _first_screen(
             }
             for weakness in shown.values()
         ],
-        "matrix": _matrix(summary) if summary.weaknesses else None,
+        "matrix": _matrix(summary, harvest) if summary.weaknesses else None,
     }
 
 
@@ -163,7 +164,7 @@ def _goal(verdict: GoalVerdict) -> dict[str, Any]:
     }
 
 
-def _matrix(summary: Summary) -> dict[str, Any]:
+def _matrix(summary: Summary, known: Harvest) -> dict[str, Any]:
     mission, pool = summary.mission, summary.pool
     guilty = {fault for each in summary.weaknesses for fault in each.faults}
     owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
@@ -186,7 +187,7 @@ def _matrix(summary: Summary) -> dict[str, Any]:
             for each in summary.verdicts
             if each.weakness is not None
         ],
-        "note": f"{weaknesses.harmless(pool, summary.weaknesses)}.",
+        "note": f"{weaknesses.harmless(pool, known)}.",
     }
 
 

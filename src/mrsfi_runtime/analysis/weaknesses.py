@@ -9,7 +9,8 @@ goal: a sentence with its evidence. ``deed`` describes a fault.
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, lru_cache
@@ -22,7 +23,7 @@ from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.protection import confirmed, ladder
-from mrsfi_runtime.causes.weakness import MEASURES, Known
+from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
@@ -73,15 +74,42 @@ def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWea
     return Table(title, columns, rows, words, is_compact=True, spare=words[-1:], folded=folded)
 
 
-def harmless(pool: FaultPool, weaknesses: Iterable[GoalWeakness]) -> str:
-    """Return in a sentence which faults of a pool are part of no weakness."""
-    guilty = {fault for each in weaknesses for fault in each.faults}
+def harmless(pool: FaultPool, known: Harvest) -> str:
+    """Return in a sentence which faults of a pool are part of no weakness.
+
+    Each is listed with the number of variants in which the fault alone changed a value.
+    """
+    guilty = {fault for each in known.goal_weaknesses for fault in each.faults}
     rest = [fault.id for fault in pool if fault.id not in guilty]
     faults = counted(len(pool), "faults")
     if not rest:
         return f"Each of {faults} is part of a known weakness"
     are = "is" if len(rest) == 1 else "are"
-    return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(rest)}"
+    acting = {form(each) for each, outcome in known.outcomes.items() if any(outcome.changed)}
+    n_alone = Counter(map(faults_of, acting))
+    first, *others = ((fault, n_alone[frozenset([fault])]) for fault in rest)
+    listed = [f"{first[0]} (alone in {counted(first[1], 'variants')})"]
+    listed += [f"{fault} ({n})" for fault, n in others]
+    return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(listed)}"
+
+
+def untried_in_words(
+    n_faults: int, untried: Mapping[int, Mapping[str, Set[tuple[str, ...]]]], goals: Sequence[str]
+) -> str:
+    """Return in a sentence how many sets of faults were not tried for some goals, by size."""
+    names = {1: "faults", 2: "pairs", 3: "triples"}
+    n_left = {goal: [len(by_goal[goal]) for by_goal in untried.values()] for goal in goals}
+    worst = max(goals, key=lambda goal: sum(n_left[goal]))
+    rows = []
+    for n, by_goal in untried.items():
+        n_some = len({some for goal in goals for some in by_goal[goal]})
+        rows.append(f"{n_some:,} of {math.comb(n_faults, n):,} {names[n]}")
+    some, most = worst, ""
+    if len(goals) > 1:
+        some = "at least one goal"
+        if any(n_left[worst]):
+            most = f"; most for {worst} ({', '.join(map('{:,}'.format, n_left[worst]))})"
+    return f"Not tried yet for {some}: {', '.join(rows)}{most}"
 
 
 def weakness_table(

@@ -13,8 +13,9 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import chain
-from operator import itemgetter
+from functools import reduce
+from itertools import chain, combinations
+from operator import and_, itemgetter
 from typing import Any, Self, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober
@@ -376,6 +377,47 @@ def detected(
     return tuple(
         replace(each, detection=of.get((each.column.goal, each.faults))) for each in weaknesses
     )
+
+
+MOST_SETS = 50_000
+"""Sets of one size up to which ``untried`` counts them."""
+
+
+def untried(
+    known: Known,
+    yardstick: Yardstick | None,
+    faults: Sequence[str],
+    flights: Mapping[Specification, Outcome],
+) -> dict[int, dict[str, set[tuple[str, ...]]]]:
+    """Return the faults, pairs and triples that were not tried, by size and goal.
+
+    A set is *tried* for a column in a flight that contains no known set of the column and does not
+    break it, and in which each of its faults changes a value. Sets that contain a known set need no
+    trial. Those that are untried for a column are listed for its goal.
+    """
+    contained, acting = (defaultdict[str, int](int) for _ in range(2))  # a bit for each flight
+    broken = dict.fromkeys(known.sets, 0)
+    for place, (variant, outcome) in enumerate(flights.items()):
+        for timed, n_changed in zip(variant, outcome.changed, strict=True):
+            contained[timed.fault] |= 1 << place
+            acting[timed.fault] |= (n_changed > 0) << place
+        for column in yardstick.broken(outcome) if yardstick else ():
+            broken[column] |= 1 << place
+    sizes = [n for n in (1, 2, 3) if 0 < math.comb(len(faults), n) <= MOST_SETS]
+    found = {n: {column.goal: set[tuple[str, ...]]() for column in broken} for n in sizes}
+    for column, sets in known.sets.items():
+        judged = ~broken[column]
+        for each in sets:
+            judged &= ~reduce(and_, (contained[fault] for fault in each))
+        acted = {fault: acting[fault] & judged for fault in faults}
+        for n, by_goal in found.items():
+            by_goal[column.goal].update(
+                some
+                for some in combinations(faults, n)
+                if not reduce(and_, map(acted.__getitem__, some))
+                and not known.has_part_of(column, frozenset(some))
+            )
+    return found
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

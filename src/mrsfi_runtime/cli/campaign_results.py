@@ -58,7 +58,7 @@ def print_verdicts(
 def print_all(
     campaign: OpenCampaign, known: Harvest, found: Sequence[GoalWeakness], goals: Sequence[str]
 ) -> None:
-    """Print weaknesses, the bounds on those not found, and the faults that were never flown."""
+    """Print weaknesses, the bounds on those not found, and how many sets were not tried."""
     mission, pool = campaign.mission, campaign.pool
     print_verdicts(campaign, known, goals)
     if found:
@@ -68,12 +68,8 @@ def print_all(
     for each in goals:
         print_words(weaknesses.not_found(known.known, each))
     click.echo()
-    n_faults, (*never,) = len(pool), untried(campaign)
-    named = ", ".join(" with ".join(each) for each in never[:10]) or "none"
-    more = f" and {len(never) - 10} more" if len(never) > 10 else ""
-    pairs = f"{n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs"
-    harmless = weaknesses.harmless(pool, known.goal_weaknesses)
-    click.echo(f"{harmless}\nOf {pairs}, never flown: {named}{more}")
+    print_words(weaknesses.harmless(pool, known))
+    print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known), goals))
 
 
 def print_bounds(known: Known, goals: Sequence[str]) -> None:

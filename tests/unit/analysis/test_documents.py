@@ -12,11 +12,13 @@ from mrsfi_runtime.analysis.story import working_window
 from mrsfi_runtime.analysis.tables import Table, to_html
 from mrsfi_runtime.analysis.weaknesses import FailureMode, harmless, modes_as_csv, modes_as_markdown
 from mrsfi_runtime.api import Patrol, Stay, Visit
+from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.integration.analysis.test_page import HOSTILE
-from tests.support.campaigns import area
+from tests.support.campaigns import area, outcome
 from tests.support.search import PAPER_FAULTS, paper_mission, pool_of
 from tests.support.weaknesses import weakness
 
@@ -124,7 +126,12 @@ def test_no_cell_is_a_formula_in_a_spreadsheet_or_markup_on_a_page():
 def test_faults_that_are_in_no_way_to_break_a_goal_are_named_in_the_order_of_the_pool(
     found, approved
 ):
-    approved(harmless(POOL, goal_weaknesses(found)))
+    first, second = TimedFault("f2", 0, 9), TimedFault("f7", 0, 9, (1.0,))
+    flown = [(first,), (first._replace(finish=5),), (first, second), (second,)]
+    outcomes = {each: outcome([0] * 6, len(each)) for each in flown[:3]}
+    outcomes[flown[3]] = replace(outcome([0] * 6), changed=(0,))
+
+    approved(harmless(POOL, Harvest(Known(paper_mission()), found, 0, outcomes, None)))
 
 
 class Tags(HTMLParser):
