@@ -73,7 +73,7 @@ def untried_by_hand(
     union = zip(
         _by_size({some for each in left.values() for some in each}), every, names, strict=True
     )
-    rows = ", ".join(f"{n:,} of {of:,} {name}" for n, of, name in union)
+    rows = ", ".join(f"{n:,} of {of:,} {name[: -1 if of == 1 else None]}" for n, of, name in union)
     most_of = ", ".join(f"{n:,}" for n in _by_size(left[worst]))
     most_words = f"; most for {worst} ({most_of})" if left[worst] else ""
     return f"Not tried yet for at least one goal: {rows}{most_words}"

@@ -103,7 +103,8 @@ def untried_in_words(
     rows = []
     for n, by_goal in untried.items():
         n_some = len({some for goal in goals for some in by_goal[goal]})
-        rows.append(f"{n_some:,} of {math.comb(n_faults, n):,} {names[n]}")
+        n_all = math.comb(n_faults, n)
+        rows.append(f"{n_some:,} of {n_all:,} {names[n].removesuffix('s' if n_all == 1 else '')}")
     some, most = worst, ""
     if len(goals) > 1:
         some = "at least one goal"
