@@ -13,6 +13,7 @@ not read become one constant per feature; a list of parts becomes a tuple per fe
 
 from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, TypeAlias
 
 from pyecore.ecore import EEnumLiteral
@@ -472,7 +473,7 @@ def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
         for name in (constant(element.ID),)
     }
     own = OwnFeatures(indices, models.nodes)
-    for element, found in own.of(mission, "MISSION"):
+    for element, found in chain(own.of(mission, "MISSION"), _required_members(mission)):
         if found.name in constants:
             raise own.error(
                 element or mission,
@@ -484,6 +485,14 @@ def visit_collective_intelligence(models: LoadedModels) -> Mapping[str, Any]:
         "goals": tuple(_goal(goal) for goal in mission.goals),
         "constants": tuple(constants.values()),
     }
+
+
+def _required_members(mission: Any) -> Constants:
+    """Yield how many members the goals of user-defined tasks require, except all."""
+    for goal in mission.goals:
+        if goal.requiredMembers > 0 and not is_read(base_class(goal.task.eClass)):
+            name = f"{constant(goal.ID)}_REQUIRED_MEMBERS"
+            yield goal, Constant(name, int(goal.requiredMembers))
 
 
 def _goal(goal: Any) -> GoalView:

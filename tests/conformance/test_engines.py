@@ -1,6 +1,7 @@
 """What every engine does, however it flies."""
 
 import csv
+import re
 import tracemalloc
 from dataclasses import asdict, replace
 from io import StringIO
@@ -329,6 +330,8 @@ def code(tmp_path_factory):
     edit(models / MISSION, 'duration="1000"', 'duration="200"')
     for robot, given in zip(("LEN", "JEN", "KAL"), GIVEN, strict=True):
         edit(models / MISSION, f'name="{robot}"', f'name="{robot}" {given}')
+    for goal, required in (("g2", 2), ("g3", 1), ("g4", 0)):
+        edit(models / MISSION, f'ID="{goal}"', f'ID="{goal}" requiredMembers="{required}"')
     generate(models, folder / "generated" / "uuv_sampling")
     return load_code(folder / "generated" / "uuv_sampling")
 
@@ -344,6 +347,7 @@ def test_generated_code_has_what_the_model_gives_and_no_more(code):
     assert tuple(robot.turn_rate for robot in robots) == RATES
     assert tuple(robot.position_noise for robot in robots) == NOISES
     assert (text.count("turn_rate="), text.count("position_noise=")) == (2, 2)
+    assert re.findall(r"required_members=(\d)", text) == ["2", "1"]
 
 
 @pytest.mark.parametrize(

@@ -39,8 +39,9 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[m.Mission, f.Fa
         some, near = (rng.sample(each, round(share * len(each))) for each in (robots, hazards))
         task = m.AvoidCollision(robots=some, obstacles=near)
         goals.append(goal(f"clear{n}", task, robots, messages=[] if n else reports))
-    goals += [goal("inside", m.StayWithinMissionArea(), robots)]
-    goals += [goal("energy", m.SufficientEnergy(), robots)]
+    most = n_robots - 2
+    goals += [goal("inside", m.StayWithinMissionArea(), robots, requiredMembers=most)]
+    goals += [goal("energy", m.SufficientEnergy(), robots, requiredMembers=most // 2)]
     mission = m.Mission(
         name="crowd",
         duration=40,

@@ -1,6 +1,7 @@
 """How near goals came to being violated, looked at in every tick, by [S Margins]."""
 
 import math
+from collections.abc import Iterable
 from itertools import combinations
 
 from tests.independent.simulation import Flight, Goal, View, distance, off_track
@@ -40,6 +41,11 @@ class Margins:
         return (is_earliest or is_rounded) and near[tick] and near[seen.index(min(seen))]
 
 
+def kth(goal: Goal, values: Iterable[float]) -> float:
+    """Return "the k-th largest"; one that is undefined is infinite."""
+    return sorted(values, reverse=True)[goal.required - 1]
+
+
 def margin(goal: Goal, truth: View) -> float:
     """Return the margin of a goal at a tick: the table of [S Margins]; infinite if it has none."""
     notes = truth.notes[goal.index]
@@ -52,25 +58,27 @@ def margin(goal: Goal, truth: View) -> float:
             found = min(gaps, default=math.inf)
         case "StayWithinMissionArea":
             area = truth.mission.area
-            found = area.radius - max(distance(place, area.center) for place in places)
+            found = kth(goal, [area.radius - distance(place, area.center) for place in places])
         case "SufficientEnergy":
             energies = [truth.energy[robot] for robot in goal.members]
-            found = math.inf if truth.left else min(energies)
+            found = math.inf if truth.left else kth(goal, energies)
         case "GatherSamples":
             found = truth.left if notes.count >= goal.target else math.inf
         case "Patrol":
-            found = min(goal.period - 1 - truth.tick + since for since in notes.since.values())
-        case "Visit" if all(notes.reached.values()):
+            found = goal.period - 1 - truth.tick + kth(goal, notes.since.values())
+        case "Visit" if kth(goal, notes.reached.values()):
             found = goal.deadline - truth.tick
         case "Visit":
             found = goal.deadline - truth.tick - 1 if truth.tick >= goal.deadline else math.inf
         case "Track":
             off = [off_track(goal, truth, robot) for robot in goal.members]
-            found = min((goal.tolerance - each for each in off if each >= 0), default=math.inf)
+            found = kth(goal, [goal.tolerance - each if each >= 0 else math.inf for each in off])
         case "Stay":
-            entered = [robot for robot in goal.members if notes.reached[robot]]
-            ways = [distance(truth.position[robot], goal.area.center) for robot in entered]
-            found = min((goal.area.radius - way for way in ways), default=math.inf)
+            ways = [
+                distance(truth.position[robot], goal.area.center) if has_been else -math.inf
+                for robot, has_been in notes.reached.items()
+            ]
+            found = kth(goal, [goal.area.radius - way for way in ways])
         case "FixedDistanceBetweenRobots":
             off = [abs(distance(a, b) - goal.distance) for a, b in combinations(places, 2)]
             found = goal.tolerance - max(off, default=0.0)

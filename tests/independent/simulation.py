@@ -199,6 +199,7 @@ class Goal:
         self.id, self.index = goal.get("ID"), index
         self.task = task.get("{http://www.w3.org/2001/XMLSchema-instance}type").split(":")[1]
         self.members = [mission.number[name] for name in goal.get("members").split()]
+        self.required = int(goal.get("requiredMembers", 0)) or len(self.members)
         # "AvoidCollision concerns the `robots` and `obstacles` of its task"
         self.robots = [mission.number[name] for name in task.get("robots", "").split()]
         self.obstacles = [mission.number[name] for name in task.get("obstacles", "").split()]
@@ -334,6 +335,10 @@ def note_samples(goal: Goal, view: View, notes: Notes) -> None:
         notes.counted_at = place[:2]
 
 
+def too_few(goal: Goal, keeping: Iterable[bool]) -> bool:  # "fewer than k members"
+    return sum(keeping) < goal.required
+
+
 def is_violated(goal: Goal, view: View) -> bool:
     """Third column of the table of [S Goals]."""
     notes = view.notes[goal.index]
@@ -345,10 +350,10 @@ def is_violated(goal: Goal, view: View) -> bool:
             near += [(distance(a, view.obstacle[k]), sizes[k]) for a in places for k in sizes]
             found = any(falls_short(*each) for each in near)
         case "StayWithinMissionArea":
-            found = not all(view.mission.area.has(place) for place in places)
+            found = too_few(goal, (view.mission.area.has(place) for place in places))
         case "SufficientEnergy":
             energies = [(view.energy[k], view.left * view.power(k)) for k in goal.members]
-            found = any(falls_short(energy, need) or energy == 0 for energy, need in energies)
+            found = too_few(goal, (not falls_short(*each) and each[0] != 0 for each in energies))
         case "GatherSamples":
             sensor = view.mission.sensors[goal.sensor]
             forecast = notes.count + view.left * (view.rate[goal.sensor] / sensor.rate)
@@ -356,14 +361,16 @@ def is_violated(goal: Goal, view: View) -> bool:
             is_failing = not is_there or falls_short(forecast, goal.target)
             found = notes.count < goal.target and is_failing
         case "Patrol":
-            found = any(view.tick - since >= goal.period for since in notes.since.values())
+            found = too_few(goal, (view.tick - k < goal.period for k in notes.since.values()))
         case "Visit":
-            found = view.tick >= goal.deadline and not all(notes.reached.values())
+            found = view.tick >= goal.deadline and too_few(goal, notes.reached.values())
         case "Track":
-            found = any(exceeds(off_track(goal, view, k), goal.tolerance) for k in goal.members)
+            off = [off_track(goal, view, k) for k in goal.members]
+            found = too_few(goal, (not exceeds(each, goal.tolerance) for each in off))
         case "Stay":
-            entered = [robot for robot in goal.members if notes.reached[robot]]
-            found = not all(goal.area.has(view.position[robot]) for robot in entered)
+            inside = [goal.area.has(view.position[robot]) for robot in goal.members]
+            before = notes.reached.values()
+            found = too_few(goal, (k or not was for k, was in zip(inside, before, strict=True)))
         case "FixedDistanceBetweenRobots":
             off = [abs(distance(a, b) - goal.distance) for a, b in combinations(places, 2)]
             found = any(exceeds(each, goal.tolerance) for each in off)
@@ -387,15 +394,17 @@ def is_missed(goal: Goal, truth: View) -> bool:
     """Second table of [S Measures]; of one tick, "whatever is true in between"."""
     notes = truth.notes[goal.index]
     if goal.task == "SufficientEnergy":
-        return any(truth.energy[robot] == 0 for robot in goal.members)
+        return too_few(goal, (truth.energy[robot] != 0 for robot in goal.members))
     if goal.task == "GatherSamples":
         sensor = truth.mission.sensors[goal.sensor]
         is_over = truth.energy[sensor.robot] == 0
         most = notes.count + truth.left * sensor.rate
         return notes.count < goal.target and (is_over or most < goal.target)
-    is_short = goal.task == "Stay" and not all(notes.reached.values())
+    is_short = False
+    if goal.task == "Stay":  # "a member is not inside"
+        is_short = too_few(goal, (goal.area.has(truth.position[k]) for k in goal.members))
     if goal.task == "Track":
-        is_short = any(n < len(goal.trajectory) for n in notes.waypoint.values())
+        is_short = too_few(goal, (n == len(goal.trajectory) for n in notes.waypoint.values()))
     return is_violated(goal, truth) or (truth.left == 0 and is_short)
 
 
@@ -587,8 +596,10 @@ class Trigger:
         notes = flight.truth.notes[goal.index]
         return {
             "GatherSamples": notes.count >= goal.target,
-            "Visit": all(notes.reached.values()),
-            "Track": all(n == len(goal.trajectory) for n in notes.waypoint.values()),
+            "Visit": not too_few(goal, notes.reached.values()),
+            "Track": not too_few(
+                goal, (n == len(goal.trajectory) for n in notes.waypoint.values())
+            ),
         }[goal.task]
 
 

@@ -56,8 +56,9 @@ CONSTANTS = {
     "NEAR_MARKS_WORD": ("one", ""),
     "NEAR_MARK_DEPTH": 3.0,
     "NEAR_MARK_WORD": "",
+    "NEAR_REQUIRED_MEMBERS": 1,
 }
-"""What the features of the task become."""
+"""What the features of the goal and its task become."""
 
 BODIES = {
     "near.progress": (

@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -20,7 +21,7 @@ from mrsfi_runtime.api import (
 )
 from mrsfi_runtime.kernel.commands import move, set_speed, steer, switch_sensor
 from mrsfi_runtime.kernel.effects import issue
-from mrsfi_runtime.kernel.flight import count, no_verdicts
+from mrsfi_runtime.kernel.flight import count, initial_state, no_verdicts
 from mrsfi_runtime.kernel.forecast import energy_reserve
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, patience
@@ -28,7 +29,7 @@ from mrsfi_runtime.kernel.goal_tasks.table import is_missed
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import excess
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle, Outcome
-from tests.support.world import MEMBERS, robot, state
+from tests.support.world import MEMBERS, mission, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 ROCK = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
@@ -58,6 +59,37 @@ def test_a_task_is_violated_beyond_its_edge_whatever_is_rounded(task, robot, kep
         found[value] = sys.modules[type(task).__module__].violated(view, 0)
 
     assert {value for value, is_violated in found.items() if is_violated} == {*violated}
+
+
+@pytest.mark.parametrize(
+    ("required", "expected"), [(0, ".!!!"), (3, ".!!!"), (2, "..!!"), (1, "...!")]
+)
+def test_a_goal_is_violated_if_fewer_members_than_it_requires_keep_its_rule(required, expected):
+    robots = tuple(robot(name, 0.0, 100.0 * n) for n, name in enumerate("abc"))
+    small = mission(StayWithinMissionArea(), robots=robots)
+    goals = (replace(small.goals[0], required_members=required),)
+    view = initial_state(replace(small, goals=goals), seed=1)
+
+    violated = ""
+    for n_outside in range(4):
+        for each in view.robots[:n_outside]:
+            each.x = 2000.0
+        violated += "!" if goal_tasks.stay_within_mission_area.violated(view, 0) else "."
+
+    assert violated == expected
+
+
+@given(st.lists(st.floats(0.0), min_size=1, max_size=6), st.data())
+def test_the_kth_best_value_is_the_kth_largest(energies, drawn):
+    required = drawn.draw(st.integers(1, len(energies)))
+    robots = tuple(robot(f"r{n}", 0.0, 0.0) for n in range(len(energies)))
+    view = replace(state(SufficientEnergy(), robots=robots), required=(required,))
+    for each, energy in zip(view.robots, energies, strict=True):
+        each.energy = energy
+
+    found = goal_tasks.sufficient_energy.decisive(view, 0)
+
+    assert found == sorted(energies, reverse=True)[required - 1]
 
 
 def test_an_exhausted_robot_violates_its_energy_goal_even_at_the_last_tick():

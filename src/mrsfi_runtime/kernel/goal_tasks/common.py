@@ -117,12 +117,6 @@ def depth(goal: GoalState, robot: RobotState) -> float:
 
 
 @kernel
-def is_absent(view: State, goal: GoalState, m: int) -> bool:  # noqa: ARG001 - as of all rules
-    """Return whether a member has not yet been at the goal's area or point."""
-    return view.members[m].reached == 0
-
-
-@kernel
 def roam_area(ci: State, g: int) -> None:
     """Let every member head for the area from outside, and roam inside it."""
     goal = ci.goals[g]

@@ -60,7 +60,11 @@ due = kth_best(soonest)
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare of the required member that was last inside the longest ago."""
+    """Return the ticks to spare of the required member that was last inside the longest ago.
+
+    A member has at least ``soonest`` minus a later tick to spare then, so the k-th best of these
+    bounds the margin at that tick.
+    """
     tick = world.mission.tick
     left = world.goals[g].period - 1 - (tick - decisive(world, g))
     return left, max(int(due(world, g)) - tick - int(min(left, least)), 1)

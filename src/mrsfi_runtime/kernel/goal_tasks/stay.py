@@ -56,7 +56,10 @@ decisive = kth_best(depth_inside)
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return how far inside the area the outermost required member is, if enough have entered."""
+    """Return how far inside the area the outermost required member is, if enough have entered.
+
+    The depth of a member is infinite until it enters, at the earliest after ``wait``.
+    """
     goal = world.goals[g]
     left = decisive(world, g)
     wait = NEVER

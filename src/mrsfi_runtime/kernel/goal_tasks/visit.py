@@ -8,7 +8,6 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     NEVER,
     NO_MARGIN,
     depth,
-    is_absent,
     kth_best,
     note_presence,
     patience,
@@ -35,6 +34,12 @@ class Visit(GoalTask):
 
 
 progress = note_presence
+
+
+@kernel
+def is_absent(view: State, goal: GoalState, m: int) -> bool:  # noqa: ARG001 - as of all rules
+    """Return whether a member has not yet been at the point."""
+    return view.members[m].reached == 0
 
 
 is_awaited = too_many(is_absent)
