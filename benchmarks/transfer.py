@@ -55,7 +55,7 @@ class Search(NamedTuple):
 
 def search(engine: Engine, n: int, seed: int, given: Sequence[Weakness] = ()) -> Search:
     """Search as ``cover`` does, with so many flights; given weaknesses first, with their parts."""
-    known = Known(MISSION.mission)
+    known = Known(SPACE)
     probing = Probing(SPACE, known, N_FAULTS, Random(seed))
     yardstick = yardstick_of(MISSION.mission, engine.evaluate(()), SEED)
     told: list[frozenset[str]] = []

@@ -16,8 +16,9 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import combinations
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import combinations, starmap
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple, TypeAlias
@@ -32,7 +33,7 @@ from mrsfi_runtime.record.engine_settings import EngineSettings
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 MRSFI = (sys.executable, "-m", "mrsfi_runtime.cli.main")
 SEEDS = (1, 2, 3, 4, 5)
-N_ALONE, N_PAIR = 300, 60
+N_ALONE, N_PAIR, N_TRIPLE = 300, 60, 20
 N_RUNS = 6
 EVALUATIONS = (300, 909, 3000)
 
@@ -78,6 +79,7 @@ class Brute:
         self._random = random
         self._bounds = {fault.id: value_bounds(code.mission, fault) for fault in code.pool}
         self._places = [*_places(code.mission)]
+        self._excluded = Gate(code.mission, code.pool).conflicts()
         self._engine = open_engine(EngineSettings("compiled"), code, SEEDS[0], 2)
         self._most = {}
         for seed in SEEDS:
@@ -90,35 +92,63 @@ class Brute:
         flown = self._broken(alone)
         surely = _weaknesses((s, frozenset.intersection(*flown[s])) for s in alone)
         ever = _weaknesses((s, frozenset.union(*flown[s])) for s in alone)
-        return Known(surely | self._joint(ever), ever)
+        for n_faults, n_forms in ((2, N_PAIR), (3, N_TRIPLE)):
+            new, seen = self._joint(n_faults, n_forms, ever)
+            surely, ever = surely | new, ever | seen
+        return Known(surely, ever)
 
-    def _joint(self, ever: Weaknesses) -> Weaknesses:
-        """Return the pairs of which no part ever breaks what they break."""
+    def _joint(self, size: int, n_forms: int, ever: Weaknesses) -> tuple[Weaknesses, Weaknesses]:
+        """Return what sets break surely, and ever, that no part of them ever breaks."""
+        by = defaultdict(list)
+        for each in ever:
+            by[each.judged].append(each.faults)
 
-        def is_new(judged: Judged, pair: Specification) -> bool:
-            return all(Weakness(judged, faults_of((timed,))) not in ever for timed in pair)
+        def is_new(judged: Judged, faults: frozenset[str]) -> bool:
+            return not any(part <= faults for part in by[judged])
 
-        pairs = [*self._pairs()]
-        first = self._broken(pairs, SEEDS[:1])
-        some = [pair for pair in pairs if any(is_new(j, pair) for j in first[pair][0])]
-        flown = self._broken(some)
-        parts = self._broken([(timed,) for pair in some for timed in pair])
-        return frozenset(
-            Weakness(judged, faults_of(pair))
-            for pair in some
-            for judged in frozenset.intersection(*flown[pair])
-            if is_new(judged, pair)
-            and not any(judged in broken for timed in pair for broken in parts[timed,])
-        )
+        def news(flown: Iterable[frozenset[Judged]], faults: frozenset[str]) -> set[Judged]:
+            return {judged for each in flown for judged in each if is_new(judged, faults)}
 
-    def _pairs(self) -> Iterator[Specification]:
-        excluded = Gate(self._mission, self._pool).conflicts()
-        for one, other in combinations(self._pool, 2):
-            for _ in range(N_PAIR):
-                first, second = self._form(one), self._form(other)
-                is_apart = first.finish < second.start or second.finish < first.start
-                if is_apart or other.id not in excluded[one.id]:
-                    yield first, second
+        surely, seen = set(), set()
+        sets = [*combinations(self._pool, size)]
+        for first in range(0, len(sets), 500):
+            drawn = [*self._drawn(sets[first : first + 500], n_forms, is_new)]
+            flown = self._broken(drawn, SEEDS[:1])
+            some = [each for each in drawn if news(flown[each], faults_of(each))]
+            seen |= {
+                (judged, faults_of(each))
+                for each in some
+                for judged in news(flown[each], faults_of(each))
+            }
+            in_all = self._broken(some)
+            parts = self._broken([part for each in some for part in _parts(each)])
+            surely |= {
+                (judged, faults_of(each))
+                for each in some
+                for judged in frozenset.intersection(*in_all[each])
+                if is_new(judged, faults_of(each))
+                and not any(judged in broken for part in _parts(each) for broken in parts[part])
+            }
+        return frozenset(starmap(Weakness, surely)), frozenset(starmap(Weakness, seen))
+
+    def _drawn(
+        self,
+        sets: Iterable[Sequence[Fault]],
+        n_forms: int,
+        is_new: Callable[[Judged, frozenset[str]], bool],
+    ) -> Iterator[Specification]:
+        """Yield specifications of sets that could be needed for some goal and measure."""
+        columns = [*self._most[SEEDS[0]]]
+        for faults in sets:
+            named = frozenset(fault.id for fault in faults)
+            for _ in range(n_forms if any(is_new(judged, named) for judged in columns) else 0):
+                drawn = tuple(self._form(fault) for fault in faults)
+                if not any(starmap(self._clash, combinations(drawn, 2))):
+                    yield drawn
+
+    def _clash(self, one: TimedFault, other: TimedFault) -> bool:
+        is_apart = one.finish < other.start or other.finish < one.start
+        return not is_apart and other.fault in self._excluded[one.fault]
 
     def _form(self, fault: Fault) -> TimedFault:
         last, random = self._mission.duration - 1, self._random
@@ -172,6 +202,11 @@ def _places(mission: Mission) -> Iterator[tuple[float, float]]:
     for x, y in ((1.3, 0.0), (-1.3, 0.0), (0.0, 1.3), (0.0, -1.3)):
         center, radius = mission.area.center, mission.area.radius
         yield center.x + x * radius, center.y + y * radius
+
+
+def _parts(specification: Specification) -> Iterator[Specification]:
+    """Yield a specification without each of its faults."""
+    yield from combinations(specification, len(specification) - 1)
 
 
 def faults_of(specification: Specification) -> frozenset[str]:

@@ -43,7 +43,7 @@ from mrsfi_runtime.record.engine_settings import (
     Manifest,
     Workers,
 )
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.settings import COVER, CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Measure
 from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.loop import AlgorithmFactory
@@ -189,6 +189,7 @@ def made(
             },
             machine=platform.machine(),
             sha256=folder.hashes(),
+            cover=COVER,
         )
         CampaignStore.create(path, settings, manifest).close()
         yield
@@ -201,6 +202,7 @@ def resumed(
     """Yield an interrupted campaign to its only writer, with the engine that continues it."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
         store = campaign.store
+        store.require_repeatable()
         warn_of_versions(store.manifest, tell)
         counts = f"{store.n_generations} generations, {store.n_evaluations} evaluations"
         tell(f"resuming {path}: {counts} and {store.n_failures} failures are recorded")

@@ -132,7 +132,7 @@ TERMS = (
     Term(
         "variant",
         "A fault, or a set of faults, with particular values and particular windows.",
-        "Of 15 variants of f11 that were tried, 7 break g2: 47 %.",
+        "Of 15 variants of f11 that were tried, 7 break g2.",
         "parameterisation, fault instance",
     ),
     Term(

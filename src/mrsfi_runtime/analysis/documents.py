@@ -159,7 +159,7 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
     title = "Weaknesses, by goal"
     yield from _section(
         weakness_table(title, mission, pool, summary.weaknesses),
-        "The faults of each weakness in one variant. A percentage is the share of tried variants "
+        "The faults of each weakness in one variant. A percentage is the share of variants "
         "that break the goal, by each measure; *seeds* counts mission seeds in which this variant "
         "does. `weaknesses/` has each weakness by its number as a fault specification, and the "
         "mildest variant of those below. `mrsfi show RUN N` draws weakness N in time and space.",

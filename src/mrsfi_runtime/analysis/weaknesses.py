@@ -66,7 +66,7 @@ def matrix_table(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWea
         if fault.id in cells
     ]
     title = (
-        "Share of tried variants in which the fault alone breaks the goal\n(n %): false alarm "
+        "Share of variants in which the fault alone breaks the goal\n(n %): false alarm "
         "only; *: undetected in at least one variant; joint: only with other faults"
     )
     columns = ("fault", "type", *goals, "target")
@@ -164,8 +164,9 @@ def evidence(weakness: GoalWeakness) -> str:
     shown = weakness.shown
     does = "violate the goal in belief" if shown.column.kind == MEASURES[0] else "break the goal"
     flown = f"{counted(shown.n_tried, 'variants')} flown to isolate the faults"
+    estimate = f", an estimated {shown.share_in_words}" if shown.weighted else ""
     return (
-        f"Of {flown}, {100 * shown.share:.0f} % {does}. "
+        f"Of {flown}, {shown.n_broken} {does}{estimate}. "
         f"This one does in {shown.n_held} of {counted(shown.n_seeds, 'mission seeds')}"
     )
 
@@ -397,7 +398,7 @@ def _verdict(
         detected = "" if state is State.FALSE_ALARM else detection(weakness, mission.units)
     if weakness is not None:
         seeds = f"in {weakness.shown.n_held} of {counted(weakness.shown.n_seeds, 'mission seeds')}"
-        strength = seeds, f"{100 * weakness.shown.share:.0f} % of tried variants"
+        strength = seeds, weakness.shown.share_in_words
     others = "other random specifications"
     limit = f"{others} that break it: at most {100 * unknown:.0f} % (95 % confidence)"
     return GoalVerdict(

@@ -2,8 +2,10 @@
 
 ``Probing`` first flies each fault alone, in varied variants, because most weaknesses are one fault.
 It then draws random specifications that contain no set known to break a column, and reduces those
-that break it to a minimal set by ddmin. Each flight is judged for all goals. The number of workers
-does not change what is found, because a turn asks for as many flights as there are columns.
+that break it to a minimal set by ddmin. In a set of several faults it then replaces each by other
+faults of the same robot or element, because such sets often break the goal, too. Each flight is
+judged for all goals. The number of workers does not change what is found, because a turn asks for
+as many flights as there are columns.
 
 ``Cover`` is a search algorithm made of that. ``harvest`` does it after any other search: it
 first reduces evaluations of the search that break an unexplained column, repeats in more
@@ -25,7 +27,15 @@ from mrsfi_runtime.causes import protection, weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import GoalWeakness, Mildest, goal_weaknesses, least, mildest
-from mrsfi_runtime.causes.weakness import MEASURES, Broken, FaultSet, Known, Weakness, Yardstick
+from mrsfi_runtime.causes.weakness import (
+    MEASURES,
+    Broken,
+    FaultSet,
+    Known,
+    Weakness,
+    Yardstick,
+    faults_of,
+)
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
@@ -41,15 +51,19 @@ if TYPE_CHECKING:
 N_ALONE = 10
 """Variants in which each fault is flown alone before several are flown together."""
 
+N_FEW = 5
+"""The same, if none of them breaks anything."""
+
 _N_TRIES = 100  # draws of known specifications until there seem to be no new ones
 
 
 class Probing:
     """Proposes flights, turn by turn, and learns what they break.
 
-    Each of the first ``n_alone`` turns has every fault alone, in a new variant. Later turns have
-    one specification of at most ``n_faults`` faults for each column, random or ``given``, and half
-    as many faults alone.
+    Each of the first ``n_alone`` turns has every fault alone, in a new variant; there are at most
+    ``N_FEW`` if none breaks anything. Later turns have one specification for each column, and half
+    as many faults alone, an eighth as long as none breaks anything. A specification is random or
+    ``given``, of at most ``n_faults`` faults; or it leads from a set that was found to another one.
     """
 
     def __init__(
@@ -83,9 +97,10 @@ class Probing:
     def _wanted(self) -> Iterator[Specification]:
         wishes: list[Specification] = []
         n_alone = len(self._space.candidates)
-        if self._n_turns > self._n_first:
+        is_harmless = not any(len(each) == 1 for sets in self._known.sets.values() for each in sets)
+        if self._n_turns > (min(N_FEW, self._n_first) if is_harmless else self._n_first):
             wishes = [wish for column in self._probes if (wish := self._wish(column))]
-            n_alone = -(-len(self._probes) // 2)
+            n_alone = -(-len(self._probes) // (8 if is_harmless else 2))
         wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
         return (each for each in wanted if weakness.form(each) not in self._known.flown)
 
@@ -123,13 +138,42 @@ class Probing:
             drawn = self._given(column) or varied_specification(space, most, rng, is_unknown)
             if column not in (yield drawn):
                 self._known.n_kept[column] += 1
-            else:
-                yield from self._reduced(column, drawn)
+                continue
+            found = deque((yield from self._reduced(column, drawn)))
+            while found:
+                found += yield from self._substituted(column, found.popleft())
+
+    def _substituted(
+        self, column: Column, minimal: Specification
+    ) -> Generator[Specification, Broken, list[Specification]]:
+        """Replace each fault of a minimal set by its kin, and return the minimal sets so found.
+
+        A team that can do without one robot breaks when it loses two: any fault that loses the one
+        with any that loses the other. So one set leads to the others.
+        """
+        found: list[Specification] = []
+        n = len(faults_of(minimal))
+        for timed in minimal if n > 1 else ():
+            rest = tuple(each for each in minimal if each.fault != timed.fault)
+            for kin in self._space.candidates[timed.fault].kin:
+                faults, other = faults_of(rest) | {kin}, self._space.candidates[kin]
+                if len(faults) < n or self._known.has_part_of(column, faults):
+                    continue
+                trigger = timed.trigger if timed.trigger in other.triggers else ""
+                for values in other.landmarks:
+                    new = timed._replace(fault=kin, values=values, trigger=trigger)
+                    if any(self._space.clash(new, each) for each in rest):
+                        break
+                    tried = self._space.ordered((*rest, new))
+                    if column in (yield tried):
+                        found += yield from self._reduced(column, tried)
+                        break
+        return found
 
     def _reduced(
         self, column: Column, broken: Specification
-    ) -> Generator[Specification, Broken, None]:
-        """Reduce a specification that breaks a column to a minimal set, unless one is known."""
+    ) -> Generator[Specification, Broken, list[Specification]]:
+        """Return what is minimal of a specification that breaks a column; none if known."""
         faults = tuple(dict.fromkeys(timed.fault for timed in broken))
         trials = reduction(tuple(range(len(faults))))
         trial = next(trials)
@@ -142,6 +186,8 @@ class Probing:
                 trial = trials.send(is_broken)
             except StopIteration:
                 self._known.add(column, left)
+                return [tuple(each for each in broken if each.fault in left)]
+        return []
 
 
 class Cover:
@@ -155,7 +201,7 @@ class Cover:
         self._space = space
         self._most, self._until = settings.evaluations, settings.until
         self._rng = Random(settings.seed)
-        self.known = Known(space.gate.mission)
+        self.known = Known(space)
         self._probing = Probing(space, self.known, settings.faults, self._rng)
         self._yardstick: Yardstick | None = None
         self._n_asked = 0
@@ -185,7 +231,7 @@ class Cover:
         self._n_generations += 1
         left = None if self._most is None else self._most - self._n_asked
         turn = self._probing.turn()[:left]
-        bounds = map(self.known.bound, self.known.sets)
+        bounds = map(self.known.sequential_bound, self.known.sets)
         self._next = [] if self._until is not None and max(bounds) <= self._until else turn
         population = range(first, self._n_asked)
         return GenerationSummary.of(self._n_generations - 1, len(scores), fitness, population)
@@ -280,7 +326,7 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
         return _covered(space, store) if store.settings.algorithm == COVERING else None
     outcomes: dict[Specification, Evaluated | None] = {**_searched(store)}
     outcomes |= {each.specification: each.found for each in flights if each.mission_seed == seed}
-    known, flown = Known(mission), _unfailed(outcomes)
+    known, flown = Known(space), _unfailed(outcomes)
     yardstick = Yardstick.of(mission, flown[()])
     for specification, outcome in outcomes.items():
         known.learn(specification, yardstick.broken(outcome))
@@ -323,7 +369,7 @@ def harvest(
     if before is not None:
         known, yardstick = before.known, before.yardstick
     else:
-        known = Known(mission)
+        known = Known(space)
         (fault_free,) = prober([()], seeds[0])
         n_taken += 1
         yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
@@ -408,6 +454,7 @@ def _unfailed(flown: Mapping[Specification, Evaluated | None]) -> dict[Specifica
 
 
 def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
+    store.require_repeatable()
     searched = _searched(store)
     known, flown = covered(space, store.settings, searched), _unfailed(searched)
     yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import reduce
 from itertools import chain, combinations
 from operator import and_, itemgetter
-from typing import Any, Self, TypeAlias
+from typing import Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober
 from mrsfi_runtime.engine.recording import Record, Recording
@@ -26,12 +26,16 @@ from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission, Outcome
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
+from mrsfi_runtime.search.space import Draw, SearchSpace, drawn_as, draws
 
 MEASURES = ("believed", "true", "missed")
 """Counts of an outcome that judge a goal; masked and phantom follow from two of them."""
 
 MARGIN = 0.05
 """Share of a mission's ticks by which a count must exceed that of the flight without faults."""
+
+DOUBT = 0.05
+"""Chance that a bound does not hold."""
 
 FaultSet: TypeAlias = frozenset[str]
 """IDs of faults of a pool."""
@@ -109,6 +113,43 @@ def form(specification: Specification) -> Specification:
     return tuple(sorted(specification))
 
 
+_Z = 2.58  # standard deviations: 1.96 contained nine of ten fresh shares, 2.58 contained 95 %
+
+
+class Share(NamedTuple):
+    """Estimate, and ends of a 95 % interval, of the chance that a variant of a fault breaks."""
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(
+        cls, space: SearchSpace, fault: str, tried: Iterable[tuple[Specification, bool]]
+    ) -> Self:
+        """Estimate it from different variants that flew alone, and whether each broke the goal.
+
+        A variant is not flown twice, so rare ways to draw one come up too often: each way has its
+        mean and its probability. An interval of normal approximation takes the mean of a way as
+        Jeffreys' posterior, or as exact if all variants of the way were flown.
+        """
+        n_tried, n_broken = Counter[Draw](), Counter[Draw]()
+        for (timed,), is_broken in tried:
+            n_tried[drawn_as(space, timed)] += 1
+            n_broken[drawn_as(space, timed)] += is_broken
+        seen = middle = variance = value = 0.0
+        for way, (chance, n_variants) in draws(space, fault).items():
+            n, k = n_tried[way], n_broken[way]
+            if n:
+                seen, value = seen + chance, value + chance * k / n
+            left = max(0.0, 1.0 - n / n_variants)
+            mean = (k + 0.5) / (n + 1) if left else k / n
+            middle += chance * mean
+            variance += left * chance**2 * mean * (1.0 - mean) / (n + 2)
+        value, off = value / seen, _Z * math.sqrt(variance)
+        return cls(value, min(value, max(0.0, middle - off)), max(value, min(1.0, middle + off)))
+
+
 class Known:
     """Results of flights in one mission seed: minimal sets by column, and all variants tried.
 
@@ -117,10 +158,13 @@ class Known:
     that contain none of its sets and did not break it.
     """
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, space: SearchSpace) -> None:
+        self._space = space
+        mission = space.gate.mission
         self.sets: dict[Column, list[FaultSet]] = {column: [] for column in columns(mission)}
         self.flown: dict[Specification, Broken] = {}
         self.n_kept = dict.fromkeys(self.sets, 0)
+        self._n_restarts = dict.fromkeys(self.sets, 0)
         self._forms: defaultdict[FaultSet, list[Specification]] = defaultdict(list)
 
     def learn(self, specification: Specification, broken: Broken) -> None:
@@ -141,6 +185,7 @@ class Known:
             kept = (known for known in self.sets[column] if not faults <= known)
             self.sets[column] = [*kept, faults]
             self.n_kept[column] = 0
+            self._n_restarts[column] += 1
 
     def restore(self, found: "Iterable[Weakness]", n_kept: Mapping[Column, int]) -> None:
         """Restore recorded sets and counts, after the recorded flights have been learnt."""
@@ -154,8 +199,21 @@ class Known:
 
         Confidence is 95 %, for zero events in ``n_kept`` trials (Clopper and Pearson).
         """
+        return self._bound(column, DOUBT)
+
+    def sequential_bound(self, column: Column) -> float:
+        """Return the bound for a search that ends as soon as all columns have a low one.
+
+        Such a search looks again and again. All bounds together, over all looks, hold with 95 %
+        confidence: each column has the same part of the 5 %, and the k-th look, after k - 1 sets,
+        6 / (π k)² of that.
+        """
+        looks = self._n_restarts[column] + 1
+        return self._bound(column, DOUBT * 6.0 / (math.pi * looks) ** 2 / len(self.sets))
+
+    def _bound(self, column: Column, doubt: float) -> float:
         n = self.n_kept[column]
-        return 1.0 - 0.05 ** (1.0 / n) if n else 1.0
+        return 1.0 - doubt ** (1.0 / n) if n else 1.0
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether some faults contain a set that breaks a column."""
@@ -180,8 +238,13 @@ class Known:
         found = []
         for faults, broken in broken_by.items():
             for column, witness in self._witnesses(faults, broken):
-                n_tried, n_broken = len(self._forms[faults]), len([*self.breaking(column, faults)])
-                found.append(Weakness(column, tuple(sorted(faults)), witness, n_tried, n_broken))
+                tried = [(each, column in self.flown[form(each)]) for each in self._forms[faults]]
+                n_broken = sum(is_broken for _, is_broken in tried)
+                named, alone = tuple(sorted(faults)), [each for each in tried if len(each[0]) == 1]
+                share = (
+                    Share.of(self._space, named[0], alone) if len(named) == 1 and alone else None
+                )
+                found.append(Weakness(column, named, witness, len(tried), n_broken, weighted=share))
         return tuple(sorted(found, key=order))
 
     def _witnesses(
@@ -257,9 +320,10 @@ class Weakness:
     ``witness`` is a variant that breaks it. Of the variants that break the most goals and measures
     for which their faults are minimal, it is active for the most ticks. Under it the goal is broken
     from tick ``since`` on, if recorded. ``n_tried`` variants of exactly these faults were flown
-    to isolate them; ``n_broken`` of these broke it. In ``n_held`` of the ``n_seeds`` that were
-    flown, the witness breaks it and no part of the witness does. All weaknesses of a goal and a set
-    share one ``detection``, ``None`` for false alarms or if not recorded.
+    to isolate them; ``n_broken`` of these broke it. ``weighted`` is, for one fault, the share by
+    the chance of each variant. In ``n_held`` of the ``n_seeds`` that were flown, the witness breaks
+    it and no part of the witness does. All weaknesses of a goal and a set share one ``detection``,
+    ``None`` for false alarms or if not recorded.
     """
 
     column: Column
@@ -271,11 +335,20 @@ class Weakness:
     n_seeds: int = 1
     since: int | None = None
     detection: Detection | None = None
+    weighted: Share | None = None
 
     @property
     def share(self) -> float:
-        """Share of the tried variants that broke it, above 0, at most 1."""
-        return self.n_broken / self.n_tried
+        """Chance that a variant breaks it, above 0, at most 1: weighted, or as tried."""
+        return self.weighted.value if self.weighted else self.n_broken / self.n_tried
+
+    @property
+    def share_in_words(self) -> str:
+        """The share of the variants that break it; of several faults only what was tried."""
+        if self.weighted is None:
+            return f"{self.n_broken} of {counted(self.n_tried, 'tried variants')}"
+        value, low, high = (100 * each for each in self.weighted)
+        return f"{value:.0f} % of variants ({low:.0f} to {high:.0f} %)"
 
     @property
     def label(self) -> str:
@@ -291,6 +364,8 @@ class Weakness:
             "witness": [*map(_as_json, self.witness)],
             "share": self.share,
             "tried": self.n_tried,
+            "broken": self.n_broken,
+            "interval": self.weighted and [*self.weighted[1:]],
             "since": self.since,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "detection": self.detection and asdict(self.detection),
@@ -301,16 +376,18 @@ class Weakness:
     def from_json(cls, row: Mapping[str, Any]) -> Self:
         """Return the weakness that plain values describe; invalid: Value-, Type- or KeyError."""
         wanted = itemgetter(*TimedFault._fields)
-        n_tried, seeds = int(row["tried"]), row["seeds"]
+        n_tried, seeds, share = int(row["tried"]), row["seeds"], float(row["share"])
+        interval = row.get("interval")
         return cls(
             Column(str(row["goal"]), str(row["measure"])),
             tuple(map(str, row["faults"])),
             database.specification(wanted({"trigger": "", **each}) for each in row["witness"]),
             n_tried,
-            round(float(row["share"]) * n_tried),
+            int(row.get("broken", round(share * n_tried))),
             int(seeds["held"]),
             int(seeds["of"]),
             None if row["since"] is None else int(row["since"]),
+            weighted=None if interval is None else Share(share, *map(float, interval)),
         )
 
 

@@ -273,7 +273,7 @@ def weaknesses_command(
     fails. A set that only makes the collective intelligence believe so is a false alarm. If a goal
     is violated without faults already, it has to be so for 5 % of the mission's ticks longer.
 
-    A share is the percentage of tried variants (other values, other windows) that break the goal;
+    A share is the percentage of variants (other values, other windows) that break the goal;
     one of them is shown. A weakness counts in a mission seed if this variant breaks the goal there
     and no part of it does; five seeds are checked, or as many as --seeds says. Since is the first
     tick at which this variant breaks the goal.

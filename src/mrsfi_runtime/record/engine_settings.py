@@ -300,6 +300,7 @@ class Manifest:
     machine: str = ""  # kind of processor
     sha256: Mapping[str, str] = field(default_factory=dict)  # of every copied file, by name
     semantics: int = SEMANTICS  # version of the world's rules
+    cover: int = 1  # version of the rules of ``cover``; records from before it have none
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""

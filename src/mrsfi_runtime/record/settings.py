@@ -37,6 +37,12 @@ ALGORITHM_NAMES = (
 COVERING = "cover"
 """The algorithm without populations and generations."""
 
+COVER = 2
+"""Version of the rules of ``cover``: a search of another one is neither continued nor recounted.
+
+1: without substitution, and ten variants of each fault before several are flown together.
+"""
+
 MINIMISING = ("nsga2", "guided")
 """Algorithms with a Pareto front, which can minimise a cost while they maximise violations."""
 

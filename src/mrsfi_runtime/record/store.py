@@ -24,7 +24,7 @@ from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Mission
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.engine_settings import Manifest
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.settings import COVER, COVERING, CampaignSettings
 
 T = TypeVar("T")
 
@@ -143,6 +143,16 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(
                 f"{folder}: {difference(found)}; fly the campaign with mrsfi {release}, "
                 f"read it with `mrsfi report {folder}`, or begin a new one"
+            )
+
+    def require_repeatable(self) -> None:
+        """Refuse to repeat a search by other rules of ``cover``, which would ask for others."""
+        found, release = self.manifest.cover, self.manifest.versions.get("mrsfi")
+        if self.settings.algorithm == COVERING and found != COVER:
+            raise RecordError(
+                f"{self.path.parent}: found a search by version {found} of `{COVERING}`; this "
+                f"mrsfi has version {COVER}, which does not repeat it; continue and read the "
+                f"campaign with mrsfi {release}, or begin a new one"
             )
 
     def close(self) -> None:

@@ -12,13 +12,14 @@ References
 Source paper, sections III-C b) and III-E a) to c), VI a); of the free ones, section VII.
 """
 
+import math
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from operator import itemgetter
 from random import Random
 from types import MappingProxyType
-from typing import Self, TypeAlias
+from typing import NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
@@ -28,6 +29,8 @@ from mrsfi_runtime.model.faults import (
     Gate,
     Specification,
     TimedFault,
+    robots_of,
+    touched,
     value_bounds,
 )
 from mrsfi_runtime.model.mission import Coordinates, Mission
@@ -95,6 +98,7 @@ class Candidate:
     landmarks: tuple[tuple[float, ...], ...] = ()
     is_place: bool = False
     triggers: tuple[str, ...] = ("",)
+    kin: tuple[str, ...] = ()
 
     def drawn_trigger(self, rng: Random) -> str:
         """Draw a trigger or none, all equally likely; a pool without triggers draws no number."""
@@ -128,7 +132,7 @@ class SearchSpace:
                 f"fault pool '{pool.id}' is empty; a search needs at least one fault"
             )
         gate = Gate(mission, pool)
-        excluded = gate.conflicts()
+        excluded, kin = gate.conflicts(), _kin(mission, pool)
         candidates = {
             fault.id: Candidate(
                 index=index,
@@ -139,6 +143,7 @@ class SearchSpace:
                 landmarks=landmarks(mission, fault),
                 is_place=fault.kind.is_place,
                 triggers=("", *(each.id for each in pool.triggers if each.of != (fault.id,))),
+                kin=kin[fault.id],
             )
             for index, fault in enumerate(pool)
         }
@@ -195,6 +200,16 @@ class SearchSpace:
         if tick < self.duration:
             free.append((tick, self.duration - 1))
         return free
+
+
+def _kin(mission: Mission, pool: FaultPool) -> Mapping[str, tuple[str, ...]]:
+    """Return for every fault the others that touch one of its robots or elements."""
+    targets = {fault.id: touched(mission, fault) for fault in pool}
+    struck = {each: {*robots_of(mission, found), *found} for each, found in targets.items()}
+    return {
+        one: tuple(other for other in struck if other != one and struck[one] & struck[other])
+        for one in struck
+    }
 
 
 def widest(free: Sequence[Window]) -> Window:
@@ -501,6 +516,46 @@ def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Ra
         values = random_values(candidate, values, rng)
     window = widest(free) if rng.random() < 0.5 else random_window(free, rng)
     return space.timed(fault, window, values, rng)
+
+
+class Draw(NamedTuple):
+    """How ``varied_fault`` comes to a variant: by its values, its window and its trigger."""
+
+    values: str
+    is_whole: bool
+    trigger: str
+
+
+def drawn_as(space: SearchSpace, timed: TimedFault) -> Draw:
+    """Return how a variant is drawn if its fault flies alone."""
+    candidate, values = space.candidates[timed.fault], timed.values
+    kind = "landmark" if values in candidate.landmarks else "random"
+    is_whole = (timed.start, timed.finish) == (0, space.duration - 1)
+    return Draw("own" if values == candidate.values else kind, is_whole, timed.trigger)
+
+
+def draws(space: SearchSpace, fault: str) -> dict[Draw, tuple[float, float]]:
+    """Return each way to draw a fault alone: its probability, and how many variants it has."""
+    candidate = space.candidates[fault]
+    n_marks = len(candidate.landmarks)
+    n_others = n_marks - (candidate.values in candidate.landmarks)
+    is_fixed = all(low == high for low, high in candidate.bounds)
+    chances = {
+        "own": (1 + (n_marks - n_others) / n_marks + is_fixed, 1),
+        "landmark": (n_others / n_marks, n_others),
+        "random": (1 - is_fixed, math.inf),
+    }
+    n_triggers = len(candidate.triggers)
+    return {
+        Draw(kind, is_whole, trigger): (
+            chance / (6 * n_triggers),
+            n_variants if is_whole else math.inf,
+        )
+        for kind, (chance, n_variants) in chances.items()
+        for is_whole in (True, False)
+        for trigger in candidate.triggers
+        if chance
+    }
 
 
 def varied_specification(

@@ -50,6 +50,7 @@ from mrsfi_runtime.record.database import fault_texts, specification_text
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Generation, Measure
+from mrsfi_runtime.search.space import SearchSpace
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS
@@ -422,7 +423,7 @@ def test_the_worst_of_all_variants_is_told_and_in_how_many_it_is_so(measure, lat
 def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without, measure, approved):
     found = (weakness("g3", measure, "f4"),)
     yardstick = Yardstick((Column("g3", "true"),), (without,))
-    known = Harvest(Known(CODE.mission), found, 0, {}, yardstick)
+    known = Harvest(Known(SearchSpace.of(CODE.mission, CODE.pool)), found, 0, {}, yardstick)
 
     told = verdicts(CODE.mission, CODE.pool, known)
 

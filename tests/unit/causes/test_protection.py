@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.protection import closing, confirmed, cover, ladder
 from mrsfi_runtime.causes.weakness import Known
-from tests.support.search import paper_mission, pool_of
+from tests.support.search import paper_mission, paper_space, pool_of
 from tests.support.weaknesses import weakness
 
 SOME = st.frozensets(st.sampled_from("abcdefgh"), min_size=1, max_size=4)
@@ -52,7 +52,7 @@ def test_false_alarms_do_not_count_and_each_weakness_flies_without_the_faults_so
     names = [(step.element, [each.number for each in step.closed]) for step in steps]
     assert names == [("m2", [1, 2]), ("m4", [4])]  # their senders have more faults
     assert [[timed.fault for timed in rest] for _, rest in flights] == [[], ["f2"], []]
-    known = Known(paper_mission())
+    known = Known(paper_space())
     known.learn((), frozenset())
     assert confirmed(steps, known) == (1, {1: True, 4: True})
     second, without_m2 = flights[1]

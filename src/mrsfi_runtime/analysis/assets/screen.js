@@ -53,7 +53,7 @@ class Screen {
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
       make("p", { class: "note keys" }, make("span", { class: "key share undetected" }), bdi("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), bdi("broken, detected in all variants", terms),
-        make("span", { class: "key share believed" }), bdi("false alarm only. Height: share of tried variants. +: only together with other faults", terms)),
+        make("span", { class: "key share believed" }), bdi("false alarm only. Height: share of variants. +: only together with other faults", terms)),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, bdi(owner.name)))),
