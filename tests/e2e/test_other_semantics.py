@@ -3,6 +3,7 @@
 import pytest
 
 from mrsfi_runtime.model.fault_types import SEMANTICS
+from mrsfi_runtime.record.settings import COVER
 from tests.support.cli import contents, edit, execute, mrsfi, workspace
 from tests.support.interrupted import MISSION
 
@@ -38,3 +39,16 @@ def test_code_generated_for_older_rules_is_refused_until_it_is_generated_anew(qu
     approved(error)
     mrsfi("generate", MISSION, cwd=quick)
     mrsfi(*flight, cwd=quick)
+
+
+@pytest.mark.parametrize("words", [("evolve", "--resume"), ("weaknesses",)])
+def test_a_search_by_other_rules_of_cover_is_neither_continued_nor_counted_again(quick, words):
+    mrsfi("evolve", MISSION, "--algorithm", "cover", "--evaluations", 40, "--out", "run", cwd=quick)
+    execute(quick / "run", """UPDATE meta SET value = replace(value, '"cover":2', '"cover":1')""")
+    execute(quick / "run", "DELETE FROM meta WHERE key = 'weaknesses'")
+    before = contents(quick / "run")
+
+    error = mrsfi(*words, "run", cwd=quick, expected=9).stderr
+
+    assert f"found a search by version {COVER - 1} of `cover`" in error
+    assert contents(quick / "run") == before

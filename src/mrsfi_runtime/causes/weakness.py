@@ -137,7 +137,8 @@ class Share(NamedTuple):
         for (timed,), is_broken in tried:
             n_tried[drawn_as(space, timed)] += 1
             n_broken[drawn_as(space, timed)] += is_broken
-        seen = middle = variance = value = 0.0
+        seen = middle = variance = value = least = 0.0
+        most = 1.0
         for way, (chance, n_variants) in draws(space, fault).items():
             n, k = n_tried[way], n_broken[way]
             if n:
@@ -145,9 +146,12 @@ class Share(NamedTuple):
             left = max(0.0, 1.0 - n / n_variants)
             mean = (k + 0.5) / (n + 1) if left else k / n
             middle += chance * mean
+            if not left:
+                least, most = least + chance * mean, most - chance * (1.0 - mean)
             variance += left * chance**2 * mean * (1.0 - mean) / (n + 2)
         value, off = value / seen, _Z * math.sqrt(variance)
-        return cls(value, min(value, max(0.0, middle - off)), max(value, min(1.0, middle + off)))
+        low, high = max(least, middle - off), min(most, middle + off)
+        return cls(value, min(value, low), max(value, high))
 
 
 class Known:

@@ -173,6 +173,7 @@ def _resumed(
 
     with CampaignStore.open(path) as store:  # first: without a campaign there is nothing to lock
         store.require_flyable()
+        store.require_repeatable()
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, "protect": []}
     begun_with |= settings.as_json()

@@ -505,3 +505,28 @@ def test_a_way_is_undetected_if_a_variant_is_never_detected(late, expected):
     (only,) = goal_weaknesses([weakness("g1", "true", "f4", detection=found)])
 
     assert only.is_undetected == expected
+
+
+def test_a_variant_counts_by_the_chance_that_it_is_drawn():
+    """Half the draws of a fault without values have the whole window, of which there is one."""
+    known = Known(SPACE)
+    for start, broken in ((0, True), *((start, start > 997) for start in range(989, 999))):
+        known.learn((TimedFault(STOP, start, 999),), frozenset([G1] if broken else []))
+
+    (found,) = known.weaknesses()
+
+    assert (found.n_tried, found.n_broken) == (11, 2)
+    assert found.share == pytest.approx(0.5 * 1.0 + 0.5 * 0.1)
+    _, low, high = found.weighted
+    assert 0.5 <= low < found.share < high < 0.8
+    assert type(found).from_json(found.as_json()) == found
+
+
+def test_a_search_that_looks_until_all_bounds_are_low_spends_its_doubt_over_columns_and_looks():
+    known, doubt = Known(SPACE), 0.0
+    for look in range(1, 40):
+        known.n_kept[FIRST] = 100
+        doubt += (1.0 - known.sequential_bound(FIRST)) ** 100
+        known.add(FIRST, frozenset({f"f{look}"}))
+
+    assert 0.97 * 0.05 < doubt * len(known.sets) < 0.05

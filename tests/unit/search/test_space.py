@@ -25,7 +25,14 @@ from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageData,
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import FITNESS_FUNCTIONS, FitnessInput, Judge, Score, averaged
 from mrsfi_runtime.search.loop import MUTATIONS, filled, forced
-from mrsfi_runtime.search.space import SearchSpace, random_specification, random_window
+from mrsfi_runtime.search.space import (
+    SearchSpace,
+    drawn_as,
+    draws,
+    random_specification,
+    random_window,
+    varied_fault,
+)
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import PAPER_FAULTS, outcome_of, paper_mission, paper_space, pool_of
 
@@ -374,3 +381,15 @@ def test_scores_of_several_mission_seeds_are_averaged():
     scores = [Score(1.0, (0, 4)), Score(2.0, (3, 4)), Score(6.0, (3, 1))]
 
     assert averaged(scores) == Score(3.0, (2.0, 3.0))
+
+
+@pytest.mark.parametrize("fault", ["f2", "f11", "f26"])
+def test_a_way_to_draw_a_fault_alone_is_as_likely_as_it_comes_up(fault):
+    rng, space = Random(1), paper_space()
+    whole = [(0, space.duration - 1)]
+
+    drawn = Counter(drawn_as(space, varied_fault(space, fault, whole, rng)) for _ in range(6000))
+
+    chances = {way: chance for way, (chance, _) in draws(space, fault).items()}
+    assert sum(chances.values()) == pytest.approx(1.0)
+    assert {way: n / 6000 for way, n in drawn.items()} == pytest.approx(chances, abs=0.02)
