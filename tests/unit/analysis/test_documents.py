@@ -19,7 +19,7 @@ from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.campaigns import area, outcome
-from tests.support.search import PAPER_FAULTS, paper_mission, pool_of
+from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of
 from tests.support.weaknesses import weakness
 
 FOUND = goal_weaknesses(
@@ -131,7 +131,7 @@ def test_faults_that_are_in_no_way_to_break_a_goal_are_named_in_the_order_of_the
     outcomes = {each: outcome([0] * 6, len(each)) for each in flown[:3]}
     outcomes[flown[3]] = replace(outcome([0] * 6), changed=(0,))
 
-    approved(harmless(POOL, Harvest(Known(paper_mission()), found, 0, outcomes, None)))
+    approved(harmless(POOL, Harvest(Known(paper_space()), found, 0, outcomes, None)))
 
 
 class Tags(HTMLParser):
