@@ -1,26 +1,30 @@
-"""What share of a mission's weaknesses campaigns tell, held against brute force.
+"""What share of a mission's weaknesses campaigns find, beside brute force.
 
 Run ``python -m benchmarks.weaknesses [MISSION ...] [--algorithms cover ...]`` from the project's
-folder. ``cover`` searches with as many evaluations as the table says, others with what is usual.
+folder. ``cover`` searches with as many evaluations as the table says, others with the default. A
+mission is one of ``models`` or of ``benchmarks/missions``, whose goals need some members only.
 
 Brute force, which uses nothing of ``causes`` and ``search``, flies every fault of the pool alone in
-300 forms and every pair in 60, each in five mission seeds. A weakness is a goal, a measure, and a
-fault, or a pair of which no part breaks the goal in any seed, that breaks it in one form in all
-five. What is told is *right* if brute force finds it, too, and *refuted* if it is a pair of which
-brute force has seen a part break the goal in one of the seeds; that is asked of faults and pairs
-that are told to hold in at least five mission seeds, all of those that were looked at.
+300 variants, every pair in 60 and every triple in 20, each in five mission seeds. A weakness is a
+goal, a measure, and a set of faults that breaks it in one variant in all five, while no part of the
+set breaks it in any seed. What a campaign finds is *right* if brute force finds it, too, and
+*refuted* if brute force has seen a part break the goal. Both are asked of sets that hold in at
+least five mission seeds, all of those that were flown.
 """
 
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import combinations, starmap
 from pathlib import Path
 from random import Random
+from statistics import fmean
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi import load
@@ -30,12 +34,26 @@ from mrsfi_runtime.model.faults import Fault, Gate, Specification, TimedFault, v
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.engine_settings import EngineSettings
 
-MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
+MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy", "teams", "few")
 MRSFI = (sys.executable, "-m", "mrsfi_runtime.cli.main")
 SEEDS = (1, 2, 3, 4, 5)
 N_ALONE, N_PAIR, N_TRIPLE = 300, 60, 20
 N_RUNS = 6
-EVALUATIONS = (300, 909, 3000)
+EVALUATIONS = (300, 909, 2000, 3000)
+
+
+@contextmanager
+def project_of(name: str) -> Iterator[tuple[Path, Path]]:
+    """Yield the models and the generated code of a mission."""
+    here = Path(__file__).parent / "missions" / name
+    if not here.exists():
+        yield Path("models") / name, Path("generated") / name
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        models = Path(folder) / "models" / name
+        shutil.copytree(here, models)
+        subprocess.run([*MRSFI, "generate", str(models)], check=True, stdout=subprocess.DEVNULL)
+        yield models, Path(folder) / "generated" / name
 
 
 class Judged(NamedTuple):
@@ -62,13 +80,8 @@ class Known(NamedTuple):
     ever: Weaknesses
 
     def refutes(self, told: Weakness) -> bool:
-        """Return whether a fault of a pair was seen to be enough."""
-        is_pair = len(told.faults) == 2
-        return is_pair and any(told._replace(faults=each) in self.ever for each in _alone(told))
-
-
-def _alone(told: Weakness) -> Iterator[frozenset[str]]:
-    return (frozenset([fault]) for fault in told.faults)
+        """Return whether a part of a set was seen to be enough."""
+        return any(each.judged == told.judged and each.faults < told.faults for each in self.ever)
 
 
 class Brute:
@@ -245,29 +258,39 @@ def weakness_of(told: Mapping[str, Any]) -> Weakness:
     return Weakness(Judged(told["goal"], told["measure"]), frozenset(told["faults"]))
 
 
+def by_number_of_faults(known: Known) -> dict[str, Weaknesses]:
+    """Return what brute force knows, by the number of faults."""
+    return {
+        size: frozenset(each for each in known.surely if len(each.faults) == n_faults)
+        for n_faults, size in enumerate(("single", "pairs", "triples"), 1)
+    }
+
+
 def found_share(told: Iterable[Weaknesses], known: Weaknesses) -> str:
-    """Return the least and the greatest share of what is known that is told."""
+    """Return the mean, the least and the greatest share of what is known that is found."""
     return _between([len(known & each) / len(known) for each in told] if known else [])
 
 
 def right_shares(told: Iterable[list[dict[str, Any]]], known: Known) -> tuple[str, str]:
-    """Return the least and greatest share of what is sure, as told, that is right, or refuted."""
+    """Return, as above, the share of what is found for sure that is right, or refuted."""
     right, refuted = [], []
     for each in told:
         held = (w for w in each if w["seeds"]["held"] == w["seeds"]["of"] >= len(SEEDS))
-        if sure := [w for w in map(weakness_of, held) if len(w.faults) <= 2]:
+        if sure := [w for w in map(weakness_of, held) if len(w.faults) <= 3]:
             right.append(sum(w in known.surely for w in sure) / len(sure))
             refuted.append(sum(map(known.refutes, sure)) / len(sure))
     return _between(right), _between(refuted)
 
 
 def _between(shares: list[float]) -> str:
-    return f"{min(shares):.2f} to {max(shares):.2f}" if shares else "–"
+    if not shares:
+        return "–"
+    return f"{fmean(shares):.2f} ({min(shares):.2f} to {max(shares):.2f})"
 
 
 def print_table(models: Path, known: Known, algorithms: Iterable[str]) -> None:
     """Print a line for each algorithm and number of evaluations."""
-    single = frozenset(each for each in known.surely if len(each.faults) == 1)
+    by_size = by_number_of_faults(known)
     for algorithm in algorithms:
         is_cover = algorithm == "cover"
         n_seeds = len(SEEDS) if is_cover else None
@@ -280,9 +303,10 @@ def print_table(models: Path, known: Known, algorithms: Iterable[str]) -> None:
             right, refuted = right_shares(told, known)
             n = "default" if n_evaluations is None else f"{n_evaluations:,}"
             print(
-                f"  {algorithm:6} {n:>7}: single {found_share(found, single)}, "
-                f"pairs {found_share(found, known.surely - single)}, "
-                f"together {found_share(found, known.surely)}; right {right}, refuted {refuted}",
+                f"  {algorithm:6} {n:>7}: "
+                + ", ".join(f"{size} {found_share(found, by_size[size])}" for size in by_size)
+                + f", together {found_share(found, known.surely)}; right {right}, "
+                f"refuted {refuted}",
                 flush=True,
             )
 
@@ -294,11 +318,11 @@ def main() -> None:
     parser.add_argument("--algorithms", nargs="+", metavar="NAME", default=["cover"])
     arguments = parser.parse_args()
     for name in arguments.missions:
-        known = Brute(load_code(Path("generated") / name), Random(77)).known()
-        n_single = sum(len(each.faults) == 1 for each in known.surely)
-        n_pairs = len(known.surely) - n_single
-        print(f"{name}: {n_single} single faults, {n_pairs} pairs break a goal", flush=True)
-        print_table(Path("models") / name, known, arguments.algorithms)
+        with project_of(name) as (models, generated):
+            known = Brute(load_code(generated), Random(77)).known()
+            sizes = ", ".join(f"{len(s)} {size}" for size, s in by_number_of_faults(known).items())
+            print(f"{name}: {sizes}", flush=True)
+            print_table(models, known, arguments.algorithms)
 
 
 if __name__ == "__main__":
