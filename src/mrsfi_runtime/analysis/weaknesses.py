@@ -146,8 +146,8 @@ def not_found(known: Known, goal: str) -> str:
 
     truly, believed, missed = map(part, ("true", "believed", "missed"))
     return (
-        f"Not found yet for {goal} (95 % confidence): of random specifications that contain none "
-        f"of these sets, {truly}; {believed}; {missed}"
+        f"Not found yet for {goal} ({known.confidence}): of random specifications that contain "
+        f"none of these sets, {truly}; {believed}; {missed}"
     )
 
 
@@ -400,7 +400,9 @@ def _verdict(
         seeds = f"in {weakness.shown.n_held} of {counted(weakness.shown.n_seeds, 'mission seeds')}"
         strength = seeds, weakness.shown.share_in_words
     others = "other random specifications"
-    limit = f"{others} that break it: at most {100 * unknown:.0f} % (95 % confidence)"
+    limit = f"{others} that break it: at most {100 * unknown:.0f} % ({known.known.confidence})"
+    needed = max(known.known.flights_to_bound(Column(goal.id, measure)) for measure in MEASURES)
+    none = f"no bound yet on {others}; one of 10 % needs at least {needed:,} more flights"
     return GoalVerdict(
         goal=goal.id,
         name=mission.name_of(goal),
@@ -412,7 +414,7 @@ def _verdict(
         detection=detected,
         strength=strength,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
-        bound=limit if unknown < 1.0 else f"no bound yet on {others}",
+        bound=limit if unknown < 1.0 else none,
     )
 
 

@@ -201,7 +201,7 @@ class Cover:
         self._space = space
         self._most, self._until = settings.evaluations, settings.until
         self._rng = Random(settings.seed)
-        self.known = Known(space)
+        self.known = Known(space, ends_by_bounds=settings.until is not None)
         self._probing = Probing(space, self.known, settings.faults, self._rng)
         self._yardstick: Yardstick | None = None
         self._n_asked = 0
@@ -231,7 +231,7 @@ class Cover:
         self._n_generations += 1
         left = None if self._most is None else self._most - self._n_asked
         turn = self._probing.turn()[:left]
-        bounds = map(self.known.sequential_bound, self.known.sets)
+        bounds = map(self.known.bound, self.known.sets)
         self._next = [] if self._until is not None and max(bounds) <= self._until else turn
         population = range(first, self._n_asked)
         return GenerationSummary.of(self._n_generations - 1, len(scores), fitness, population)
@@ -326,11 +326,12 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
         return _covered(space, store) if store.settings.algorithm == COVERING else None
     outcomes: dict[Specification, Evaluated | None] = {**_searched(store)}
     outcomes |= {each.specification: each.found for each in flights if each.mission_seed == seed}
-    known, flown = Known(space), _unfailed(outcomes)
+    until = store.settings.until
+    known, flown = Known(space, ends_by_bounds=until is not None), _unfailed(outcomes)
     yardstick = Yardstick.of(mission, flown[()])
     for specification, outcome in outcomes.items():
         known.learn(specification, yardstick.broken(outcome))
-    known.restore(kept.weaknesses, kept.n_kept)
+    known.restore(kept.weaknesses, kept.counts)
     recorded = (*kept.weaknesses, *(each.weakness for each in kept.mildest))
     judged = iter(weakness.detected(mission, store, recorded))
     found = tuple(islice(judged, len(kept.weaknesses)))
@@ -389,7 +390,7 @@ def harvest(
     mild = mildest(space, known, shrunk, prober, record, seeds[:N_MILD]) if smallest else ()
     to_protect = protection.ladder(mission, space.gate.pool, goal_weaknesses(found))
     prober([rest for _, rest in protection.closing(to_protect)], seeds[0])
-    store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
+    store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.counts, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
@@ -406,7 +407,7 @@ def _reporting(
 class _Kept(NamedTuple):
     n_evaluations: int
     n_flights: int
-    n_kept: Mapping[Column, int]
+    counts: Mapping[Column, tuple[int, int]]
     weaknesses: tuple[Weakness, ...]
     mildest: tuple[Mildest, ...]
 
@@ -414,7 +415,7 @@ class _Kept(NamedTuple):
         return database.canonical(
             {
                 "numbers": [self.n_evaluations, self.n_flights],
-                "kept": [[*column, n_kept] for column, n_kept in self.n_kept.items()],
+                "kept": [[*column, *counts] for column, counts in self.counts.items()],
                 "weaknesses": [each.as_json() for each in self.weaknesses],
                 "mildest": [each.as_json() for each in self.mildest],
             }
@@ -426,17 +427,18 @@ class _Kept(NamedTuple):
         content = database.object_from_text(text)
         try:
             ((n_evaluations, n_flights),) = database.integers([content["numbers"]])
-            n_kept = {Column(goal, kind): int(n) for goal, kind, n in content["kept"]}
+            rows = [(Column(*row[:2]), (*row[2:], 0)) for row in content["kept"]]
+            counts = {column: (int(n), int(restarts)) for column, (n, restarts, *_) in rows}
             found = tuple(map(Weakness.from_json, content["weaknesses"]))
             mild = tuple(map(Mildest.from_json, content["mildest"]))
         except KeyError as error:
             raise ValueError(f"found {text[:60]}; expected the record of weaknesses") from error
-        recorded = {*n_kept, *(each.column for each in found)}
+        recorded = {*counts, *(each.column for each in found)}
         if unknown := recorded.difference(weakness.columns(mission)):
             raise ValueError(
                 f"found a weakness of goal {min(unknown).goal!r}; expected a goal of the mission"
             )
-        return cls(n_evaluations, n_flights, n_kept, found, mild)
+        return cls(n_evaluations, n_flights, counts, found, mild)
 
 
 def _searched(store: CampaignStore) -> dict[Specification, Outcome | None]:

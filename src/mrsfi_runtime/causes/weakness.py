@@ -159,16 +159,18 @@ class Known:
 
     Sets have the order in which they were found; ``flown`` has the columns that each variant
     breaks. ``n_kept`` counts, since the last set of a column was found, the random specifications
-    that contain none of its sets and did not break it.
+    that contain none of its sets and did not break it; ``n_restarts`` counts its sets so far.
+    ``ends_by_bounds`` is whether the search ends when all bounds are low.
     """
 
-    def __init__(self, space: SearchSpace) -> None:
+    def __init__(self, space: SearchSpace, *, ends_by_bounds: bool = False) -> None:
         self._space = space
+        self._ends_by_bounds = ends_by_bounds
         mission = space.gate.mission
         self.sets: dict[Column, list[FaultSet]] = {column: [] for column in columns(mission)}
         self.flown: dict[Specification, Broken] = {}
         self.n_kept = dict.fromkeys(self.sets, 0)
-        self._n_restarts = dict.fromkeys(self.sets, 0)
+        self.n_restarts = dict.fromkeys(self.sets, 0)
         self._forms: defaultdict[FaultSet, list[Specification]] = defaultdict(list)
 
     def learn(self, specification: Specification, broken: Broken) -> None:
@@ -189,35 +191,52 @@ class Known:
             kept = (known for known in self.sets[column] if not faults <= known)
             self.sets[column] = [*kept, faults]
             self.n_kept[column] = 0
-            self._n_restarts[column] += 1
+            self.n_restarts[column] += 1
 
-    def restore(self, found: "Iterable[Weakness]", n_kept: Mapping[Column, int]) -> None:
+    def restore(
+        self, found: "Iterable[Weakness]", counts: Mapping[Column, tuple[int, int]]
+    ) -> None:
         """Restore recorded sets and counts, after the recorded flights have been learnt."""
         self.sets = {column: [] for column in self.sets}
         for each in found:
             self.sets[each.column].append(frozenset(each.faults))
-        self.n_kept.update(n_kept)
+        for column, (n_kept, n_restarts) in counts.items():
+            self.n_kept[column], self.n_restarts[column] = n_kept, n_restarts
+
+    @property
+    def counts(self) -> dict[Column, tuple[int, int]]:
+        """``n_kept`` and ``n_restarts`` of each column."""
+        return {column: (n, self.n_restarts[column]) for column, n in self.n_kept.items()}
 
     def bound(self, column: Column) -> float:
         """Return the upper bound, 0 … 1, on the chance that such a specification breaks a column.
 
-        Confidence is 95 %, for zero events in ``n_kept`` trials (Clopper and Pearson).
+        Zero events in ``n_kept`` trials (Clopper and Pearson) give 95 % ``confidence``. A search
+        that ends by its bounds looks again and again: each column has the same part of the 5 %, and
+        the k-th look, after k - 1 sets, 6 / (π k)² of that.
         """
-        return self._bound(column, DOUBT)
-
-    def sequential_bound(self, column: Column) -> float:
-        """Return the bound for a search that ends as soon as all columns have a low one.
-
-        Such a search looks again and again. All bounds together, over all looks, hold with 95 %
-        confidence: each column has the same part of the 5 %, and the k-th look, after k - 1 sets,
-        6 / (π k)² of that.
-        """
-        looks = self._n_restarts[column] + 1
-        return self._bound(column, DOUBT * 6.0 / (math.pi * looks) ** 2 / len(self.sets))
-
-    def _bound(self, column: Column, doubt: float) -> float:
         n = self.n_kept[column]
-        return 1.0 - doubt ** (1.0 / n) if n else 1.0
+        return 1.0 - self._doubt(column) ** (1.0 / n) if n else 1.0
+
+    def _doubt(self, column: Column) -> float:
+        if not self._ends_by_bounds:
+            return DOUBT
+        looks = self.n_restarts[column] + 1
+        return DOUBT * 6.0 / (math.pi * looks) ** 2 / len(self.sets)
+
+    @property
+    def confidence(self) -> str:
+        """The confidence of the bounds, in words."""
+        return "95 % confidence" + ", all bounds together" * self._ends_by_bounds
+
+    def flights_to_bound(self, column: Column, share: float = 0.1) -> int:
+        """Return how many more flights a search needs, at least, to bound a column by a share.
+
+        That is if no further set is found. In each turn, one draw is for the column.
+        """
+        doubt = self._doubt(column)
+        n_draws = math.ceil(math.log(doubt) / math.log1p(-share)) - self.n_kept[column]
+        return max(0, n_draws) * len(self.sets) * 3 // 2
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether some faults contain a set that breaks a column."""

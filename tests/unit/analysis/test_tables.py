@@ -430,7 +430,8 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
     (said,) = (each.sentence for each in told if each.goal == "g3")
     approved(said)
     bounds = {each.bound for each in told}
-    assert bounds == {"no bound yet on other random specifications"}  # nothing was drawn
+    (bound,) = bounds  # nothing was drawn
+    assert bound.startswith("no bound yet on other random specifications; one of 10 % needs at ")
 
 
 def verdict(goal, state, *faults):

@@ -164,7 +164,10 @@ def test_the_more_specifications_keep_a_goal_since_its_last_set_the_lower_is_the
     known = Known(SPACE)
     assert known.bound(FIRST) == 1.0
 
+    n_flights = known.flights_to_bound(FIRST, 0.05)
+    assert n_flights == 59 * len(known.sets) * 3 // 2
     known.n_kept[FIRST] = 59
+    assert known.flights_to_bound(FIRST, 0.05) == 0
     assert known.bound(FIRST) == pytest.approx(0.0495, abs=1e-4)  # of three in sixty, roughly
     known.add(FIRST, frozenset({"f1"}))
     assert known.bound(FIRST) == 1.0
@@ -253,7 +256,7 @@ def test_it_ends_when_all_bounds_are_as_low_as_was_asked_for():
     search = cover(evaluations=100_000, until=0.1)
 
     for _ in turns(search):
-        bounds = [search.known.sequential_bound(column) for column in search.known.sets]
+        bounds = [search.known.bound(column) for column in search.known.sets]
         assert max(bounds) > 0.1 or search.is_finished
 
     assert max(bounds) <= 0.1
@@ -523,10 +526,10 @@ def test_a_variant_counts_by_the_chance_that_it_is_drawn():
 
 
 def test_a_search_that_looks_until_all_bounds_are_low_spends_its_doubt_over_columns_and_looks():
-    known, doubt = Known(SPACE), 0.0
+    known, doubt = Known(SPACE, ends_by_bounds=True), 0.0
     for look in range(1, 40):
         known.n_kept[FIRST] = 100
-        doubt += (1.0 - known.sequential_bound(FIRST)) ** 100
+        doubt += (1.0 - known.bound(FIRST)) ** 100
         known.add(FIRST, frozenset({f"f{look}"}))
 
     assert 0.97 * 0.05 < doubt * len(known.sets) < 0.05
