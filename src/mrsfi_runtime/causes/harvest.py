@@ -485,7 +485,8 @@ def _nearest(
 def _affordable(known: Known, left: int) -> int:
     """Return how many flights may be next, if their findings are to be flown in other seeds."""
     n_others = N_SEEDS - 1
-    spare = left - n_others * (len(weakness.flown_with(known.weaknesses())) + _N_PAIR)
+    witnesses = weakness.flown_with(known.weaknesses(are_weighted=False))
+    spare = left - n_others * (len(witnesses) + _N_PAIR)
     return max(0, spare) // N_SEEDS
 
 

@@ -246,7 +246,7 @@ class Known:
         """Yield the variants of exactly these faults that broke a column, in order of trial."""
         return (each for each in self._forms[faults] if column in self.flown[form(each)])
 
-    def weaknesses(self) -> "tuple[Weakness, ...]":
+    def weaknesses(self, *, are_weighted: bool = True) -> "tuple[Weakness, ...]":
         """Return the weaknesses by goal, small sets first, each by all its measures."""
         broken_by: defaultdict[FaultSet, list[Column]] = defaultdict(list)
         for column, sets in self.sets.items():
@@ -265,7 +265,9 @@ class Known:
                 n_broken = sum(is_broken for _, is_broken in tried)
                 named, alone = tuple(sorted(faults)), [each for each in tried if len(each[0]) == 1]
                 share = (
-                    Share.of(self._space, named[0], alone) if len(named) == 1 and alone else None
+                    Share.of(self._space, named[0], alone)
+                    if are_weighted and len(named) == 1 and alone
+                    else None
                 )
                 found.append(Weakness(column, named, witness, len(tried), n_broken, weighted=share))
         return tuple(sorted(found, key=order))
