@@ -263,12 +263,10 @@ class Known:
             for column, witness in self._witnesses(faults, broken):
                 tried = [(each, column in self.flown[form(each)]) for each in self._forms[faults]]
                 n_broken = sum(is_broken for _, is_broken in tried)
-                named, alone = tuple(sorted(faults)), [each for each in tried if len(each[0]) == 1]
-                share = (
-                    Share.of(self._space, named[0], alone)
-                    if are_weighted and len(named) == 1 and alone
-                    else None
-                )
+                named, share = tuple(sorted(faults)), None
+                alone = [each for each in tried if are_weighted and len(each[0]) == 1]
+                if alone and len(named) == 1:
+                    share = Share.of(self._space, named[0], alone)
                 found.append(Weakness(column, named, witness, len(tried), n_broken, weighted=share))
         return tuple(sorted(found, key=order))
 
