@@ -20,6 +20,7 @@ from mrsfi.campaign_folders import (
     FlyableCampaign,
     OpenCampaign,
     find_evaluations,
+    open_campaign,
     open_to_fly,
     require_same,
     tried_again,
@@ -275,6 +276,45 @@ def harvested(campaign: OpenCampaign) -> Harvest:
         what = f"{path}: found evaluations, and no finished search for weaknesses"
         raise RecordError(f"{what}; expected both: run mrsfi explain {path} --all")
     return found
+
+
+def harvested_beside(campaign: OpenCampaign, others: Iterable[Path]) -> list[Harvest]:
+    """Return the weaknesses of a campaign, then those of others that differ in the search.
+
+    They need the same models, code and mission seed, and different search seeds; else it is a
+    ``UsageError``.
+    """
+    found, runs = [harvested(campaign)], {campaign.store.settings.seed: campaign.folder.path}
+    wanted, run = _flown(campaign), campaign.folder.path
+    for path in others:
+        with open_campaign(path) as other:
+            flown, seed = _flown(other), other.store.settings.seed
+            changed = [name for name in {**wanted, **flown} if wanted.get(name) != flown.get(name)]
+            if changed:
+                raise UsageError(
+                    f"{path}: differs from {run} in {', '.join(changed)}; expected a campaign of "
+                    "the same mission, pool, code and mission seed"
+                )
+            if seed in runs:
+                raise UsageError(
+                    f"{path}: found search seed {seed}, as in {runs[seed]}; expected another "
+                    "search seed, because the same one repeats the same draws"
+                )
+            runs[seed] = path
+            found.append(harvested(other))
+    return found
+
+
+def _flown(campaign: OpenCampaign) -> dict[str, object]:
+    """Return all that decides the results of a campaign's flights, by name."""
+    manifest = campaign.store.manifest
+    return {
+        **{name: each for name, each in manifest.sha256.items() if not name.endswith(".toml")},
+        "mission seed": campaign.store.settings.mission_seed,
+        "faults": [fault.id for fault in campaign.pool],
+        "rules of the world": manifest.semantics,
+        "node": manifest.engine.node_sha256,
+    }
 
 
 def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWeakness:

@@ -120,7 +120,45 @@ def test_sets_that_were_not_tried_are_counted_from_the_record(place, told, monke
     said = mrsfi("weaknesses", "runs/cover", cwd=place).stdout
 
     counted = untried_by_hand(place / "runs" / "cover", mission.model, mission.pool, told)
-    assert " ".join(said.split()).endswith(counted)
+    assert counted in " ".join(said.split())
+
+
+def test_campaigns_of_other_search_seeds_estimate_how_many_there_are(place, told):
+    cover = ("--algorithm", "cover", "--no-explain", *REFERENCE)
+    for run, evaluations, *more in (
+        ("second", "100", "--seed", "2"),
+        ("other", "1", "--seed", "3", "--mission-seed", "2"),
+    ):
+        options = ("--evaluations", evaluations, *more, "--out", f"runs/{run}")
+        mrsfi("evolve", MISSION, *cover, *options, cwd=place)
+
+    def printed(*options, expected=0):
+        found = mrsfi("weaknesses", "runs/cover", *options, cwd=place, expected=expected)
+        return " ".join((found.stderr if expected else found.stdout).split())
+
+    alone, both = printed(), printed("--with", "runs/second")
+    options = ("runs/cover", "--with", "runs/second", "--bounds", "--goal", "energy")
+    rows = mrsfi_json("weaknesses", *options, cwd=place)
+
+    assert (
+        f"mrsfi evolve {MISSION} … --seed 2, then mrsfi weaknesses runs/cover --with RUN2" in alone
+    )
+    assert [each["measure"] for each in rows] == ["believed", "true", "missed", None]
+    found = rows[-1]["estimate"]
+    low, high = found["interval"]
+    of = f"Found {found['found']} weaknesses of energy in 2 campaigns; an estimated"
+    assert f"{of} {found['estimated']:.0f} in all ({low} to {high}). runs/cover lacks" in both
+    second = mrsfi_json("weaknesses", "runs/second", "--goal", "energy", cwd=place)
+    known, others = ({tuple(one["faults"]) for one in each} for each in (told, second))
+    assert {*map(tuple, found["lacking"])} <= others - known
+    for run, why in (
+        ("cover", "search seed 1, as in"),
+        ("other", "differs from runs/cover in mission seed"),
+    ):
+        refused = printed("--with", f"runs/{run}", expected=2)
+        assert why in refused
+        assert f"runs/{run}: " in refused
+    assert "--bounds" in printed("--with", "runs/second", "--json", expected=2)
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):

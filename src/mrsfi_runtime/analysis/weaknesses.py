@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, lru_cache
 from itertools import accumulate
+from pathlib import Path
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, to_markdown
@@ -22,6 +23,7 @@ from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
+from mrsfi_runtime.causes.missing import Estimate
 from mrsfi_runtime.causes.protection import confirmed, ladder
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
 from mrsfi_runtime.engine.recording import Record
@@ -148,6 +150,19 @@ def not_found(known: Known, goal: str) -> str:
     return (
         f"Not found yet for {goal} ({known.confidence}): of random specifications that contain "
         f"none of these sets, {truly}; {believed}; {missed}"
+    )
+
+
+def estimated(goal: str, estimate: Estimate, run: Path) -> str:
+    """Return in sentences how many weaknesses of a goal there are, and which a campaign lacks."""
+    total, campaigns = estimate.total, counted(estimate.n_campaigns, "campaigns")
+    if not total.n_found:
+        return f"Found no weakness of {goal} in {campaigns}, so no number is estimated"
+    lacking = "; ".join(map(" and ".join, estimate.lacking))
+    lacks = f"{len(estimate.lacking)} of them: {lacking}" if lacking else "none of them"
+    return (
+        f"Found {counted(total.n_found, 'weaknesses')} of {goal} in {campaigns}; an estimated "
+        f"{total.value:.0f} in all ({total.low} to {total.high}). {run} lacks {lacks}"
     )
 
 

@@ -22,7 +22,8 @@ from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_j
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
-from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.causes.missing import estimate
+from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
@@ -56,9 +57,16 @@ def print_verdicts(
 
 
 def print_all(
-    campaign: OpenCampaign, known: Harvest, found: Sequence[GoalWeakness], goals: Sequence[str]
+    campaign: OpenCampaign,
+    found: Sequence[GoalWeakness],
+    goals: Sequence[str],
+    known: Harvest,
+    *others: Harvest,
 ) -> None:
-    """Print weaknesses, the bounds on those not found, and how many sets were not tried."""
+    """Print weaknesses, the bounds on those not found, and how many sets were not tried.
+
+    With other campaigns, print how many weaknesses are estimated.
+    """
     mission, pool = campaign.mission, campaign.pool
     print_verdicts(campaign, known, goals)
     if found:
@@ -70,16 +78,47 @@ def print_all(
     click.echo()
     print_words(weaknesses.harmless(pool, known))
     print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known), goals))
+    _print_estimates(campaign, goals, [each.weaknesses for each in (known, *others)])
 
 
-def print_bounds(known: Known, goals: Sequence[str]) -> None:
-    """Print the bounds on unknown weaknesses of goals as JSON."""
-    told = [
+def _print_estimates(
+    campaign: OpenCampaign, goals: Sequence[str], samples: Sequence[Sequence[Weakness]]
+) -> None:
+    run, store = campaign.folder.path, campaign.store
+    click.echo()
+    if len(samples) < 2:
+        mission = store.manifest.mission or campaign.mission.name
+        again = f"mrsfi evolve {mission} … --seed {store.settings.seed + 1}"
+        print_words(
+            "How many weaknesses there are is not estimated, because that takes campaigns with "
+            f"different search seeds: {again}, then mrsfi weaknesses {run} --with RUN2"
+        )
+        return
+    for goal in goals:
+        print_words(weaknesses.estimated(goal, estimate(samples, goal), run))
+    print_words(
+        "The intervals (95 %) do not include weaknesses that a campaign hardly ever finds: each "
+        "estimate is a lower bound"
+    )
+
+
+def print_bounds(goals: Sequence[str], campaigns: Sequence[Harvest]) -> None:
+    """Print the bounds on unknown weaknesses of goals as JSON, and estimates of their number.
+
+    Rows without a measure estimate the weaknesses of a goal by any measure.
+    """
+    known, samples = campaigns[0].known, [each.weaknesses for each in campaigns]
+    rows: list[dict[str, Any]] = [
         {"goal": column.goal, "measure": column.kind, "draws": n, "bound": known.bound(column)}
         for column, n in known.n_kept.items()
         if column.goal in goals
     ]
-    print_json(told)
+    if len(samples) > 1:
+        rows += [{"goal": goal, "measure": None} for goal in goals]
+        for row in rows:
+            measures = MEASURES if row["measure"] is None else [row["measure"]]
+            row["estimate"] = estimate(samples, row["goal"], measures).as_json()
+    print_json(rows)
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[GoalWeakness], *, is_json: bool) -> None:

@@ -244,6 +244,14 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
 @click.option("--goal", metavar="G", help="Only this goal.")
 @options.seeds_option("Check each weakness in N mission seeds.")
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find mildest variants.")
+@click.option(
+    "--with",
+    "others",
+    multiple=True,
+    metavar="RUN",
+    type=click.Path(path_type=Path),
+    help="Estimate how many there are, with another campaign; repeatable.",
+)
 @options.worker_options
 @options.engine_options(default=AUTO)
 @click.option(
@@ -283,11 +291,15 @@ def weaknesses_command(
     truth, is active for the fewest ticks, and still breaks the goal in three mission seeds. --fmea
     describes the mildest variant where it is known, else the one shown.
 
+    --with estimates how many weaknesses there are, found or not, from campaigns that differ in
+    --seed, and lists those that RUN lacks.
+
     If a campaign was begun with --no-explain, mrsfi explain RUN --all finds its weaknesses.
 
     \b
     Examples:
       mrsfi weaknesses runs/cover
+      mrsfi weaknesses runs/cover --with runs/cover2 --with runs/cover3
       mrsfi weaknesses runs/cover --goal g2 --mildest
       mrsfi weaknesses runs/cover --map 3 runs/map.png    which values and windows break its goal
       mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
@@ -295,18 +307,17 @@ def weaknesses_command(
       mrsfi weaknesses runs/cover --json | jq '.[] | select(.detection.n_never > 0)'
     """
     from mrsfi.campaign_folders import open_campaign
-    from mrsfi.explaining import flying_again, harvested, refined
+    from mrsfi.explaining import flying_again, harvested_beside, refined
     from mrsfi_runtime.cli import campaign_results
 
+    others: tuple[Path, ...] = files.pop("others")
     if is_bounds and not is_json:
         raise click.UsageError("--bounds needs --json; else bounds stand below the weaknesses")
+    if others and (is_mildest or is_bounds < is_json):
+        raise click.UsageError("--with has no effect on --mildest; with --json it needs --bounds")
     with open_campaign(run) as campaign:
-        goals = campaign.mission.goal_ids
-        if goal is not None:
-            if goal not in goals:
-                raise UsageError(f"--goal: found '{goal}'; {expected(goal, goals)}")
-            goals = (goal,)
-        known = harvested(campaign)
+        goals = _chosen(goal, campaign.mission.goal_ids)
+        known, *beside = harvested_beside(campaign, others)
         found = [each for each in known.goal_weaknesses if each.goal in goals]
         is_told = not is_bounds or any(files.values())
         is_named = bool(engine)  # a named engine has to be the one that flew it
@@ -315,13 +326,22 @@ def weaknesses_command(
                 found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)
         if is_bounds:
-            campaign_results.print_bounds(known.known, goals)
+            campaign_results.print_bounds(goals, [known, *beside])
         elif is_mildest:
             campaign_results.print_mildest(campaign, found, is_json=is_json)
         elif is_json:
             print_json([each for weakness in found for each in weakness.as_json()])
         else:
-            campaign_results.print_all(campaign, known.with_seeds_of(found), found, goals)
+            again = known.with_seeds_of(found)
+            campaign_results.print_all(campaign, found, goals, again, *beside)
+
+
+def _chosen(goal: str | None, goals: tuple[str, ...]) -> tuple[str, ...]:
+    if goal is None:
+        return goals
+    if goal not in goals:
+        raise UsageError(f"--goal: found '{goal}'; {expected(goal, goals)}")
+    return (goal,)
 
 
 def _write(
