@@ -311,6 +311,25 @@ def print_table(models: Path, known: Known, algorithms: Iterable[str]) -> None:
             )
 
 
+def print_ladder(models: Path, known: Known) -> None:
+    """Print how many elements close what a default campaign found, and what brute force knows."""
+    truly = [each for each in known.surely if each.judged.measure != "believed"]
+    for seed in (1, 2, 3):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Path(folder) / "run"
+            load(models).evolve("a", out=run, seed=seed)
+            found = json.loads((run / "summary.json").read_text())["weaknesses"]["protect"]
+        kept_out = {fault for step in found for fault in step["faults"]}
+        n_closed = sum(not each.faults.isdisjoint(kept_out) for each in truly)
+        elements = ", ".join(step["element"] for step in found)
+        n_found, n_gone = (sum(len(step[key]) for step in found) for key in ("closes", "gone"))
+        print(
+            f"  protect {elements}: {n_gone} of {n_found} weaknesses gone, "
+            f"{n_closed} of {len(truly)} true ones closed",
+            flush=True,
+        )
+
+
 def main() -> None:
     """Print a table for each mission."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -323,6 +342,7 @@ def main() -> None:
             sizes = ", ".join(f"{len(s)} {size}" for size, s in by_number_of_faults(known).items())
             print(f"{name}: {sizes}", flush=True)
             print_table(models, known, arguments.algorithms)
+            print_ladder(models, known)
 
 
 if __name__ == "__main__":
