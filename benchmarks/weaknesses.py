@@ -318,6 +318,7 @@ def print_ladder(models: Path, known: Known) -> None:
         with tempfile.TemporaryDirectory() as folder:
             run = Path(folder) / "run"
             load(models).evolve("a", out=run, seed=seed)
+            subprocess.run([*MRSFI, "report", str(run)], check=True, stdout=subprocess.DEVNULL)
             found = json.loads((run / "summary.json").read_text())["weaknesses"]["protect"]
         kept_out = {fault for step in found for fault in step["faults"]}
         n_closed = sum(not each.faults.isdisjoint(kept_out) for each in truly)
