@@ -360,7 +360,7 @@ def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> No
         if is_json:
             print_json([each for weakness in known.goal_weaknesses for each in weakness.as_json()])
         else:
-            print_all(campaign, known, known.goal_weaknesses, campaign.mission.goal_ids)
+            print_all(campaign, known.goal_weaknesses, campaign.mission.goal_ids, known)
 
 
 def _serve_bridge(settings: ServerSettings) -> None:
