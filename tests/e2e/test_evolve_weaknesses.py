@@ -79,7 +79,7 @@ def test_sets_that_neither_search_nor_harvest_tried_are_counted_from_the_record(
 
     told = mrsfi_json("weaknesses", "runs/it", cwd=found)
     counted = untried_by_hand(run, code.mission, code.pool, told)
-    assert " ".join(said.split()).endswith(counted)
+    assert f"{counted} How many weaknesses there are" in " ".join(said.split())
 
 
 def test_each_of_the_most_critical_names_the_weaknesses_that_it_has(ended):
