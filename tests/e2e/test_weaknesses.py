@@ -25,6 +25,14 @@ def place(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def second(place):
+    """Folder of a campaign with another search seed."""
+    cover = ("--algorithm", "cover", "--evaluations", "100", "--seed", "2", "--no-explain")
+    mrsfi("evolve", MISSION, *cover, *REFERENCE, "--out", "runs/second", cwd=place)
+    return "runs/second"
+
+
 @pytest.fixture
 def told(place):
     return mrsfi_json("weaknesses", "runs/cover", cwd=place)
@@ -123,21 +131,17 @@ def test_sets_that_were_not_tried_are_counted_from_the_record(place, told, monke
     assert f"{counted} How many weaknesses there are" in " ".join(said.split())
 
 
-def test_campaigns_of_other_search_seeds_estimate_how_many_there_are(place, told):
-    cover = ("--algorithm", "cover", "--no-explain", *REFERENCE)
-    for run, evaluations, *more in (
-        ("second", "100", "--seed", "2"),
-        ("other", "1", "--seed", "3", "--mission-seed", "2"),
-    ):
-        options = ("--evaluations", evaluations, *more, "--out", f"runs/{run}")
-        mrsfi("evolve", MISSION, *cover, *options, cwd=place)
+def test_campaigns_of_other_search_seeds_estimate_how_many_there_are(place, second, told):
+    cover = ("--algorithm", "cover", "--evaluations", "1", "--seed", "3", "--no-explain")
+    options = ("--mission-seed", "2", *REFERENCE, "--out", "runs/other")
+    mrsfi("evolve", MISSION, *cover, *options, cwd=place)
 
     def printed(*options, expected=0):
         found = mrsfi("weaknesses", "runs/cover", *options, cwd=place, expected=expected)
         return " ".join((found.stderr if expected else found.stdout).split())
 
-    alone, both = printed(), printed("--with", "runs/second")
-    options = ("runs/cover", "--with", "runs/second", "--bounds", "--goal", "energy")
+    alone, both = printed(), printed("--with", second)
+    options = ("runs/cover", "--with", second, "--bounds", "--goal", "energy")
     rows = mrsfi_json("weaknesses", *options, cwd=place)
 
     assert (
@@ -148,8 +152,8 @@ def test_campaigns_of_other_search_seeds_estimate_how_many_there_are(place, told
     low, high = found["interval"]
     of = f"Found {found['found']} weaknesses of energy in 2 campaigns; an estimated"
     assert f"{of} {found['estimated']:.0f} in all ({low} to {high}). runs/cover lacks" in both
-    second = mrsfi_json("weaknesses", "runs/second", "--goal", "energy", cwd=place)
-    known, others = ({tuple(one["faults"]) for one in each} for each in (told, second))
+    beside = mrsfi_json("weaknesses", second, "--goal", "energy", cwd=place)
+    known, others = ({tuple(one["faults"]) for one in each} for each in (told, beside))
     assert {*map(tuple, found["lacking"])} <= others - known
     for run, why in (
         ("cover", "search seed 1, as in"),
@@ -158,7 +162,33 @@ def test_campaigns_of_other_search_seeds_estimate_how_many_there_are(place, told
         refused = printed("--with", f"runs/{run}", expected=2)
         assert why in refused
         assert f"runs/{run}: " in refused
-    assert "--bounds" in printed("--with", "runs/second", "--json", expected=2)
+    assert "--bounds" in printed("--with", second, "--json", expected=2)
+
+
+def test_risks_have_two_values_where_faults_have_likelihoods(place, second, tmp_path):
+    for run in ("cover", second.removeprefix("runs/")):
+        shutil.copytree(place / "runs" / run, tmp_path / run)
+        pool = tmp_path / run / "model" / "faults.xmi"
+        pool.write_text(pool.read_text().replace(' ID="f', ' likelihood="0.01" ID="f'))
+
+    def risk(*others):
+        options = ("cover", *others, "--goal", "energy")
+        (row,) = (
+            each
+            for each in mrsfi_json("weaknesses", *options, "--bounds", cwd=tmp_path)
+            if each["measure"] is None
+        )
+        return row["risk"], " ".join(mrsfi("weaknesses", *options, cwd=tmp_path).stdout.split())
+
+    (alone, said_alone), (both, said) = risk(), risk("--with", "second")
+
+    assert alone["upper"] is None
+    assert 0.0 < alone["lower"] <= both["lower"] < both["upper"] < 1.0
+    of = "Risk of energy: it is truly violated or fails in at least"
+    assert f"{of} {100 * alone['lower']:.2g} % of missions, a lower bound from" in said_alone
+    assert said_alone.endswith("an upper value needs --with")
+    assert f"{of} {100 * both['lower']:.2g} % of" in said
+    assert f"sets; {100 * both['upper']:.2g} % if as many sets exist" in said
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):

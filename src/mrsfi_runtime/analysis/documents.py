@@ -23,6 +23,7 @@ from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
 from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, weakness_table
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
+from mrsfi_runtime.causes.risk import cut_sets
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import named_faults
@@ -278,14 +279,6 @@ _PFTA_COMMENT = (
     "of a gate is the sum over its sets (order 1), an upper bound; an exact one (all orders) takes "
     "time that doubles with each set."
 )
-
-
-def cut_sets(weaknesses: Iterable[GoalWeakness], goal: str) -> list[tuple[str, ...]]:
-    """Return the minimal sets of faults that truly violate a goal or make it fail, by size."""
-    breaking = (each for each in weaknesses if each.goal == goal)
-    real = {each.faults for each in breaking if each.shown.column.kind != "believed"}
-    least = (faults for faults in real if not any({*other} < {*faults} for other in real))
-    return sorted(least, key=lambda faults: (len(faults), faults))
 
 
 class _Gate(NamedTuple):

@@ -25,6 +25,7 @@ from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.missing import Estimate
 from mrsfi_runtime.causes.protection import confirmed, ladder
+from mrsfi_runtime.causes.risk import Risk, occurrence
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
@@ -166,6 +167,22 @@ def estimated(goal: str, estimate: Estimate, run: Path) -> str:
     )
 
 
+def risk_in_words(goal: str, found: Risk) -> str:
+    """Return in a sentence how likely a goal is to break, with what is left out."""
+    unknown = f", without {found.n_unknown} that have a fault of unknown likelihood"
+    sets = f"{counted(found.n_sets, 'known sets')}{unknown if found.n_unknown else ''}"
+    upper = "an upper value needs --with"
+    if found.upper is not None:
+        often = f"{100 * found.upper:.2g} %" if found.upper < 0.995 else "all"
+        upper = (
+            f"{often} if as many sets exist as are estimated at most, and each variant breaks it"
+        )
+    return (
+        f"Risk of {goal}: it is truly violated or fails in at least {100 * found.lower:.2g} % of "
+        f"missions, a lower bound from {sets}; {upper}"
+    )
+
+
 def detection(weakness: GoalWeakness, units: Units) -> str:
     """Return in a sentence whether the CI detects what breaks a goal."""
     if weakness.shown.column.kind == MEASURES[0]:
@@ -248,8 +265,6 @@ def failure_modes(
         shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
         faults = named_faults(mission, pool, shown.witness)
         effect, counts = flown(shown.witness)
-        chances = (pool[fault].likelihood for fault in weakness.faults)
-        known = [chance for chance in chances if chance is not None]
         return FailureMode(
             number=weakness.number,
             faults=" ".join(weakness.faults),
@@ -262,7 +277,7 @@ def failure_modes(
             detected=detection(weakness, units),
             severity="missed" if shown.column.kind == "missed" else "violated",
             ticks=max(counts[place]),
-            occurrence=math.prod(known) if len(known) == len(weakness.faults) else None,
+            occurrence=occurrence(pool, weakness.faults),
         )
 
     def rank(mode: FailureMode) -> tuple[float, bool, int]:

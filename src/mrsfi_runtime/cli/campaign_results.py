@@ -23,10 +23,12 @@ from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.missing import estimate
+from mrsfi_runtime.causes.risk import risk
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE, Measure, ticks
 
@@ -65,7 +67,7 @@ def print_all(
 ) -> None:
     """Print weaknesses, the bounds on those not found, and how many sets were not tried.
 
-    With other campaigns, print how many weaknesses are estimated.
+    With other campaigns, print how many weaknesses are estimated; with likelihoods, the risks.
     """
     mission, pool = campaign.mission, campaign.pool
     print_verdicts(campaign, known, goals)
@@ -79,6 +81,12 @@ def print_all(
     print_words(weaknesses.harmless(pool, known))
     print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known), goals))
     _print_estimates(campaign, goals, [each.weaknesses for each in (known, *others)])
+    ways = [each.goal_weaknesses for each in (known, *others)]
+    risks = {goal: value for goal in goals if (value := risk(pool, goal, ways))}
+    if risks:
+        click.echo()
+    for goal, value in risks.items():
+        print_words(weaknesses.risk_in_words(goal, value))
 
 
 def _print_estimates(
@@ -102,10 +110,10 @@ def _print_estimates(
     )
 
 
-def print_bounds(goals: Sequence[str], campaigns: Sequence[Harvest]) -> None:
+def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harvest]) -> None:
     """Print the bounds on unknown weaknesses of goals as JSON, and estimates of their number.
 
-    Rows without a measure estimate the weaknesses of a goal by any measure.
+    Rows without a measure have the estimate of a goal by any measure, and its risk.
     """
     known, samples = campaigns[0].known, [each.weaknesses for each in campaigns]
     rows: list[dict[str, Any]] = [
@@ -113,11 +121,13 @@ def print_bounds(goals: Sequence[str], campaigns: Sequence[Harvest]) -> None:
         for column, n in known.n_kept.items()
         if column.goal in goals
     ]
-    if len(samples) > 1:
-        rows += [{"goal": goal, "measure": None} for goal in goals]
-        for row in rows:
-            measures = MEASURES if row["measure"] is None else [row["measure"]]
-            row["estimate"] = estimate(samples, row["goal"], measures).as_json()
+    risks = {goal: risk(pool, goal, [each.goal_weaknesses for each in campaigns]) for goal in goals}
+    if len(samples) > 1 or any(risks.values()):
+        whole = {goal: found and found._asdict() for goal, found in risks.items()}
+        rows += [{"goal": goal, "measure": None, "risk": found} for goal, found in whole.items()]
+    for row in rows if len(samples) > 1 else ():
+        measures = MEASURES if row["measure"] is None else [row["measure"]]
+        row["estimate"] = estimate(samples, row["goal"], measures).as_json()
     print_json(rows)
 
 

@@ -292,7 +292,8 @@ def weaknesses_command(
     describes the mildest variant where it is known, else the one shown.
 
     --with estimates how many weaknesses there are, found or not, from campaigns that differ in
-    --seed, and lists those that RUN lacks.
+    --seed, and lists those that RUN lacks. If faults have likelihoods, it adds an upper value to
+    the risk that a goal breaks.
 
     If a campaign was begun with --no-explain, mrsfi explain RUN --all finds its weaknesses.
 
@@ -326,7 +327,7 @@ def weaknesses_command(
                 found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)
         if is_bounds:
-            campaign_results.print_bounds(goals, [known, *beside])
+            campaign_results.print_bounds(campaign.pool, goals, [known, *beside])
         elif is_mildest:
             campaign_results.print_mildest(campaign, found, is_json=is_json)
         elif is_json:

@@ -7,13 +7,14 @@ from html.parser import HTMLParser
 import pytest
 from lxml import etree
 
-from mrsfi_runtime.analysis.documents import as_open_psa, as_pfta, cut_sets, in_latex, to_latex
+from mrsfi_runtime.analysis.documents import as_open_psa, as_pfta, in_latex, to_latex
 from mrsfi_runtime.analysis.story import working_window
 from mrsfi_runtime.analysis.tables import Table, to_html
 from mrsfi_runtime.analysis.weaknesses import FailureMode, harmless, modes_as_csv, modes_as_markdown
 from mrsfi_runtime.api import Patrol, Stay, Visit
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import goal_weaknesses
+from mrsfi_runtime.causes.risk import cut_sets
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Coordinates, Goal
