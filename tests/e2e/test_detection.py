@@ -254,7 +254,7 @@ def on_page(run):
 
 def stars(printed):
     """Return the goals and faults whose cell of the matrix has a star."""
-    _, _, table = printed.partition("Share of tried variants")
+    _, _, table = printed.partition("Share of variants in which")
     head, _, *rows = (line.split() for line in table.partition("\n\n")[0].splitlines()[2:])
     goals = head[2 : head.index("target")]
     return {
@@ -267,6 +267,6 @@ def stars(printed):
 
 def sentences(printed):
     """Return the first sentences of goals that break, by the number of the weakness."""
-    lines = printed.partition("Share of tried variants")[0].splitlines()
+    lines = printed.partition("Share of variants in which")[0].splitlines()
     found = [(re.match(r"    weakness (\d+) ", below), line) for line, below in pairwise(lines)]
     return {int(match[1]): line for match, line in found if match}
