@@ -489,7 +489,8 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     if off is None:
         fixed = f" at ({', '.join(words[:2])})" if kind.is_place else f" at {first}"
     elif off and is_frozen:
-        apart = f", {_apart(mission, fault.fault, off.removesuffix(' off'))}"
+        distance = one.sub(r"\1", off.removesuffix(" off"))
+        apart = f", {_apart(mission, fault.fault, distance)}"
     own = f"{kind.name} ({kind.in_words(values, units, 4)})" if values else kind.name
     done = _DEEDS[kind.mode][0].format(first=first, fixed=fixed, own=own)
     begin, end = fault.window or (0, -1)
