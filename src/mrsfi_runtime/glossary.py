@@ -120,7 +120,7 @@ TERMS = (
     Term(
         "active",
         "Of a fault: inside its window, and triggered if it has a trigger.",
-        "f11 is active for 527 ticks.",
+        "f3 is active for 501 ticks.",
         "injected",
     ),
     Term(
@@ -132,7 +132,7 @@ TERMS = (
     Term(
         "variant",
         "A fault, or a set of faults, with particular values and particular windows.",
-        "Of 15 variants of f11 that were tried, 7 break g2.",
+        "Of 15 variants of f3 that were tried, 5 break g2.",
         "parameterisation, fault instance",
     ),
     Term(
@@ -145,7 +145,7 @@ TERMS = (
         "mildest variant",
         "Of a weakness: the tried variant that is closest to the truth, is active for the fewest "
         "ticks, and still breaks the goal in three mission seeds.",
-        "g2 fails if f11 is active for 527 ticks; no trial with up to 499 ticks made it fail.",
+        "g2 fails if f3 is active for 501 ticks; no trial with up to 454 ticks made it fail.",
         "boundary case, minimal failure-inducing input",
     ),
     Term(
