@@ -178,7 +178,8 @@ def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
     explained = mrsfi("explain", campaign, "--all", "--engine", "reference", cwd=tmp_path)
 
     assert before["weaknesses"] is None
-    assert explained.stdout == mrsfi("weaknesses", run, cwd=run.parent).stdout
+    listed = mrsfi("weaknesses", run, cwd=run.parent).stdout.replace(str(run), str(campaign))
+    assert explained.stdout.split() == listed.split()  # a longer path wraps elsewhere
     assert rows(tmp_path / campaign) == rows(run)
 
 
