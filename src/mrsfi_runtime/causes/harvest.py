@@ -97,10 +97,10 @@ class Probing:
     def _wanted(self) -> Iterator[Specification]:
         wishes: list[Specification] = []
         n_alone = len(self._space.candidates)
-        is_harmless = not any(len(each) == 1 for sets in self._known.sets.values() for each in sets)
-        if self._n_turns > (min(N_FEW, self._n_first) if is_harmless else self._n_first):
+        n_first = min(N_FEW, self._n_first) if self._known.is_harmless else self._n_first
+        if self._n_turns > n_first:
             wishes = [wish for column in self._probes if (wish := self._wish(column))]
-            n_alone = -(-len(self._probes) // (8 if is_harmless else 2))
+            n_alone = self._known.n_alone
         wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
         return (each for each in wanted if weakness.form(each) not in self._known.flown)
 

@@ -236,7 +236,17 @@ class Known:
         """
         doubt = self._doubt(column)
         n_draws = math.ceil(math.log(doubt) / math.log1p(-share)) - self.n_kept[column]
-        return max(0, n_draws) * len(self.sets) * 3 // 2
+        return max(0, n_draws) * (len(self.sets) + self.n_alone)
+
+    @property
+    def is_harmless(self) -> bool:
+        """Whether no fault is known that breaks a column alone."""
+        return not any(len(each) == 1 for sets in self.sets.values() for each in sets)
+
+    @property
+    def n_alone(self) -> int:
+        """Faults that fly alone in a turn, beside a draw for each column; fewer if harmless."""
+        return -(-len(self.sets) // (8 if self.is_harmless else 2))
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether some faults contain a set that breaks a column."""
