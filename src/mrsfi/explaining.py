@@ -28,7 +28,7 @@ from mrsfi.campaign_folders import (
 from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
-from mrsfi_runtime.analysis import documents
+from mrsfi_runtime.analysis import failure_modes as fmea
 from mrsfi_runtime.analysis.report import (
     Shown,
     SpecificationWriter,
@@ -38,11 +38,6 @@ from mrsfi_runtime.analysis.report import (
 )
 from mrsfi_runtime.analysis.summary import Draw, Drawing, DrawingProcess, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
-from mrsfi_runtime.analysis.weaknesses import (
-    failure_modes,
-    modes_as_csv,
-    modes_as_markdown,
-)
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.cause_set import Flights, Prober, chosen
 from mrsfi_runtime.causes.explanation import Explanation
@@ -251,9 +246,9 @@ def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
         )
 
 
-FMEA = MappingProxyType({".csv": modes_as_csv, ".md": modes_as_markdown})
+FMEA = MappingProxyType({".csv": fmea.modes_as_csv, ".md": fmea.modes_as_markdown})
 FAULT_TREES = MappingProxyType(
-    {".xml": documents.as_open_psa, ".txt": documents.as_pfta, ".pft": documents.as_pfta}
+    {".xml": fmea.as_open_psa, ".txt": fmea.as_pfta, ".pft": fmea.as_pfta}
 )
 """Writers by suffix of the file."""
 
@@ -443,7 +438,7 @@ def write_fmea(
 ) -> None:
     """Write failure modes and effects, flown in the campaign's mission seed, as one of ``FMEA``."""
     mission = campaign.store.manifest.mission or campaign.mission.name
-    modes = failure_modes(campaign.mission, campaign.pool, found, record)
+    modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
     with whole_file(path) as file:
         file.write(FMEA[path.suffix](mission, modes))
 

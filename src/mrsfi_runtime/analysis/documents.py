@@ -1,31 +1,17 @@
-"""Write a campaign for people and tools: Markdown, LaTeX and fault trees.
+"""Write a campaign for people: Markdown and LaTeX.
 
-No text of a model becomes markup in any of these formats. ``report_text`` writes the Markdown
-report. ``report_latex`` writes tables with booktabs and figures at column width. ``as_open_psa``
-and ``as_pfta`` write fault trees: for each goal, the smallest sets of faults that truly violate it
-or make it fail. Sets that break a goal only in belief are left out.
-
-References
-----------
-Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``, its ``DOCS.md``.
+No text of a model becomes markup in either format. ``report_text`` writes the Markdown report.
+``report_latex`` writes tables with booktabs and figures at column width.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, count
-from textwrap import fill
-from typing import NamedTuple
-from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
 from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, weakness_table
-from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.risk import cut_sets
-from mrsfi_runtime.model.faults import Fault, FaultPool
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.causes.mildest import least
 from mrsfi_runtime.record.observers import named_faults
 
 _FREQUENT = (
@@ -267,109 +253,3 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
             f"\\includegraphics[width=\\columnwidth]{{figures/{each.name}.pdf}}\n"
             f"\\caption{{{in_latex(each.table.title)}}}\n\\end{{figure}}"
         )
-
-
-_COMMENT = (
-    "Known minimal sets of faults that truly violate a goal of the mission or make it fail. For a "
-    "goal that is not listed, none is known."
-)
-_PFTA_COMMENT = (
-    "For pfta 0.4 or newer. The probability of an event is the likelihood of the fault in its "
-    "pool, or nan if the pool gives none; then probabilities that depend on it are unknown. That "
-    "of a gate is the sum over its sets (order 1), an upper bound; an exact one (all orders) takes "
-    "time that doubles with each set."
-)
-
-
-class _Gate(NamedTuple):
-    """A gate that needs one of its inputs (``or``) or all of them (``and``)."""
-
-    name: str
-    label: str
-    kind: str
-    inputs: tuple[str, ...]
-
-
-def _trees(
-    mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]
-) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
-    """Return the gates of each goal, the top gate first, and names and labels of the faults."""
-    taken: set[str] = set()
-
-    def named(*words: str) -> str:
-        """Return a new name of ASCII letters, digits, ``_`` and ``-``, whatever the case."""
-        stem = "-".join(re.sub(r"\W", "_", word, flags=re.ASCII) for word in words)[:100]
-        names = chain([stem], (f"{stem}-{number}" for number in count(2)))
-        name = next(each for each in names if each.lower() not in taken)
-        taken.add(name.lower())
-        return name
-
-    sets = {goal.id: cut_sets(weaknesses, goal.id) for goal in mission.goals}
-    tops = {goal: named(goal) for goal in sets if sets[goal]}
-    used = {fault for some in sets.values() for faults in some for fault in faults}
-    event = {fault.id: named(fault.id) for fault in pool if fault.id in used}
-    trees = []
-    for goal in (each for each in mission.goals if each.id in tops):
-        below = {
-            event[faults[0]] if len(faults) == 1 else named(goal.id, *faults): faults
-            for faults in sets[goal.id]
-        }
-        label = printable(f"{goal.name} ({goal.id}): truly violated or failed")
-        joint = [
-            _Gate(name, " and ".join(faults), "and", tuple(event[fault] for fault in faults))
-            for name, faults in below.items()
-            if len(faults) > 1
-        ]
-        trees.append([_Gate(tops[goal.id], label, "or", tuple(below)), *joint])
-    return trees, [
-        (event[each.id], printable(f"{each.name} ({each.id}): {each.words}"), each)
-        for each in pool
-        if each.id in used
-    ]
-
-
-def as_open_psa(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]) -> bytes:
-    """Return the fault trees in Open-PSA's exchange format, an XML that many tools read."""
-    trees, events = _trees(mission, pool, weaknesses)
-    root = Element("opsa-mef")
-    root.append(Comment(f" {_COMMENT} "))
-    for tree in trees:
-        of_goal = SubElement(root, "define-fault-tree", name=tree[0].name)
-        joint = {gate.name for gate in tree}
-        for gate in tree:
-            defined = _defined(of_goal, "gate", gate.name, gate.label)
-            formula = SubElement(defined, gate.kind) if len(gate.inputs) > 1 else defined
-            for name in gate.inputs:
-                SubElement(formula, "gate" if name in joint else "basic-event", name=name)
-    data = SubElement(root, "model-data")
-    for name, label, fault in events:
-        defined = _defined(data, "basic-event", name, label)
-        if fault.likelihood is not None:
-            SubElement(defined, "float", value=repr(fault.likelihood))
-    indent(root)
-    content: bytes = tostring(root, encoding="utf-8", xml_declaration=True)
-    return content + b"\n"
-
-
-def _defined(parent: Element, what: str, name: str, label: str) -> Element:
-    defined = SubElement(parent, f"define-{what}", name=name)
-    SubElement(defined, "label").text = label
-    return defined
-
-
-def as_pfta(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]) -> bytes:
-    """Return the fault trees as text for ``pfta``."""
-    trees, events = _trees(mission, pool, weaknesses)
-    comment = fill(f"{_COMMENT} {_PFTA_COMMENT}", 98, initial_indent="# ", subsequent_indent="# ")
-    parts = [comment, "- times: nan\n- computational_order: 1"]
-    for gate in (gate for tree in trees for gate in tree):
-        kind = gate.kind.upper() if len(gate.inputs) > 1 else "NULL"
-        inputs = ", ".join(gate.inputs)
-        parts.append(
-            f"Gate: {gate.name}\n- label: {gate.label}\n- type: {kind}\n- inputs: {inputs}"
-        )
-    for name, label, fault in events:
-        chance = "nan" if fault.likelihood is None else fault.likelihood
-        model = f"- model_type: Fixed\n- probability: {chance}\n- intensity: nan"
-        parts.append(f"Event: {name}\n- label: {label}\n{model}")
-    return "\n\n".join((*parts, "")).encode()

@@ -3,8 +3,8 @@
 Names come before IDs. A goal *fails* when it can no longer be met. It is *violated* at a tick, in
 truth. It has a *false alarm* if only the belief of the collective intelligence shows a violation.
 
-The tables come first, then failure modes (FMEA). ``verdicts`` returns a ``GoalVerdict`` for each
-goal: a sentence with its evidence. ``deed`` describes a fault.
+The tables come first. ``verdicts`` returns a ``GoalVerdict`` for each goal: a sentence with its
+evidence. ``deed`` describes a fault. Failure modes (FMEA) are in ``failure_modes.py``.
 """
 
 import math
@@ -13,27 +13,22 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache, lru_cache
 from itertools import accumulate
 from pathlib import Path
-from typing import NamedTuple
 
-from mrsfi_runtime.analysis.tables import Cell, Table, as_csv, nearness, plain, to_markdown
+from mrsfi_runtime.analysis.tables import Cell, Table, nearness
 from mrsfi_runtime.causes.cause_set import Column
-from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.missing import Estimate
 from mrsfi_runtime.causes.protection import confirmed, ladder
-from mrsfi_runtime.causes.risk import Risk, occurrence
+from mrsfi_runtime.causes.risk import Risk
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
-from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, Target, robots_of, touched
+from mrsfi_runtime.model.faults import Fault, FaultPool, Target, robots_of, touched
 from mrsfi_runtime.model.mission import Goal, Mission, starvation, with_id
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.store import NONE
 
 _DOES = {
     "believed": ("violates it in belief only (a false alarm)", "violate it in belief"),
@@ -211,98 +206,6 @@ def broken_by(weakness: GoalWeakness, units: Units) -> str:
     sentences = [f"{faults} {does}", "" if kind == MEASURES[0] else detection(weakness, units)]
     sentences += [evidence(weakness), weakness.mildest.sentence if weakness.mildest else ""]
     return " ".join(f"{each}." for each in filter(None, sentences))
-
-
-class FailureMode(NamedTuple):
-    """A row of the table: a weakness, in a variant that breaks the goal by the gravest measure.
-
-    ``form`` says whether the variant is the mildest one or the listed one. ``measures`` has the
-    ticks at which it breaks the goal by each measure, ``ticks`` the most of these. ``detected`` is
-    about all variants. ``occurrence`` is the chance that all faults occur, 0 … 1, as if they were
-    independent; ``None`` if not recorded.
-    """
-
-    number: int
-    faults: str
-    form: str
-    item: str
-    failure_mode: str
-    local_effect: str
-    end_effect: str
-    measures: str
-    detected: str
-    severity: str
-    ticks: int
-    occurrence: float | None
-
-
-_FMEA_HEADS = (
-    *("weakness", "faults", "variant", "item", "failure mode", "local effect", "end effect"),
-    *("ticks by measure", "detection", "severity", "most ticks", "occurrence"),
-)
-
-
-def failure_modes(
-    mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness], record: Record
-) -> list[FailureMode]:
-    """Return the failure modes of weaknesses, by occurrence if recorded, then by severity.
-
-    Goals that fail come first, then those that are broken for longest.
-    """
-    fly, units = lru_cache(4)(record), mission.units
-
-    @cache
-    def flown(variant: Specification) -> tuple[str, list[tuple[int, ...]]]:
-        effects = (local_effect(mission, chain) or NONE for chain in chains(fly, mission, variant))
-        counts = (fly(variant)[kind][-1].tolist() for kind in MEASURES)
-        return "; ".join(effects), [*zip(*counts, strict=True)]
-
-    def happens(named: NamedFault) -> str:
-        window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
-        return ", ".join(filter(None, (window, named.values_in_words)))
-
-    def mode(weakness: GoalWeakness) -> FailureMode:
-        shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
-        faults = named_faults(mission, pool, shown.witness)
-        effect, counts = flown(shown.witness)
-        return FailureMode(
-            number=weakness.number,
-            faults=" ".join(weakness.faults),
-            form="listed" if weakness.mildest is None else "mildest",
-            item="; ".join(dict.fromkeys(each.target for each in faults)),
-            failure_mode="; ".join(map(happens, faults)),
-            local_effect=effect,
-            end_effect=mission.label_of(weakness.goal),
-            measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
-            detected=detection(weakness, units),
-            severity="missed" if shown.column.kind == "missed" else "violated",
-            ticks=max(counts[place]),
-            occurrence=occurrence(pool, weakness.faults),
-        )
-
-    def rank(mode: FailureMode) -> tuple[float, bool, int]:
-        chance = 1.0 if mode.occurrence is None else -mode.occurrence
-        return chance, mode.severity != "missed", -mode.ticks
-
-    return sorted(map(mode, weaknesses), key=rank)
-
-
-def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
-    """Return failure modes as CSV."""
-    return as_csv([FailureMode._fields, *modes])
-
-
-def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
-    """Return failure modes of a mission, by its name, as a page in Markdown."""
-    title = f"Failure modes of mission {mission}"
-    rows = [
-        each._replace(
-            measures=each.measures.replace("missed", "failed"),
-            severity=each.severity.replace("missed", "fails"),
-        )
-        for each in modes
-    ]
-    return f"# {plain(title)}\n\n{to_markdown(Table(title, _FMEA_HEADS, rows))}\n".encode()
 
 
 class State(IntEnum):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.analysis.weaknesses import failure_modes
+from mrsfi_runtime.analysis.failure_modes import failure_modes
 from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine
