@@ -97,6 +97,7 @@ EnergyNotNegative (mission): energies and energy costs are not below 0
 SamplesPerSecondPositive (mission): a sensor takes at least 1 sample per tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
 RequiredMembersNotNegative (mission): a number of required members is not below 0
+SeverityInRange (mission): the severity of a goal is 1 to 10
 PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is tick 1 or later
 TolerancePositive (mission): a tolerance is above 0

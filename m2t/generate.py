@@ -26,7 +26,7 @@ from typing import Any
 from m2t import visitors
 from m2t.diagnostics import Report
 from m2t.emit import GenerationPlan, parse, plan_files, remark, template_environment, text_lines
-from m2t.metaclasses import contained, identifier, slots
+from m2t.metaclasses import contained, identifier, is_kind, slots
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 from m2t.models.constraints import defects_of_id
 from m2t.models.load import LoadedModels, edited, load_mission_folder, load_specification
@@ -197,18 +197,19 @@ def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[
 
 
 def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
-    ids = [[each.ID for each in _identified(root)] for root in (models.mission, models.faults)]
-    known = dict.fromkeys(identity for each in ids for identity in each)
+    files = [[*_identified(root)] for root in (models.mission, models.faults)]
+    known = dict.fromkeys(element.ID for own in files for element in own)
     for old in names:
         if old not in known:
             raise UsageError(f"found '{old}', but no element has this ID; {expected(old, known)}")
-    for own, becomes_name in zip(ids, (True, False), strict=True):
+    for own in files:
         taken: dict[str, str] = {}
-        for old in own:
-            new = names.get(old, old)
-            for defect in defects_of_id(new, becomes_name=becomes_name) if old in names else ():
+        for element in own:
+            old, new = element.ID, names.get(element.ID, element.ID)
+            is_named = own is files[0] and not is_kind(element.eClass, "Requirement")
+            for defect in defects_of_id(new, becomes_name=is_named) if old in names else ():
                 raise UsageError(f"{old}={new}: {defect.finding}")
-            name = identifier(new) if becomes_name else new
+            name = identifier(new) if is_named else new
             other = taken.setdefault(name, old)
             if other != old:
                 what = f"{other} and {old} would both be named {name}"

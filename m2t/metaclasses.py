@@ -46,7 +46,8 @@ _STATION = (
 _MISSION = f"""
 Mission: attr EString[1] name, attr EInt[1] duration, attr EString[?] distanceUnit,
     attr EString[?] timeUnit, attr EString[?] energyUnit, val Area[1] missionArea,
-    val Robot[+] robots, val Server[*] servers, val Obstacle[*] obstacles, val Goal[+] goals
+    val Robot[+] robots, val Server[*] servers, val Obstacle[*] obstacles,
+    val Requirement[*] requirements, val Goal[+] goals
 Robot extends Station: {_STATION}, attr EDouble[1] speed, attr EDouble[?] maxSpeed,
     attr EDouble[?] turnRate, attr EDouble[?] positionNoise,
     val Coordinates[?] position, val Sensor[*] sensors, val Battery[*] batteries,
@@ -65,8 +66,10 @@ Obstacle: {_IDENTIFIED}, val Area[1] area
 Message: {_IDENTIFIED}, attr EString[?] header, ref Station[1] sender, ref Station[1] receiver,
     val MessageData[+] body
 MessageData: attr EString[1] name, attr EString[1] type
+Requirement: {_IDENTIFIED}, attr EString[1] text
 Goal: {_NAMED}, ref Robot[+] members, attr EInt[?] requiredMembers, ref Goal[*] dependentGoals,
-    val Area[?] area, val GoalTask[1] task, val Message[*] messages
+    ref Requirement[*] requirements, attr EInt[?] severity, attr EString[?] integrityLevel,
+    attr EString[?] rationale, val Area[?] area, val GoalTask[1] task, val Message[*] messages
 AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles
 StayWithinMissionArea extends GoalTask:
 SufficientEnergy extends GoalTask:
@@ -83,7 +86,7 @@ FixedDistanceBetweenRobots extends GoalTask: attr EDouble[1] fixedDistance,
 _FAULTS = f"""
 FaultSpecification: {_IDENTIFIED}, val Fault[*] faults, val Trigger[*] triggers
 Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish, attr EDouble[?] likelihood,
-    ref Trigger[?] trigger
+    attr EString[?] reference, ref Trigger[?] trigger
 Trigger: {_IDENTIFIED}, attr TriggerEvent[1] event, ref Goal[?] goal, ref Robot[?] robot,
     val Area[?] area, ref Area[?] at, ref Fault[*] faults, attr EInt[?] delay, attr EInt[?] duration
 FaultType:

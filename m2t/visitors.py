@@ -146,7 +146,7 @@ def types_in_use(models: LoadedModels) -> tuple[FaultType, ...]:
 
 
 def _fault(fault: Any) -> Call:
-    """Return a fault: its type, its target, and its window and likelihood if it has them."""
+    """Return a fault: its type, its target, and its window and other features if it has them."""
     (fault_type,) = fault_types(fault)
     kind = meaning(fault_type)
     values = tuple(float(getattr(fault_type, known.name)) for known in kind.parameters)
@@ -163,7 +163,7 @@ def _fault(fault: Any) -> Call:
             ("target", str(getattr(fault_type, reference).ID)),
             *_given("values", values),
             *_given("bounds", _bounds(fault_type, kind)),
-            *_set(fault, "start", "finish", "likelihood"),
+            *_set(fault, "start", "finish", "likelihood", "reference"),
             *_given("own", Table(own)),
             *_given("trigger", "" if fault.trigger is None else str(fault.trigger.ID)),
         ),
@@ -334,7 +334,7 @@ class OwnFeatures:
             name = f"{prefix}_{snake_case(slot.name).upper()}"
             if not is_read(metaclass, slot.name):
                 yield from self._constants(element, slot, name)
-            elif slot.is_contained:
+            elif slot.is_contained and slot.name != "requirements":
                 is_task = slot.type.name == "GoalTask"
                 yield from self._parts(element, slot, prefix if is_task else name)
 

@@ -80,6 +80,10 @@ class Fault(Identified):
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
         "The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows.",
     )
+    reference = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "The failure mode that the fault stands for, by its ID in the team's FMEA or another document.",
+    )
     trigger = annotated(
         ecore.EReference(),
         "What the fault waits for within its window, if anything; unset in a pool.",

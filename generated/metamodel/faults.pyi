@@ -51,6 +51,8 @@ class Fault(Identified):
     """The last tick at which the fault is active; unset in a pool."""
     likelihood: float
     """The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows."""
+    reference: str | None
+    """The failure mode that the fault stands for, by its ID in the team's FMEA or another document."""
     trigger: Trigger | None
     """What the fault waits for within its window, if anything; unset in a pool."""
     delayMessage: DelayMessage | None
@@ -121,6 +123,7 @@ class Fault(Identified):
         start: int | None = ...,
         finish: int | None = ...,
         likelihood: float | None = ...,
+        reference: str | None = ...,
         trigger: Trigger | None = ...,
         delayMessage: DelayMessage | None = ...,
         blockMessage: BlockMessage | None = ...,

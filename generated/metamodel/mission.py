@@ -96,6 +96,10 @@ class Mission(Element, ecore.EObject, metaclass=ecore.MetaEClass):
         ecore.EReference(upper=-1, derived_class=Values, containment=True),
         "The obstacles inside the mission area that robots must not touch.",
     )
+    requirements = annotated(
+        ecore.EReference(upper=-1, derived_class=Values, containment=True),
+        "The requirements that the goals of the mission stand for; mrsfi requirements reads them from a ReqIF file.",
+    )
     goals = annotated(
         ecore.EReference(lower=1, upper=-1, derived_class=Values, containment=True),
         "The goals of the mission. Where two goals command the same robot at once, the earlier one wins.",
@@ -340,6 +344,16 @@ class MessageData(Element, ecore.EObject, metaclass=ecore.MetaEClass):
 
 
 @described(
+    "A requirement of the team. Its ID is the one that the team uses; it may differ from that of a goal only in case, because it becomes no name in Python.",
+)
+class Requirement(Identified):
+    text = annotated(
+        ecore.EAttribute(eType=ecore.EString, lower=1),
+        "What the requirement says.",
+    )
+
+
+@described(
     "Something that members of the team are to achieve.",
 )
 class Goal(Identified):
@@ -358,6 +372,22 @@ class Goal(Identified):
     dependentGoals = annotated(
         ecore.EReference(upper=-1, derived_class=Values),
         "The goals that depend on this one.",
+    )
+    requirements = annotated(
+        ecore.EReference(upper=-1, derived_class=Values),
+        "The requirements that are violated if the goal fails.",
+    )
+    severity = annotated(
+        ecore.EAttribute(eType=ecore.EInt, unsettable=True),
+        "How grave it is if the goal fails, 1 (least) to 10, as the team rates it in its FMEA; unset if nobody has rated it.",
+    )
+    integrityLevel = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "The integrity level of the goal by its name in the team's standard, such as ASIL B or SIL 2; it is printed and never compared.",
+    )
+    rationale = annotated(
+        ecore.EAttribute(eType=ecore.EString),
+        "Why the goal has its severity and its integrity level.",
     )
     area = annotated(
         ecore.EReference(containment=True),
@@ -497,6 +527,7 @@ Mission.missionArea.eType = Area.eClass
 Mission.robots.eType = Robot.eClass
 Mission.servers.eType = Server.eClass
 Mission.obstacles.eType = Obstacle.eClass
+Mission.requirements.eType = Requirement.eClass
 Mission.goals.eType = Goal.eClass
 Station.intProperties.eType = IntProperty.eClass
 Station.stringProperties.eType = StringProperty.eClass
@@ -512,6 +543,7 @@ Message.receiver.eType = Station.eClass
 Message.body.eType = MessageData.eClass
 Goal.members.eType = Robot.eClass
 Goal.dependentGoals.eType = Goal.eClass
+Goal.requirements.eType = Requirement.eClass
 Goal.area.eType = Area.eClass
 Goal.task.eType = GoalTask.eClass
 Goal.messages.eType = Message.eClass

@@ -56,6 +56,8 @@ class Mission(Element):
     """The servers of the mission; the collective intelligence runs on one of them."""
     obstacles: EList[Obstacle]
     """The obstacles inside the mission area that robots must not touch."""
+    requirements: EList[Requirement]
+    """The requirements that the goals of the mission stand for; mrsfi requirements reads them from a ReqIF file."""
     goals: EList[Goal]
     """The goals of the mission. Where two goals command the same robot at once, the earlier one wins."""
     def __init__(
@@ -70,6 +72,7 @@ class Mission(Element):
         robots: Iterable[Robot] = ...,
         servers: Iterable[Server] = ...,
         obstacles: Iterable[Obstacle] = ...,
+        requirements: Iterable[Requirement] = ...,
         goals: Iterable[Goal] = ...,
     ) -> None: ...
 
@@ -322,6 +325,18 @@ class MessageData(Element):
         type: str | None = ...,
     ) -> None: ...
 
+class Requirement(Identified):
+    """A requirement of the team. Its ID is the one that the team uses; it may differ from that of a goal only in case, because it becomes no name in Python."""
+
+    text: str
+    """What the requirement says."""
+    def __init__(
+        self,
+        *,
+        ID: str | None = ...,
+        text: str | None = ...,
+    ) -> None: ...
+
 class Goal(Identified):
     """Something that members of the team are to achieve."""
 
@@ -333,6 +348,14 @@ class Goal(Identified):
     """How many members must satisfy the task, 0 to the number of members; all of them if 0 or unset. A task that is not judged member by member needs all: AvoidCollision, GatherSamples, FixedDistanceBetweenRobots."""
     dependentGoals: EList[Goal]
     """The goals that depend on this one."""
+    requirements: EList[Requirement]
+    """The requirements that are violated if the goal fails."""
+    severity: int
+    """How grave it is if the goal fails, 1 (least) to 10, as the team rates it in its FMEA; unset if nobody has rated it."""
+    integrityLevel: str | None
+    """The integrity level of the goal by its name in the team's standard, such as ASIL B or SIL 2; it is printed and never compared."""
+    rationale: str | None
+    """Why the goal has its severity and its integrity level."""
     area: Area | None
     """The area in which the goal takes place."""
     task: GoalTask
@@ -347,6 +370,10 @@ class Goal(Identified):
         members: Iterable[Robot] = ...,
         requiredMembers: int | None = ...,
         dependentGoals: Iterable[Goal] = ...,
+        requirements: Iterable[Requirement] = ...,
+        severity: int | None = ...,
+        integrityLevel: str | None = ...,
+        rationale: str | None = ...,
         area: Area | None = ...,
         task: GoalTask | None = ...,
         messages: Iterable[Message] = ...,

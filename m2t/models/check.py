@@ -76,6 +76,7 @@ RANGES: Mapping[str, Range] = {
     "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
     "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
     "requiredMembers": Range("RequiredMembersNotNegative", 0),
+    "severity": Range("SeverityInRange", 1, 10),
     "period": Range("PeriodPositive", 1),
     "deadline": Range("DeadlinePositive", 1),
     "tolerance": Range("TolerancePositive", 0, is_open=True),

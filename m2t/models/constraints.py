@@ -489,16 +489,17 @@ def _check_fault_field(kind: Any, report: Report) -> None:
 def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> None:
     """Check the IDs of one file.
 
-    ``become_names`` is whether they become names in Python: those of a mission do, those of faults
-    do not.
+    ``become_names`` is whether they become names in Python: those of a mission do, except of
+    requirements; those of faults do not.
     """
     named: dict[str, Node] = {}
     for text, node in tree.by_id.items():
-        defects = [*defects_of_id(text, becomes_name=become_names)]
+        becomes_name = become_names and not is_kind(node.metaclass, "Requirement")
+        defects = [*defects_of_id(text, becomes_name=becomes_name)]
         for defect in defects:
             report.add(node, defect.constraint, defect.finding)
         is_nameless = any(defect.constraint in ("IdSyntax", "ReservedId") for defect in defects)
-        if is_nameless or not become_names:
+        if is_nameless or not becomes_name:
             continue
         name = identifier(text)
         first = named.setdefault(name, node)

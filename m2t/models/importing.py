@@ -163,6 +163,7 @@ WRAPPED: Mapping[str, Mapping[str, str]] = {
 OPTIONAL = frozenset(
     {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
     | {"distanceUnit", "timeUnit", "energyUnit", "requiredMembers"}
+    | {"severity", "integrityLevel", "rationale", "reference"}
 )
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 

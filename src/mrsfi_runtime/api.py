@@ -39,6 +39,7 @@ from mrsfi_runtime.model.mission import (
     Mission,
     MotionSource,
     Obstacle,
+    Requirement,
     Robot,
     Sensor,
     Server,

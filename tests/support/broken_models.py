@@ -78,6 +78,8 @@ EnergyNotNegative | energyPerDistanceUnit="5.0" | energyPerDistanceUnit="-1" | m
 SamplesPerSecondPositive | samplesPerSecond="5" | samplesPerSecond="0" | s1 | sensors 's1'
 TargetSampleNumberNotNegative | Number="250" | Number="-1" | Number="-1" | task of goals 'g4'
 RequiredMembersNotNegative | ID="g2" | ID="g2" requiredMembers="-1" | ID="g2" | goals 'g2'
+SeverityInRange | ID="g2" | ID="g2" severity="0" | ID="g2" | goals 'g2'
+SeverityInRange | ID="g2" | ID="g2" severity="11" | ID="g2" | goals 'g2'
 PeriodPositive | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Patrol" period="0"><area ID="p" radius="1.0"/></task> | Patrol
     task of goals 'g2'

@@ -99,8 +99,9 @@ class Fault:
     ``values`` follow ``kind.parameters``. ``bounds`` has the model's bounds of evolving parameters
     by name: (lowest, highest), ``None`` where the model has none. ``start``, ``finish`` and the ID
     of a ``trigger`` are set in a written fault specification, not in a pool. ``likelihood`` is the
-    chance that the fault occurs in a mission, 0 … 1, ``None`` if unknown. ``own`` has user-defined
-    features of the class of faults, or of their type.
+    chance that the fault occurs in a mission, 0 … 1, ``None`` if unknown. ``reference`` is the ID
+    of its failure mode in a document of the team. ``own`` has user-defined features of the class of
+    faults, or of their type.
     """
 
     id: str
@@ -114,6 +115,7 @@ class Fault:
     likelihood: float | None = None
     own: Mapping[str, OwnValue] = field(default_factory=dict)
     trigger: str = ""
+    reference: str = ""
 
     @property
     def type(self) -> str:

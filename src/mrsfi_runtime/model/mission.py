@@ -217,10 +217,20 @@ class GoalTask:
 
 
 @dataclass(frozen=True, slots=True)
+class Requirement:
+    """A requirement of the team, by the ID that the team uses."""
+
+    id: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Goal:
     """A goal of its members, which are robot IDs.
 
     ``required_members`` is how many of them must keep to the task; 0 stands for all.
+    ``requirements`` are the IDs of those that are violated if the goal fails. ``severity`` is 1 to
+    10, 0 if nobody has rated it; ``integrity_level`` is a name, such as ASIL B.
     """
 
     id: str
@@ -231,6 +241,10 @@ class Goal:
     messages: tuple[Message, ...] = ()
     dependent_goals: tuple[str, ...] = ()
     required_members: int = 0
+    requirements: tuple[str, ...] = ()
+    severity: int = 0
+    integrity_level: str = ""
+    rationale: str = ""
 
     @property
     def terms(self) -> Terms:
@@ -262,6 +276,7 @@ class Mission:
     distance_unit: str = ""
     time_unit: str = ""
     energy_unit: str = ""
+    requirements: tuple[Requirement, ...] = ()
 
     @cached_property
     def units(self) -> Units:

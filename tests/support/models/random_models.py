@@ -211,7 +211,7 @@ class _Drawer:
         return self._rng.choice([-1.0, 1.0, 1.0]) * value
 
 
-_OPTIONAL = ("start", "finish", "likelihood")
+_OPTIONAL = ("start", "finish", "likelihood", "reference")
 _MANY = {"robots": (2, 4), "faults": (0, 20), "goals": (1, 8), "trajectory": (2, 4)}
 """Numbers of children, from and to, by feature; a distance needs two robots."""
 _BOUNDS = (("speed", "maxSpeed"), ("start", "finish"), ("LOWER_BOUND", "UPPER_BOUND"))
