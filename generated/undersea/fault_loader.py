@@ -114,18 +114,24 @@ def load_faults() -> FaultPool:
                 name="f4",
                 kind=TYPES["DeactivateSensor"],
                 target="sensor1",
+                likelihood=0.01,
+                reference="EX-01",
             ),
             Fault(
                 id="f5",
                 name="f5",
                 kind=TYPES["DeactivateSensor"],
                 target="sensor2",
+                likelihood=0.01,
+                reference="EX-02",
             ),
             Fault(
                 id="f6",
                 name="f6",
                 kind=TYPES["DeactivateSensor"],
                 target="sensor3",
+                likelihood=0.01,
+                reference="EX-03",
             ),
             Fault(
                 id="f7",
@@ -196,6 +202,8 @@ def load_faults() -> FaultPool:
                 kind=TYPES["FixedRobotCoordinates"],
                 target="survey_nautilus",
                 values=(80.0, -120.0, 0.0),
+                likelihood=0.001,
+                reference="EX-04",
             ),
             Fault(
                 id="f17",
@@ -216,6 +224,8 @@ def load_faults() -> FaultPool:
                 kind=TYPES["BlockMessage"],
                 target="survey_nautilus",
                 values=(20.0,),
+                likelihood=0.02,
+                reference="EX-05",
             ),
             Fault(
                 id="f20",
@@ -255,6 +265,8 @@ def load_faults() -> FaultPool:
                 name="f25",
                 kind=TYPES["StopRobot"],
                 target="nautilus",
+                likelihood=0.005,
+                reference="EX-06",
             ),
         ),
     )

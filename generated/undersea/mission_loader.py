@@ -12,6 +12,7 @@ from mrsfi_runtime.api import (
     MessageData,
     Mission,
     MotionSource,
+    Requirement,
     Robot,
     Sensor,
     Server,
@@ -82,11 +83,27 @@ def load_mission() -> Mission:
                 name="shoreside",
             ),
         ),
+        requirements=(
+            Requirement(
+                id="R1",
+                text="In 10 s, the vehicle takes at least 20 measurements.",
+            ),
+            Requirement(
+                id="R2",
+                text="In 10 s, the sensors use at most 120 energy units.",
+            ),
+            Requirement(
+                id="R3",
+                text="Of all configurations that satisfy R1 and R2, the vehicle uses one of the least cost.",
+            ),
+        ),
         goals=(
             Goal(
                 id="survey",
                 name="Survey path",
                 members=("nautilus",),
+                severity=6,
+                rationale="Chosen for this example, not published: without the survey the dive has to be repeated.",
                 task=Track(
                     trajectory=(
                         Coordinates(x=21.0, y=-39.0, z=0.0),
@@ -152,6 +169,10 @@ def load_mission() -> Mission:
                 id="r2",
                 name="R2",
                 members=("nautilus",),
+                requirements=("R2",),
+                severity=9,
+                integrity_level="SIL 2",
+                rationale="Chosen for this example, not published: a vehicle without energy is lost.",
                 task=SufficientEnergy(),
                 messages=(
                     Message(
@@ -171,6 +192,9 @@ def load_mission() -> Mission:
                 id="r1_temperatures",
                 name="R1 of SENSOR1",
                 members=("nautilus",),
+                requirements=("R1",),
+                severity=4,
+                rationale="Chosen for this example, not published: the dive is evaluated from all three sensors.",
                 area=Area(
                     id="r1_temperatures_area",
                     radius=150.0,
@@ -191,6 +215,9 @@ def load_mission() -> Mission:
                 id="r1_pressures",
                 name="R1 of SENSOR2",
                 members=("nautilus",),
+                requirements=("R1",),
+                severity=4,
+                rationale="Chosen for this example, not published: the dive is evaluated from all three sensors.",
                 area=Area(
                     id="r1_pressures_area",
                     radius=150.0,
@@ -211,6 +238,10 @@ def load_mission() -> Mission:
                 id="r1_depths",
                 name="R1 of SENSOR3",
                 members=("nautilus",),
+                requirements=("R1",),
+                severity=7,
+                integrity_level="SIL 1",
+                rationale="Chosen for this example, not published: the depth also keeps the vehicle off the ground.",
                 area=Area(
                     id="r1_depths_area",
                     radius=150.0,

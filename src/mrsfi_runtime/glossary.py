@@ -63,7 +63,26 @@ TERMS = (
         "What a mission has to achieve or avoid; mrsfi checks it at every tick, in truth and in "
         "belief.",
         "AvoidCollision (g1): no robot may touch another robot or an obstacle.",
-        "requirement, safety property",
+        "safety goal, safety property",
+    ),
+    Term(
+        "requirement",
+        "What the team's specification demands, by its ID and text; goals of a mission stand for "
+        "it, and it is violated if one of them fails.",
+        "R1: In 10 s, the vehicle takes at least 20 measurements.",
+        "requirement, spec object in ReqIF",
+    ),
+    Term(
+        "severity",
+        "Of a goal: how grave it is if the goal fails, from 1 to 10, as the team rates it.",
+        "A vehicle without energy is lost: severity 9.",
+        "severity of the effect, S in an FMEA",
+    ),
+    Term(
+        "integrity level",
+        "Of a goal: a class of the team's safety standard, by its name; it is never compared.",
+        "ASIL B or SIL 2.",
+        "ASIL, SIL, criticality level",
     ),
     Term(
         "violated",
