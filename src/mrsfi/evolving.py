@@ -7,16 +7,19 @@ objections to a campaign are reported before anything is written. For an externa
 """
 
 import platform
+import subprocess
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
 
+from m2t.models.load import MISSION_XMI
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
 from mrsfi.engines import Tell, own_engine, silent
 from mrsfi.engines import evaluator as evaluating
@@ -165,6 +168,10 @@ def begun(
         yield campaign, flown_by
 
 
+def _now() -> datetime:
+    return datetime.now(UTC)
+
+
 @contextmanager
 def made(
     path: Path,
@@ -172,8 +179,13 @@ def made(
     settings: CampaignSettings,
     case: str,
     engine: EngineSettings,
+    clock: Callable[[], datetime] = _now,
 ) -> Iterator[None]:
-    """Make a campaign without evaluations, and be its only writer while the body runs."""
+    """Make a campaign without evaluations, and be its only writer while the body runs.
+
+    ``clock`` returns the date and time that its record keeps.
+    """
+    commit, is_edited = commit_of(folders)
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
@@ -190,9 +202,32 @@ def made(
             machine=platform.machine(),
             sha256=folder.hashes(),
             cover=COVER,
+            created=clock().isoformat(timespec="seconds"),
+            commit=commit,
+            is_edited=is_edited,
         )
         CampaignStore.create(path, settings, manifest).close()
         yield
+
+
+def commit_of(folders: MissionFolders) -> tuple[str, bool]:
+    """Return the commit that has a mission, and whether models or code differ from it.
+
+    Without git, or if no commit has the mission, the commit is empty.
+    """
+
+    def git(place: Path, *words: str) -> str:
+        line = ("git", "-C", place, "-c", "core.fsmonitor=false", *words)
+        done = subprocess.run(line, capture_output=True, check=True, encoding="utf-8", timeout=30)
+        return done.stdout.strip()
+
+    places = folders.models, folders.generated
+    try:
+        git(folders.models, "cat-file", "-e", f"HEAD:./{MISSION_XMI}")
+        commit = git(folders.models, "rev-parse", "HEAD")
+        return commit, any(git(each, "status", "--porcelain", ".") for each in places)
+    except (OSError, ValueError, subprocess.SubprocessError):
+        return "", False
 
 
 @contextmanager

@@ -301,6 +301,9 @@ class Manifest:
     sha256: Mapping[str, str] = field(default_factory=dict)  # of every copied file, by name
     semantics: int = SEMANTICS  # version of the world's rules
     cover: int = 1  # version of the rules of ``cover``; records from before it have none
+    created: str = ""  # date and time (UTC, ISO 8601); records from before it have none, as next
+    commit: str = ""  # of the mission's folder in git, if git has the mission
+    is_edited: bool = False  # whether models or code then differed from that commit
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""
