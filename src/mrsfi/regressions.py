@@ -2,9 +2,11 @@
 
 ``keep`` writes a weakness of a campaign as a specification and limits; ``check_all`` flies all kept
 weaknesses, and ``update`` replaces their limits by today's counts. A weakness that cannot be flown
-or judged is an error, never a pass. ``regression_test`` makes test cases for pytest.
+or judged is an error, never a pass. ``regression_test`` makes test cases for pytest. ``decide``
+writes what a team decided on a weakness.
 """
 
+import datetime as dt
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,12 +21,14 @@ from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights
 from mrsfi_runtime.causes.chain import find_cause
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import numbered
+from mrsfi_runtime.record.decisions import Cause, Decision, decision_file, decisions_of
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
@@ -116,12 +120,10 @@ def keep(
     stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
-    faults = " and ".join(weakness.faults)
-    found = sentence(campaign.mission, campaign.pool, weakness)
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, weakness {number} ({faults}): {found}. {evidence(weakness)}",
-        weakness.shown.column.kind,
+        f"{_origin(campaign, weakness)}. {evidence(weakness)}",
+        weakness.measure,
         following(settings.mission_seed, n_seeds),
         {weakness.goal: 0} if limits is None else limits,
         accepted=accepted,
@@ -149,6 +151,54 @@ def keep(
         _require_new(regression, folders)
         change.replace(contents)
     return regression
+
+
+def _origin(campaign: OpenCampaign, weakness: GoalWeakness) -> str:
+    """Return in words where a weakness was found, and what it is."""
+    found = sentence(campaign.mission, campaign.pool, weakness)
+    faults = " and ".join(weakness.faults)
+    return f"{campaign.folder.path}, weakness {weakness.number} ({faults}): {found}"
+
+
+def decide(
+    campaign: OpenCampaign,
+    number: int,
+    kind: str,
+    because: str,
+    by: str,
+    today: dt.date,
+    *,
+    until: dt.date | None = None,
+    of: int | None = None,
+) -> tuple[Decision, tuple[Decision, ...]]:
+    """Decide on a weakness by its number; return the decision, and those that it replaces.
+
+    ``kind`` is one of ``KINDS``; a duplicate is one of the weakness with the number ``of``.
+    """
+    path, known = campaign.folder.path, harvested(campaign).goal_weaknesses
+    weakness, models = weakness_of(path, known, number), mission_of(campaign).models
+    original = None if of is None else weakness_of(path, known, of)
+    if original == weakness:
+        raise UsageError(f"--of: found {of}, the weakness itself; expected another weakness")
+    decision = Decision(
+        decision_file(models, weakness),
+        weakness.goal,
+        weakness.measure,
+        weakness.faults,
+        kind,
+        because,
+        by,
+        today,
+        until,
+        None if original is None else Cause(original.goal, original.faults),
+        _origin(campaign, weakness),
+    )
+    Decision.parse(decision.path, decision.text())  # refuses what a file may not have
+    with changing(models) as change:
+        replaced = tuple(each for each in decisions_of(models) if decision.replaces(each))
+        gone = dict.fromkeys(each.path for each in replaced)
+        change.replace({**gone, decision.path: decision.text().encode()})
+    return decision, replaced
 
 
 def _require_new(regression: Regression, folders: MissionFolders) -> None:

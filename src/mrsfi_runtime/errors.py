@@ -48,6 +48,12 @@ def counted(number: int, nouns: str) -> str:
     return f"{number} {nouns.removesuffix(plural) if number == 1 else nouns}"
 
 
+def printable(text: str) -> str:
+    """Return text in one line of printable characters."""
+    line = " ".join(text.split())
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)
+
+
 def time_left(seconds: float) -> str:
     """Return how long a command may still take: ``left 1:05``."""
     minutes, rest = divmod(round(seconds), 60)

@@ -22,6 +22,7 @@ COMMANDS = (
     "replay",
     "report",
     "keep",
+    "decide",
     "check",
     "compare",
     "bridge",

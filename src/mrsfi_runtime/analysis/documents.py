@@ -9,9 +9,10 @@ from dataclasses import replace
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
-from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain, printable
+from mrsfi_runtime.analysis.tables import Cell, Table, Trend, TypePattern, plain
 from mrsfi_runtime.analysis.weaknesses import broken_by, matrix_table, weakness_table
 from mrsfi_runtime.causes.mildest import least
+from mrsfi_runtime.errors import printable
 from mrsfi_runtime.record.observers import named_faults
 
 _FREQUENT = (

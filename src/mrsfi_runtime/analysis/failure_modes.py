@@ -18,13 +18,14 @@ from textwrap import fill
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from mrsfi_runtime.analysis.tables import Table, as_csv, plain, printable, to_markdown
+from mrsfi_runtime.analysis.tables import Table, as_csv, plain, to_markdown
 from mrsfi_runtime.analysis.weaknesses import detection
 from mrsfi_runtime.causes.chain import chains, local_effect
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.risk import cut_sets, occurrence
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Record
+from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import NamedFault, named_faults

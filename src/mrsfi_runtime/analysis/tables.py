@@ -24,6 +24,7 @@ from operator import itemgetter
 from statistics import linear_regression
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
+from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     COUNTED,
@@ -166,12 +167,6 @@ def write_csv(file: TextIO, lines: Iterable[Sequence[Cell]]) -> None:
 def plain(text: str) -> str:
     """Return text that stays in its line and cell of Markdown, without control characters."""
     return printable(text).replace("|", "\\|").replace("<", "&lt;")
-
-
-def printable(text: str) -> str:
-    """Return text in one line of printable characters."""
-    line = " ".join(text.split())
-    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)
 
 
 @dataclass(frozen=True, slots=True)

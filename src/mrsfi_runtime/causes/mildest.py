@@ -299,6 +299,11 @@ class GoalWeakness:
         return self.by[-1]
 
     @property
+    def measure(self) -> str:
+        """The gravest measure by which the goal breaks."""
+        return self.shown.column.kind
+
+    @property
     def is_undetected(self) -> bool:
         """Whether the collective intelligence fails to detect at least one variant."""
         return self.shown.detection is not None and self.shown.detection.n_never > 0

@@ -31,6 +31,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "replay": ("flights", "Fly evaluations of a campaign again and compare."),
     "report": ("campaigns", "Write figures, tables and summary of a campaign again."),
     "keep": ("regressions", "Keep a weakness, with limits, beside the models of its mission."),
+    "decide": ("regressions", "Accept a weakness, plan its repair, or call it a duplicate."),
     "check": ("regressions", "Fly every kept weakness; fail if one exceeds its limit."),
     "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
     "pack": ("campaigns", "Pack a campaign into one file that can be repeated elsewhere."),

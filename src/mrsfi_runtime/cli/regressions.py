@@ -7,6 +7,7 @@ First come the outputs of a check: tables, JSON, JUnit's XML and annotations for
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import date
 from os.path import normpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,9 +18,12 @@ from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_json, print_table, tell
 from mrsfi_runtime.errors import LimitExceeded, UsageError
+from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.engine_settings import AUTO
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from mrsfi.regressions import Checked
     from mrsfi_runtime.record.settings import Regression
 
@@ -268,6 +272,38 @@ def _print_change(before: "Regression", new: "Regression") -> None:
     for goal, ticks in new.limits.items():
         if ticks != before.limits[goal]:
             click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")
+
+
+@click.command(name="decide")
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.argument("number", metavar="N", type=click.IntRange(1))
+@click.argument("kind", type=options.OneOf(KINDS), metavar="|".join(KINDS))
+@click.option("--of", type=click.IntRange(1), metavar="M", help="Weakness that it duplicates.")
+@click.option("--because", required=True, metavar="TEXT", help="The reason.")
+@click.option("--by", required=True, metavar="NAME", help="Who decides.")
+@click.option("--until", type=click.DateTime(["%Y-%m-%d"]), metavar="DATE", help="Last valid day.")
+def decide_command(run: Path, number: int, until: "datetime | None", **given: Any) -> None:
+    """Decide on weakness N of RUN: it is accepted, to be mitigated, or a duplicate.
+
+    N is its number in mrsfi weaknesses. The decision is a file in models/NAME/decisions/ that names
+    goal, measure and faults, so that it also holds for later campaigns; commit it. A weakness that
+    becomes graver needs a new decision. Deciding again replaces the file.
+
+    \b
+    Examples:
+      mrsfi decide runs/uuv_sampling-a-1 11 accept --because "KAL has a tether" --by "A. Rivera"
+      mrsfi decide runs/uuv_sampling-a-1 2 mitigate --because "see T-7" --by Li --until 2027-03-01
+      mrsfi decide runs/uuv_sampling-a-1 3 duplicate --of 2 --because "same sensor" --by Li
+    """
+    from mrsfi.campaign_folders import open_campaign
+    from mrsfi.regressions import decide
+
+    day = until and until.date()
+    with open_campaign(run) as campaign:
+        decision, replaced = decide(campaign, number, today=date.today(), until=day, **given)
+    for each in replaced:
+        tell(f"replaced   {each.path}: {each.in_words(decision.date)}")
+    tell(f"decided    {decision.path}: {decision.in_words(decision.date)}")
 
 
 @options.command(name="check")

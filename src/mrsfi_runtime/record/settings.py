@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from numbers import Integral
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError, expected
 from mrsfi_runtime.model.faults import COSTS, Specification
@@ -147,13 +147,7 @@ class CampaignSettings:
     @classmethod
     def load(cls, path: Path, **overrides: object) -> Self:
         """Read a campaign file, as ``parse`` does; one that cannot be read is a ``UsageError``."""
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UsageError(
-                f"{path}: cannot be read ({error}); expected a campaign file in TOML"
-            ) from error
-        return cls.parse(text, str(path), **overrides)
+        return cls.parse(read_text(path, "a campaign file"), str(path), **overrides)
 
     @classmethod
     def parse(cls, text: str, source: str, **overrides: object) -> Self:
@@ -276,6 +270,37 @@ def require_seed(value: object) -> int:
     return int(_kept(_SEED, "seed", value))
 
 
+Rules: TypeAlias = Mapping[str, tuple[str, Callable[[Any], object]]]
+"""For each key of a TOML file: what is expected, and whether a value is that; ``None`` is none."""
+
+
+def read_text(path: Path, what: str) -> str:
+    """Return the text of a file; one that cannot be read is an error that names ``what``."""
+    if path.exists() and not path.is_file():  # reading a pipe would wait
+        raise SpecificationError(f"{path}: is no regular file; expected {what}")
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read ({error}); expected {what} in TOML") from error
+
+
+def parse_table(path: Path, text: str, what: str, rules: Rules) -> dict[str, Any]:
+    """Return the values of a TOML file; refuse unknown keys, and missing or wrong values."""
+    try:
+        content = tomllib.loads(text)
+    except ValueError as error:  # also numbers of thousands of digits
+        raise UsageError(f"{path}: cannot be read ({error}); expected {what} in TOML") from error
+    for key in content:
+        if key not in rules:
+            raise UsageError(f"{path}: found unknown key '{key}'; expected {', '.join(rules)}")
+    for key, (wanted, accepts) in rules.items():
+        value = content.get(key)
+        if not accepts(value):
+            found = "nothing" if value is None else repr(value)
+            raise UsageError(f"{path}: {key}: found {found}; expected {wanted}")
+    return content
+
+
 @dataclass(frozen=True, slots=True)
 class Regression:
     """A kept weakness: a fault specification, and limits that its flights must not exceed.
@@ -332,10 +357,10 @@ class Regression:
 
     def text(self) -> str:
         """Return the text of the file, as ``load`` reads it."""
-        accepted = f"accepted = {_quoted(self.accepted)}\n" if self.accepted else ""
+        accepted = f"accepted = {quoted(self.accepted)}\n" if self.accepted else ""
         side = "" if self.side == BOTH else f'side = "{self.side}"\n'
         text = (
-            f"found = {_quoted(self.found)}\n{accepted}"
+            f"found = {quoted(self.found)}\n{accepted}"
             f"{side}violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
             f"goals = {len(self.limits)}\n"
@@ -343,28 +368,14 @@ class Regression:
         )
         for goal, most in self.limits.items():
             is_bare = re.fullmatch(r"[A-Za-z0-9_-]+", goal)
-            text += f"{goal if is_bare else _quoted(goal)} = {most}\n"
+            text += f"{goal if is_bare else quoted(goal)} = {most}\n"
         return text
 
     @classmethod
     def load(cls, path: Path) -> Self:
         """Read a file of limits; refuse unknown keys, and missing or wrong values."""
-        try:
-            content = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:  # also numbers of thousands of digits
-            raise UsageError(
-                f"{path}: cannot be read ({error}); expected the limits of a kept weakness in TOML"
-            ) from error
-        for key in content:
-            if key not in _KEPT_RULES:
-                raise UsageError(
-                    f"{path}: found unknown key '{key}'; expected {', '.join(_KEPT_RULES)}"
-                )
-        for key, (wanted, accepts) in _KEPT_RULES.items():
-            value = content.get(key)
-            if not accepts(value):
-                found = "nothing" if value is None else repr(value)
-                raise UsageError(f"{path}: {key}: found {found}; expected {wanted}")
+        what = "the limits of a kept weakness"
+        content = parse_table(path, read_text(path, what), what, _KEPT_RULES)
         seeds, limits = tuple(content["mission_seeds"]), content["max"]
         if content["goals"] != len(limits):
             raise UsageError(
@@ -391,9 +402,10 @@ def kept(models: Path) -> tuple[Regression, ...]:
 def _read(path: Path) -> Regression:
     specification = path.with_suffix(".xmi")
     try:
-        for file in (specification, path):
-            if file.exists() and not file.is_file():  # reading a pipe would wait
-                raise SpecificationError(f"{file}: is no regular file; expected a kept weakness")
+        if specification.exists() and not specification.is_file():  # reading a pipe would wait
+            raise SpecificationError(
+                f"{specification}: is no regular file; expected a kept weakness"
+            )
         if not path.exists():
             raise UsageError(f"{specification}: found no limits; expected {path.name} beside it")
         return Regression.load(path)
@@ -406,7 +418,7 @@ def folder_of(models: Path) -> Path:
     return models / "regressions"
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """Return a text as a TOML string, which differs from JSON in one character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
 
@@ -415,7 +427,7 @@ def _is_count(value: Any) -> bool:
     return type(value) is int and value >= 0
 
 
-_KEPT_RULES: Mapping[str, tuple[str, Callable[[Any], object]]] = {
+_KEPT_RULES: Rules = {
     "found": ("a text", lambda value: isinstance(value, str)),
     "accepted": ("a text", lambda value: value is None or isinstance(value, str)),
     "side": (f"{CI} or {INJECTOR}", lambda value: value in (None, CI, INJECTOR)),

@@ -1,0 +1,200 @@
+"""Decisions of a team on weaknesses: accepted, to be mitigated, or duplicates of another one.
+
+A ``Decision`` is a TOML file in ``models/<mission>/decisions/``, whose changes are reviewed as a
+diff. Numbers of weaknesses change from campaign to campaign, so it names goal, measure and faults.
+There is at most one on a goal and a set of faults. The keys of a file are the fields of the class.
+"""
+
+import datetime as dt
+import re
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, fields
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, Self
+
+from mrsfi_runtime.errors import MrsfiError, UsageError, expected, printable
+from mrsfi_runtime.record.settings import VIOLATIONS, Rules, parse_table, quoted, read_text
+
+_KINDS = {
+    "accept": "accepted",
+    "mitigate": "to be mitigated, decided",
+    "duplicate": "duplicate of {of}, decided",
+}
+KINDS = tuple(_KINDS)
+_WHAT = "a decision on a weakness"
+_LONGEST = 200  # characters of a file's name, of which file systems take 255
+
+
+class Judged(Protocol):
+    """What can be decided on: faults, by sorted IDs, that break a goal, at worst by ``measure``."""
+
+    @property
+    def goal(self) -> str: ...  # noqa: D102 - as the next, in the docstring of the class
+    @property
+    def faults(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def measure(self) -> str: ...  # noqa: D102
+
+
+class Cause(NamedTuple):
+    """A goal, and the faults that break it, by their sorted IDs."""
+
+    goal: str
+    faults: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return ``g2 by f3 and f7``."""
+        return f"{self.goal} by {' and '.join(self.faults)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A decision on a weakness, whose ``violations`` are its gravest measure when it was decided.
+
+    ``because`` is the reason, ``by`` who decided, ``until`` the last day on which it is valid. A
+    duplicate is one of the weakness ``of``. ``found`` describes the weakness.
+    """
+
+    path: Path
+    goal: str
+    violations: str
+    faults: tuple[str, ...]
+    kind: str
+    because: str
+    by: str
+    date: dt.date
+    until: dt.date | None = None
+    of: Cause | None = None
+    found: str = ""
+
+    @property
+    def cause(self) -> Cause:
+        """The weakness on which it decides."""
+        return Cause(self.goal, self.faults)
+
+    def replaces(self, other: Self) -> bool:
+        """Return whether both decide on one weakness, or are one file."""
+        return self.cause == other.cause or self.path == other.path
+
+    def has_expired(self, today: dt.date) -> bool:
+        """Return whether it is no longer valid."""
+        return self.until is not None and self.until < today
+
+    def in_words(self, today: dt.date) -> str:
+        """Return the decision in one line: who decided what, until when, and why."""
+        expired = "expired, " if self.has_expired(today) else ""
+        until = "" if self.until is None else f" until {self.until}"
+        what = _KINDS[self.kind].format(of=self.of)
+        return printable(f"{expired}{what} by {self.by} on {self.date}{until}: {self.because}")
+
+    def text(self) -> str:
+        """Return the text of the file, as ``parse`` reads it."""
+        values = {each.name: getattr(self, each.name) for each in fields(self)[1:]}
+        return "".join(f"{key} = {_in_toml(each)}\n" for key, each in values.items() if each)
+
+    @classmethod
+    def parse(cls, path: Path, text: str) -> Self:
+        """Return the decision of a file's text; refuse unknown keys, missing and wrong values."""
+        table = parse_table(path, text, _WHAT, _RULES)
+        until, of = table.get("until"), table.get("of")
+        if (of is not None) != (table["kind"] == "duplicate"):
+            raise UsageError(
+                f"{path}: of: found {of or 'nothing'}; expected the weakness of which it is a "
+                "duplicate, and for other decisions nothing"
+            )
+        if until is not None and until < table["date"]:
+            raise UsageError(f"{path}: until: found {until}; expected {table['date']} or later")
+        table["of"] = of and Cause(of["goal"], tuple(sorted(of["faults"])))
+        return cls(path, **table | {"faults": tuple(sorted(table["faults"]))})
+
+
+def read_decisions(models: Path) -> Iterator[tuple[Path, Decision | MrsfiError]]:
+    """Yield the files of decisions beside a mission's models, each with its decision or defect."""
+    first: dict[Cause, str] = {}
+    for path in sorted((models / "decisions").glob("*.toml")):
+        try:
+            found = Decision.parse(path, read_text(path, _WHAT))
+            if first.setdefault(found.cause, path.name) != path.name:
+                what = f"found a second decision on {found.cause}, beside {first[found.cause]}"
+                raise UsageError(f"{path}: {what}; expected one; remove one of the files")
+        except MrsfiError as error:
+            yield path, error
+        else:
+            yield path, found
+
+
+def decisions_of(models: Path) -> tuple[Decision, ...]:
+    """Return the decisions beside a mission's models; one that cannot be read is an error."""
+    decisions = []
+    for _, found in read_decisions(models):
+        if isinstance(found, MrsfiError):
+            raise found
+        decisions.append(found)
+    return tuple(decisions)
+
+
+def decision_on(weakness: Judged, decisions: Iterable[Decision]) -> Decision | None:
+    """Return the decision on a weakness; none if the weakness is graver than what was decided."""
+    rank, cause = VIOLATIONS.index, Cause(weakness.goal, weakness.faults)
+    found = (each for each in decisions if each.cause == cause)
+    return next((each for each in found if rank(weakness.measure) <= rank(each.violations)), None)
+
+
+def unknown_in(decision: Decision, goals: Collection[str], faults: Collection[str]) -> str:
+    """Return what a decision names and its mission does not have; empty if it has all of it."""
+    for cause in filter(None, (decision.cause, decision.of)):
+        named = [("goals", cause.goal, goals), *(("faults", each, faults) for each in cause.faults)]
+        for what, found, known in named:
+            if found not in known:
+                wanted = expected(found, known, f"one of the {what} of the mission:")
+                return f"found '{found}'; {wanted}; decide again, or remove the file"
+    return ""
+
+
+def decision_file(models: Path, weakness: Judged) -> Path:
+    """Return the file of a decision on a weakness."""
+    name = f"{weakness.goal}-{weakness.measure}-{'+'.join(weakness.faults)}"
+    if len(name) > _LONGEST:
+        name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
+    return models / "decisions" / f"{name}.toml"
+
+
+def _in_toml(value: object) -> str:
+    if isinstance(value, Cause):
+        return f"{{ goal = {quoted(value.goal)}, faults = {_in_toml(value.faults)} }}"
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(quoted, value))}]"
+    return quoted(value) if isinstance(value, str) else str(value)
+
+
+def _is_text(value: Any) -> bool:
+    return (
+        isinstance(value, str) and bool(value.strip()) and not re.search("[\ud800-\udfff]", value)
+    )
+
+
+def _are_ids(value: Any) -> bool:
+    is_list = isinstance(value, list) and value and all(map(_is_text, value))
+    return bool(is_list) and len({*value}) == len(value)
+
+
+def _is_cause(value: Any) -> bool:
+    is_table = isinstance(value, dict) and {*value} == {"goal", "faults"}
+    return is_table and _is_text(value["goal"]) and _are_ids(value["faults"])
+
+
+_MEASURES = [each for each in VIOLATIONS if each != "masked"]
+_TEXT, _DAY = ("a text", _is_text), "a day, such as 2026-11-28"
+_RULES: Rules = {
+    "goal": ("the ID of a goal", _is_text),
+    "violations": (f"one of {', '.join(_MEASURES)}", lambda value: value in _MEASURES),
+    "faults": ("a list of different IDs of faults", _are_ids),
+    "kind": (f"one of {', '.join(KINDS)}", lambda value: value in KINDS),
+    "because": _TEXT,
+    "by": _TEXT,
+    "date": (_DAY, lambda value: type(value) is dt.date),
+    "until": (_DAY, lambda value: value is None or type(value) is dt.date),
+    "of": ("a table with goal and faults", lambda value: value is None or _is_cause(value)),
+    "found": ("a text", lambda value: value is None or _is_text(value)),
+}
