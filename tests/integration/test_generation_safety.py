@@ -95,7 +95,12 @@ def test_hostile_names_are_only_ever_names(models, target, tmp_path, name):
     models.rename(hostile)
     for old in ('name="LEN"', 'name="1000"', 'name="GPS sensor of LEN"', 'name="Offshore server"'):
         edit(hostile / "mission.xmi", old, f"name={quoteattr(name)}".replace("\u2028", "&#x2028;"))
-    edit(hostile / "faults.xmi", 'ID="f1" name="f1"', f'ID="f1" name={quoteattr(name)}')
+    quoted = quoteattr(name)
+    rated = f'ID="g1" integrityLevel={quoted} rationale={quoted} requirements="G1"'
+    edit(hostile / "mission.xmi", 'ID="g1"', rated)
+    required = f'<requirements ID="G1" text={quoted}/>'
+    edit(hostile / "mission.xmi", "<goals ", f"{required}<goals ")
+    edit(hostile / "faults.xmi", 'ID="f1" name="f1"', f'ID="f1" name={quoted} reference={quoted}')
     for file in ("mission.xmi", "faults.xmi"):
         text = (hostile / file).read_text()
         (hostile / file).write_bytes(text.encode("ascii", "xmlcharrefreplace"))
@@ -110,8 +115,12 @@ def test_hostile_names_are_only_ever_names(models, target, tmp_path, name):
         code.mission.robots[0].sensors[0].name,
         code.mission.servers[0].name,
         code.pool["f1"].name,
+        code.pool["f1"].reference,
+        code.mission.goals[0].integrity_level,
+        code.mission.goals[0].rationale,
+        code.mission.requirements[0].text,
     )
-    assert found == (name,) * 5
+    assert found == (name,) * 9
     assert not list(tmp_path.rglob("owned"))
     assert stale(hostile, folder) == ()
     assert body(folder, "g1.check") == body(target, "g1.check")

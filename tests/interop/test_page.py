@@ -324,6 +324,8 @@ def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_pat
     text = escape("<img src=x onerror=alert(1)>", {'"': "&quot;"})
     for name in ('ID="a" name="a"', 'ID="g1" name=""'):
         edit(mission, name, f'{name.split()[0]} name="{text}"')
+    edit(mission, 'ID="g1" ', f'ID="g1" requirements="Q" severity="9" integrityLevel="{text}" ')
+    edit(mission, "  <goals ", f'  <requirements ID="Q" text="{text}"/>\n  <goals ')
     (tmp_path / "c.toml").write_text("[search]\nalgorithm = 'cover'\n", encoding="utf-8")
     mrsfi("generate", RENDEZVOUS, cwd=tmp_path)
     size = ("--case", "c.toml", "--evaluations", "60", "--engine", "reference", "--workers", "1")

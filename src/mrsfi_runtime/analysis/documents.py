@@ -135,9 +135,7 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
         return
     mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.highlights
     yield f"## {plain(headline)}"
-    facts += [
-        f"{each.sentence}. Evidence: {' · '.join(each.evidence)}" for each in summary.verdicts
-    ]
+    facts += [f"{each.in_full}. Evidence: {' · '.join(each.evidence)}" for each in summary.verdicts]
     yield "\n".join(f"- {plain(each)}." for each in facts)
     if not summary.weaknesses:
         return
@@ -239,7 +237,7 @@ def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
         yield f"Caution: {in_latex(summary.unrepeated)}."
     if summary.harvest is not None:
         yield "\n".join(f"{in_latex(each)}." for each in summary.highlights)
-        items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
+        items = "\n".join(f"\\item {in_latex(each.in_full)}." for each in summary.verdicts)
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
     if summary.weaknesses:
         matrix = matrix_table(mission, pool, summary.weaknesses)

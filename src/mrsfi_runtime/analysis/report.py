@@ -159,6 +159,7 @@ def _goal(verdict: GoalVerdict) -> dict[str, Any]:
         "grave": verdict.state <= State.VIOLATED,
         "cause": verdict.cause,
         "detection": verdict.detection,
+        "stakes": verdict.stakes,
         "evidence": " · ".join(verdict.evidence),
         "number": None if weakness is None else weakness.number,
     }

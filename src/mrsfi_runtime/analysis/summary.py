@@ -28,7 +28,7 @@ from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
-from mrsfi_runtime.analysis import fronts, tables
+from mrsfi_runtime.analysis import fronts, tables, weaknesses
 from mrsfi_runtime.analysis.fronts import Columns, Front, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
@@ -210,7 +210,7 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
                 "mildest": least and least.as_json(),  # which the sentences describe
             }
             for weakness, least in ((each, each.mildest) for each in summary.weaknesses)
-            for each in weakness.as_json()
+            for each in weaknesses.as_json(summary.mission, summary.pool, weakness)
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
         "protect": [*_protect(summary, known)],

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from itertools import accumulate
 from pathlib import Path
+from typing import Any
 
 from mrsfi_runtime.analysis.tables import Cell, Table, nearness
 from mrsfi_runtime.causes.cause_set import Column
@@ -254,7 +255,7 @@ class GoalVerdict:
     ``label`` is the name before the ID. ``cause`` says when the goal breaks, ``detection`` whether
     the CI detects it, ``strength`` in how many mission seeds and variants, ``bound`` how many other
     specifications may break it. ``nearest`` is the closest approach of a goal that was not truly
-    broken. Texts may be empty.
+    broken. ``stakes`` has its requirements, severity and integrity level. Texts may be empty.
     """
 
     goal: str
@@ -268,6 +269,8 @@ class GoalVerdict:
     strength: tuple[str, ...]
     bound: str
     nearest: str = ""
+    severity: int = 0
+    stakes: str = ""
 
     @property
     def words(self) -> str:
@@ -278,6 +281,12 @@ class GoalVerdict:
     def sentence(self) -> str:
         """All but the evidence, in one or two sentences."""
         return f"{self.label} {self.words}{self.because}"
+
+    @property
+    def in_full(self) -> str:
+        """The sentence, and what the goal stands for."""
+        stakes = f"{self.stakes[:1].upper()}{self.stakes[1:]}"
+        return f"{self.sentence}. {stakes}" if stakes else self.sentence
 
     @property
     def because(self) -> str:
@@ -301,12 +310,12 @@ class GoalVerdict:
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
-    """Return the verdict on each goal of a mission, the gravest first."""
+    """Return the verdict on each goal of a mission, the gravest and most severe first."""
     least_of = {each.goal: each for each in least(known.goal_weaknesses)}
     found = (_verdict(mission, pool, known, goal, least_of.get(goal.id)) for goal in mission.goals)
 
-    def rank(each: GoalVerdict) -> tuple[State, bool]:
-        return each.state, not (each.weakness and each.weakness.is_undetected)
+    def rank(each: GoalVerdict) -> tuple[State, int, bool]:
+        return each.state, -each.severity, not (each.weakness and each.weakness.is_undetected)
 
     return tuple(sorted(found, key=rank))
 
@@ -348,6 +357,8 @@ def _verdict(
         strength=strength,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
         bound=limit if unknown < 1.0 else none,
+        severity=goal.severity,
+        stakes=mission.stakes_of(goal.id),
     )
 
 
@@ -377,6 +388,19 @@ def sentence(mission: Mission, pool: FaultPool, weakness: GoalWeakness) -> str:
     breaks = f"{mission.label_of(weakness.goal)} {_WORDS[state]} if {cause}"
     detected = f". {detection(weakness, mission.units)}"
     return breaks if state is State.FALSE_ALARM else breaks + detected
+
+
+def as_json(mission: Mission, pool: FaultPool, weakness: GoalWeakness) -> list[dict[str, Any]]:
+    """Return a weakness as plain values, with the team's ratings of its goal and its faults."""
+    goal = mission.goals[mission.goal_ids.index(weakness.goal)]
+    rated = {
+        "requirements": [*goal.requirements],
+        "severity": goal.severity or None,
+        "integrity_level": goal.integrity_level,
+        "rationale": goal.rationale,
+        "references": [pool[fault].reference for fault in weakness.faults],
+    }
+    return [each | rated for each in weakness.as_json()]
 
 
 def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
@@ -536,7 +560,7 @@ def _element(mission: Mission, element: str) -> str:
 def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
     """Return a row for each goal: its verdict and the evidence."""
     found = verdicts(mission, pool, known)
-    rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
+    rows = [(each.in_full, " · ".join(each.evidence)) for each in found]
     columns = ("goal", "evidence")
     return Table(headline(found), columns, rows, texts=columns)
 

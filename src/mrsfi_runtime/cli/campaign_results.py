@@ -48,6 +48,8 @@ def print_verdicts(
     for each in found[: len(found) - len(held)]:
         state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
         print_words((each.label, "bold"), " ", state, f"{each.because}.")
+        if each.stakes:
+            print_words(each.stakes, indent=4)
         print_words(" · ".join(each.evidence), indent=4)
     for bound in dict.fromkeys(each.bound for each in held):
         some = ", ".join(each.label for each in held if each.bound == bound)
@@ -129,6 +131,12 @@ def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harv
         measures = MEASURES if row["measure"] is None else [row["measure"]]
         row["estimate"] = estimate(samples, row["goal"], measures).as_json()
     print_json(rows)
+
+
+def print_found(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
+    """Print weaknesses as JSON, with a row for each measure."""
+    of = campaign.mission, campaign.pool
+    print_json([row for weakness in found for row in weaknesses.as_json(*of, weakness)])
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[GoalWeakness], *, is_json: bool) -> None:

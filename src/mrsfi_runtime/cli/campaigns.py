@@ -14,7 +14,7 @@ from click.core import ParameterSource
 from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import FILE, OF_ENGINE, OneOf
-from mrsfi_runtime.cli.terminal import print_json, tell
+from mrsfi_runtime.cli.terminal import tell
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
@@ -331,7 +331,7 @@ def weaknesses_command(
         elif is_mildest:
             campaign_results.print_mildest(campaign, found, is_json=is_json)
         elif is_json:
-            print_json([each for weakness in found for each in weakness.as_json()])
+            campaign_results.print_found(campaign, found)
         else:
             again = known.with_seeds_of(found)
             campaign_results.print_all(campaign, found, goals, again, *beside)

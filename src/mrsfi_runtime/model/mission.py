@@ -23,6 +23,7 @@ from typing import ClassVar, TypeAlias
 from mrsfi_runtime.model.fault_types import Field, Range, Units
 
 ROBOT_RADIUS = 1.0  # robots are discs of this radius, in distance units
+_BRIEF = 120  # letters of a requirement's text inside a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,6 +325,17 @@ class Mission:
     def label_of(self, goal_id: str) -> str:
         """Return the name of a goal before its ID: ``AvoidCollision (g1)``."""
         return with_id(self.name_of(self.goals[self.goal_ids.index(goal_id)]), goal_id)
+
+    def stakes_of(self, goal_id: str) -> str:
+        """Return what a goal stands for: ``requirement R1 (No …), severity 8 of 10, ASIL B``."""
+        goal, parts = self.goals[self.goal_ids.index(goal_id)], []
+        for each in self.requirements:
+            if each.id in goal.requirements:
+                text = " ".join(each.text.split())
+                text = text if len(text) <= _BRIEF else f"{text[: _BRIEF - 1]}…"
+                parts.append(f"requirement {each.id} ({text})")
+        parts += [f"severity {goal.severity} of 10"] * bool(goal.severity)
+        return ", ".join((*parts, *filter(None, [goal.integrity_level])))
 
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:

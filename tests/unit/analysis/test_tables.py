@@ -434,6 +434,17 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
     assert bound.startswith("no bound yet on other random specifications; one of 10 % needs at ")
 
 
+def test_of_two_goals_in_the_same_state_the_more_severe_one_comes_first():
+    severities = {"g3": 2, "g6": 9}
+    goals = tuple(replace(goal, severity=severities.get(goal.id, 0)) for goal in CODE.mission.goals)
+    known = Harvest(Known(SearchSpace.of(CODE.mission, CODE.pool)), (), 0, {}, None)
+
+    told = verdicts(replace(CODE.mission, goals=goals), CODE.pool, known)
+
+    assert [(each.goal, each.severity) for each in told[:3]] == [("g6", 9), ("g3", 2), ("g1", 0)]
+    assert told[0].in_full == f"{told[0].sentence}. Severity 9 of 10"
+
+
 def verdict(goal, state, *faults):
     least = goal_weaknesses([weakness(goal, "true", *faults)])[0] if faults else None
     return GoalVerdict(goal, goal, goal, state, least, 0, "", "", (), "")

@@ -25,7 +25,14 @@ from mrsfi_runtime.model.faults import (
     timed_fault,
     touched,
 )
-from mrsfi_runtime.model.mission import Area, Battery, Coordinates, MotionSource, starvation
+from mrsfi_runtime.model.mission import (
+    Area,
+    Battery,
+    Coordinates,
+    MotionSource,
+    Requirement,
+    starvation,
+)
 from mrsfi_runtime.record import database
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import mission, paper_code, robot
@@ -49,6 +56,20 @@ def test_a_robot_reaches_its_greatest_speed_or_twice_the_nominal_one(max_speed, 
     described = replace(robot("a", 0.0, 0.0, speed=4.0), max_speed=max_speed)
 
     assert described.fastest == fastest
+
+
+def test_the_stakes_of_a_goal_are_its_requirements_in_one_line_its_severity_and_its_level():
+    texts = {"R1": "No two\n\trobots touch.", "R2": "x" * 121, "R3": "of no goal"}
+    required = tuple(Requirement(*each) for each in texts.items())
+    plain, *others = CODE.mission.goals
+    rated = replace(plain, requirements=("R2", "R1"), severity=8, integrity_level="ASIL B")
+    described = replace(CODE.mission, requirements=required, goals=(rated, *others))
+
+    stakes = described.stakes_of(rated.id)
+
+    first = "requirement R1 (No two robots touch.), requirement R2 (" + "x" * 119
+    assert stakes == f"{first}…), severity 8 of 10, ASIL B"
+    assert CODE.mission.stakes_of(plain.id) == ""
 
 
 def test_what_batteries_and_drives_add_up_to_is_the_same_on_every_python():

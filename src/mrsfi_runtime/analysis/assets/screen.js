@@ -30,7 +30,7 @@ class Screen {
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
           make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state, terms)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection, terms), "."] : "")),
-          make("td", {}, bdi(goal.evidence, terms)));
+          make("td", {}, goal.stakes ? make("div", {}, bdi(`${goal.stakes}.`, terms)) : null, bdi(goal.evidence, terms)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
       })));
