@@ -2,7 +2,10 @@
 
 import json
 import re
+import zlib
+from base64 import b64decode
 
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
 
 
@@ -10,6 +13,11 @@ def data_of(path):
     """Return what a page shows, as its script reads it."""
     found = re.search('<script type="application/json" id="data">(.*?)</script>', path.read_text())
     return json.loads(found[1])
+
+
+def unpacked(text):
+    """Return values that the script reads when they are shown."""
+    return json.loads(zlib.decompress(b64decode(text)))
 
 
 def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):
@@ -20,7 +28,7 @@ def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):
     printed = mrsfi_json(*words, "--html", "page.html", "--json", cwd=place)
 
     data = data_of(place / "page.html")
-    (flown,) = data["shown"]
+    flown = unpacked(*data["shown"])
     assert ["digest", printed["digest"]] in data["record"]
     assert flown["command"] == f"mrsfi simulate {MISSION} --faults {stop} --seed 7"
     assert flown["xmi"] == (place / stop).read_text()
@@ -33,18 +41,17 @@ def test_an_evaluation_of_a_campaign_is_written_as_a_page(flown, tmp_path):
 
     data = data_of(tmp_path / "page.html")
     assert ["digest", printed["digest"]] in data["record"]
-    names = [row[0] for row in data["shown"][0]["faults"]["rows"]]
+    names = [row[0] for row in unpacked(*data["shown"])["faults"]["rows"]]
     assert len(names) == len(printed["faults"])
 
 
-def test_a_campaign_has_a_page_with_flights_that_break_its_goals(found):
+def test_a_campaign_has_a_page_with_the_flight_of_each_weakness(found):
     run = found / "runs" / "it"
     data = data_of(run / "report.html")
     summary = json.loads((run / "summary.json").read_text())
 
     assert ["digest", summary["digest"]] in data["record"]
     assert len(data["evaluations"]["rows"]) == summary["n_evaluations"]
-    told = [each["sentences"] for each in summary["weaknesses"]["found"] if each["sentences"]]
     first, ways = data["first"], {each["number"]: each for each in data["first"]["ways"]}
     assert len(first["matrix"]["faults"]) == len(
         {fault for each in summary["weaknesses"]["found"] for fault in each["faults"]}
@@ -53,11 +60,35 @@ def test_a_campaign_has_a_page_with_flights_that_break_its_goals(found):
     assert [each["state"] for each in first["goals"]] == ["fails"] * 3
     assert all(ways[goal["number"]]["goal"] == goal["id"] for goal in first["goals"])
     assert {cell for row in first["matrix"]["rows"] for cell in row["cells"]} - {None} == {*ways}
-    assert [each["title"] for each in data["shown"]] == ["g1", "g2", "g3"]
-    for shown in data["shown"]:
-        assert [row[-1] for row in shown["faults"]["rows"]] in told
-        n = len(shown["faults"]["rows"])
-        assert [each["without"] for each in shown["flight"]["flights"]] == [None, *range(n)]
+    witnesses = {each["number"]: each["witness"] for each in summary["weaknesses"]["found"]}
+    assert {*map(int, data["shown"])} == {*witnesses}
+    for number, text in data["shown"].items():
+        shown = unpacked(text)
+        faults = [(row[0], *row[2:4], row[-1][:5]) for row in shown["faults"]["rows"]]
+        kept = witnesses[int(number)]
+        assert faults == [(t["fault"], t["start"], t["finish"], t["fault"][:5]) for t in kept]
+        flights = shown["flight"]["flights"]
+        assert [each["without"] for each in flights] == [None, *range(len(kept))]
+        is_there = ["packed" in each for each in flights]
+        assert is_there == [True, *[len(kept) > 1] * len(kept)]
+    assert unpacked(data["fault_free"])["packed"].keys() == flights[0]["packed"].keys()
+
+
+def test_a_page_has_the_faults_of_each_evaluation(flown):
+    mrsfi("report", flown, cwd=flown.parent)
+
+    found = data_of(flown / "report.html")["evaluations"]
+
+    faults = unpacked(found["faults"])
+    with CampaignStore.open(flown) as store:
+        for each, row, places in zip(store.evaluations(), found["rows"], faults["of"], strict=True):
+            named = [
+                (name, *window)
+                for name, _, *window, _, _ in map(faults["rows"].__getitem__, places)
+            ]
+            assert row[0] == each.index
+            assert named == [(t.fault, t.start, t.finish) for t in each.specification]
+    assert found["command"].startswith("mrsfi replay ")
 
 
 def test_what_flies_many_times_writes_no_file_of_a_flight(flown, tmp_path):

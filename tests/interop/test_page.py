@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import RESULTS
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
 from tests.support.missing import skip
 from tests.support.rendezvous import NAME as RENDEZVOUS
@@ -71,7 +73,7 @@ def chromium() -> Iterator[Any]:
 
 
 @contextmanager
-def opened(chromium: Any, path: Path, **options: Any) -> Iterator[Page]:
+def opened(chromium: Any, path: Path, fragment: str = "", **options: Any) -> Iterator[Page]:
     """Open a page from disk; afterwards it said no word, and asked for nothing but itself."""
     options = {"viewport": {"width": 1200, "height": 900}} | options
     context = chromium.new_context(**options)
@@ -80,7 +82,7 @@ def opened(chromium: Any, path: Path, **options: Any) -> Iterator[Page]:
     page.shown.on("pageerror", lambda error: page.said.append(str(error)))
     page.shown.on("dialog", lambda dialog: page.said.append(dialog.message))
     page.shown.on("request", lambda request: page.asked.append(request.url))
-    page.shown.goto(path.as_uri())
+    page.shown.goto(path.as_uri() + fragment)
     page.shown.wait_for_selector("html[data-ready=true]")
     yield page
     assert page.said == []
@@ -119,12 +121,12 @@ def any_campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPa
 
 @pytest.fixture(scope="module")
 def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
-    """The least that breaks the first goal that is broken, as it is told, and its flight."""
+    """A weakness of the first goal that is broken, as the report has it, and its flight."""
     found = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))["weaknesses"]
     told = next(each for each in found["found"] if each["sentences"])
     faults = tuple(
         TimedFault(each["fault"], each["start"], each["finish"], tuple(each["values"]))
-        for each in told["mildest"]["witness"]
+        for each in told["witness"]
     )
     return told, ReferenceEngine(load_code(campaign / "generated"), 1).record(faults)
 
@@ -132,7 +134,7 @@ def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
 def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, first):
     told, recording = first
     with opened(chromium, campaign / "report.html") as page:
-        page.shown.evaluate("number => { location.hash = `#weakness-${number}`; }", told["number"])
+        page.shown.evaluate("number => { location.hash = `#w${number}`; }", told["number"])
         page.shown.wait_for_selector(f"#panel:has-text('weakness {told['number']}')")
         for tick in TICKS:
             page.seek(tick)
@@ -201,6 +203,82 @@ def test_play_slider_keys_and_clicks_do_what_they_say(chromium, campaign):
         header.click()  # it is sorted by this column, upwards
         listed = [int(row.locator("td").first.inner_text()) for row in rows.all()]
         assert listed == sorted(listed, reverse=True)
+
+
+def test_what_is_shown_has_a_link_and_stands_in_the_history(chromium, campaign):
+    with CampaignStore.open(campaign) as store:
+        evaluation = store.evaluation(7)
+    with opened(chromium, campaign / "report.html") as page:
+        shown, panel = page.shown, page.shown.locator("#flight-title")
+        first = panel.inner_text()
+        cells = shown.locator("#matrix .cell").all()
+        cells[0].click()
+        cells[-1].click()
+        last = panel.inner_text()
+        link = shown.evaluate("location.hash")
+        shown.locator("#filter").fill("7")
+        shown.locator("#evaluations a", has_text=re.compile("^7$")).click()
+        shown.wait_for_selector("#evaluation h3:has-text('Evaluation 7')")
+        names = shown.locator("#evaluation tbody td:first-child").all_inner_texts()
+        windows = shown.locator("#evaluation tbody td.number").all_inner_texts()
+        command = shown.locator("#evaluation code").first.inner_text()
+
+        assert names == [timed.fault for timed in evaluation.specification]
+        assert windows == [str(tick) for timed in evaluation.specification for tick in timed[1:3]]
+        assert command.endswith(" --evaluation 7")
+        shown.go_back()
+        assert shown.evaluate("location.hash") == link
+        shown.go_back()
+        shown.wait_for_function(
+            "text => document.querySelector('#flight-title').innerText !== text", arg=last
+        )
+        shown.go_back()
+        shown.wait_for_function(
+            "text => document.querySelector('#flight-title').innerText === text", arg=first
+        )
+    for name, place in ((link, "#panel"), ("#e7", "#evaluation")):
+        with opened(chromium, campaign / "report.html", fragment=name) as page:
+            assert page.shown.locator(place).locator("h2, h3").inner_text() in {
+                last,
+                "Evaluation 7",
+            }
+
+
+def test_every_weakness_has_its_flight(chromium, campaign):
+    found = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))["weaknesses"]
+    kept = {each["number"]: each["witness"] for each in found["found"]}
+    with opened(chromium, campaign / "report.html") as page:
+        for number, witness in kept.items():
+            page.shown.evaluate("number => { location.hash = `#w${number}`; }", number)
+            page.shown.wait_for_selector(f"#flown h3:has-text('weakness {number}')")
+            windows = (
+                page.shown.locator("#flown table").first.locator("td.number").all_inner_texts()
+            )
+
+            assert page.shown.locator("#flight canvas").is_visible()
+            assert windows[:2] == [str(witness[0]["start"]), str(witness[0]["finish"])]
+
+
+@pytest.mark.parametrize("width", [1280, 390, "print"])
+def test_no_head_of_a_column_is_cut(chromium, any_campaign, width):
+    size = {"width": 700 if width == "print" else width, "height": 800}
+    with opened(chromium, any_campaign / "report.html", viewport=size) as page:
+        if width == "print":
+            page.shown.emulate_media(media="print")
+        cut = page.shown.evaluate(
+            """() => {
+                const cut = (box) => getComputedStyle(box).display !== "inline" && (
+                    box.scrollWidth > box.clientWidth + 1 || box.scrollHeight > box.clientHeight + 1
+                );
+                const heads = [...document.querySelectorAll("th, th *, .row > :first-child")];
+                const visible = heads.filter((head) => head.offsetWidth);
+                return visible.filter(cut).map((head) => head.innerText);
+            }"""
+        )
+        over = page.shown.evaluate("document.documentElement.scrollWidth")
+
+    assert cut == []
+    assert over <= size["width"]
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,9 @@ import re
 import shlex
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from hashlib import sha256
 from importlib.resources import files
 from itertools import groupby, islice
@@ -42,10 +42,11 @@ from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
+from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError, counted
 from mrsfi_runtime.glossary import TERMS
-from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault, numbered
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.observers import NamedFault, named_faults
@@ -57,7 +58,6 @@ class PageEntry:
     """A simulated specification on the page; ``xmi`` is the text of its file."""
 
     title: str
-    sentence: str
     faults: Sequence[NamedFault]
     sentences: Sequence[str]
     outcome: Outcome
@@ -73,36 +73,58 @@ def flight_page(
     return {
         "title": entry.title,
         "mission": story.mission_content(mission),
-        "heading": "Faults and outcome",
-        "shown": [entry_content(mission, entry, flown, 1)],
+        "shown": [story.packed(entry_content(mission, entry, flown, story.stride(mission, 1)))],
         "record": list(facts),
     }
+
+
+_MOST_BYTES = 3_000_000  # of a page of many weaknesses
 
 
 def campaign_page(
     summary: Summary,
     store: CampaignStore,
-    shown: Sequence[dict[str, Any]],
     next_of: Callable[[GoalWeakness], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
-    """Return the page's content for a campaign; ``next_of`` returns labelled commands."""
-    step = tables.every(summary.n_evaluations, 5000)  # listed at most
-    listed = f"One evaluation in {step} is listed." if step > 1 else "All evaluations are listed."
-    evaluations = tables.short_evaluations_table(listed, store.flown(step), summary.measure)
+    """Return the page's content for a campaign, without flights.
+
+    ``next_of`` returns labelled commands.
+    """
     caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
     picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": story.mission_content(summary.mission),
         "first": _first_screen(summary, next_of),
-        "heading": "One weakness of each goal, in its mildest variant",
-        "shown": list(shown),
         "search": {
             "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}".replace("`", ""),
             "charts": list(_charts(summary)),
         },
-        "evaluations": tables.to_page(evaluations),
+        "evaluations": _evaluations(summary, store),
         "record": list(_record(summary, store)),
+    }
+
+
+def _evaluations(summary: Summary, store: CampaignStore) -> dict[str, Any]:
+    """Return some evaluations; ``faults`` has rows, and for each evaluation the places of its own.
+
+    A row is of a timed fault, which many evaluations of a search have.
+    """
+    step = tables.every(summary.n_evaluations, 5000)  # listed at most
+    listed = f"One evaluation in {step} is listed." if step > 1 else "All evaluations are listed."
+    flown, places = [*store.evaluations(step=step)], dict[TimedFault, int]()
+    own = [
+        [places.setdefault(timed, len(places)) for timed in each.specification] for each in flown
+    ]
+    rows = [
+        (each.name, each.fault.type, *each.timed[1:3], each.target, each.values_in_words)
+        for each in named_faults(summary.mission, summary.pool, tuple(places))
+    ]
+    faults = story.packed({"rows": rows, "of": own})
+    return {
+        **tables.to_page(tables.short_evaluations_table(listed, flown, summary.measure)),
+        "faults": faults if len(faults) < _MOST_BYTES / 3 else None,
+        "command": shlex.join(("mrsfi", "replay", str(summary.folder), "--evaluation")),
     }
 
 
@@ -113,10 +135,7 @@ def _first_screen(
     if harvest is None:
         return None
     headline, *facts = summary.highlights
-    described = least(summary.weaknesses)
-    places = {weakness.number: place for place, weakness in enumerate(described)}
     names = {each.goal: each.name for each in summary.verdicts}
-    shown = {each.number: each for each in (*summary.weaknesses, *described)}
     guilty = {fault for each in summary.weaknesses for fault in each.faults}
     about = (
         f"Campaign {summary.folder.name} on mission {summary.name}",
@@ -136,17 +155,24 @@ def _first_screen(
                 "name": names[weakness.goal],
                 "said": weaknesses.sentence(mission, pool, weakness),
                 "sure": weaknesses.evidence(weakness),
-                "kind": weakness.shown.column.kind,
-                "undetected": weakness.is_undetected,
+                "mildest": weakness.mildest and weakness.mildest.sentence,
+                "class": _class_of(weakness),
                 "share": weakness.shown.share,
                 "joint": len(weakness.faults) > 1,
-                "shown": places.get(weakness.number),
                 "next": [(what, shlex.join(words)) for what, words in next_of(weakness).items()],
             }
-            for weakness in shown.values()
+            for weakness in summary.weaknesses
         ],
         "matrix": _matrix(summary, harvest) if summary.weaknesses else None,
     }
+
+
+def _class_of(weakness: GoalWeakness) -> str:
+    """Return how the collective intelligence detects a weakness, in its worst variant."""
+    if weakness.shown.column.kind == MEASURES[0]:
+        return "alarm"
+    detected = weakness.shown.detection
+    return "unknown" if detected is None else detected.worst.replace(" ", "-")
 
 
 def _goal(verdict: GoalVerdict) -> dict[str, Any]:
@@ -209,12 +235,12 @@ def flown_of(
 
 
 def entry_content(
-    mission: Mission, entry: PageEntry, flown: Flown | str, n_flights: int
+    mission: Mission, entry: PageEntry, flown: Flown | str, stride: int
 ) -> dict[str, Any]:
     """Return the page's content for a specification, with its flight or why that is missing."""
     flight, reason = None, flown
     if isinstance(flown, Flown):
-        flight, reason = story.flight_content(mission, flown, story.stride(mission, n_flights)), ""
+        flight, reason = story.flight_content(mission, flown, stride), ""
     faults = tables.fault_table("", entry.faults, entry.outcome)
     nearest = tables.nearest_in_words(mission, entry.outcome)
     sentences = entry.sentences or [""] * len(entry.faults)
@@ -222,7 +248,6 @@ def entry_content(
     rows = [(*row, did) for row, did in zip(faults.rows, sentences, strict=True)]
     return {
         "title": entry.title,
-        "sentence": entry.sentence,
         "faults": tables.to_page(replace(faults, columns=columns, rows=rows)),
         "counts": tables.to_page(
             tables.goal_table(f"{tables.COUNTS} {nearest}".rstrip(), mission, entry.outcome)
@@ -383,10 +408,13 @@ def write_report(  # noqa: PLR0913 - most have a default
             layout.latex.unlink(missing_ok=True)
             finish = _write_figures(layout, shown, draw)
             _write_specifications(layout, summary, write_specification)
+        fly = lru_cache(4)(record)  # most weaknesses have one fault, and share the other flight
         try:
             with _writing(folder, "flights"):
-                flown = [*_fly(layout, summary, record)]
-            summary = replace(summary, sentences={number: words for number, words, _ in flown})
+                told = {
+                    each.number: _flown(summary, each, fly)[1] for each in least(summary.weaknesses)
+                }
+            summary = replace(summary, sentences=told)
             with _writing(folder, "report"):
                 listed = store.flown(tables.every(summary.n_evaluations, tables.MOST_LISTED))
                 table = tables.evaluations_table("Evaluations", listed, summary.measure)
@@ -401,8 +429,10 @@ def write_report(  # noqa: PLR0913 - most have a default
                     layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
             show(summary)
             with _writing(folder, "page"):
-                entries = [content for *_, content in flown]
-                page = campaign_page(summary, store, entries, partial(_next, layout, summary))
+                page = campaign_page(summary, store, partial(_next, layout, summary))
+            with _writing(folder, "flights"):
+                page |= _flights(layout, summary, fly, _MOST_BYTES - len(document(page)))
+            with _writing(folder, "page"):
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with _writing(folder, "figures"):
@@ -443,31 +473,54 @@ def draw_weakness(
     return Shown(weakness, flown.title, described, files[: len(illustrations)])
 
 
-def _fly(
-    layout: CampaignFolder, summary: Summary, record: Record
-) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
-    """Simulate one weakness of each goal; yield number, sentences and the page's content."""
-    mission, pool, shown = summary.mission, summary.pool, least(summary.weaknesses)
-    n_flights = sum(1 + len(each.faults) for each in shown)
-    for weakness in shown:
-        flown: Flown | str
-        try:
-            flown, sentences = flown_of(mission, pool, weakness, record)
-        except UsageError:  # such as a full folder for temporary files
-            raise
-        except MrsfiError as error:
-            flown, sentences = str(error), ()
+def _flown(
+    summary: Summary, weakness: GoalWeakness, record: Record
+) -> tuple[Flown | str, tuple[str, ...]]:
+    """Simulate a weakness; return its flights and the effects of its faults, or why it has none."""
+    try:
+        return flown_of(summary.mission, summary.pool, weakness, record)
+    except UsageError:  # such as a full folder for temporary files
+        raise
+    except MrsfiError as error:
+        return str(error), ()
+
+
+def _flights(
+    layout: CampaignFolder, summary: Summary, record: Record, n_left: int
+) -> dict[str, Any]:
+    """Return the flights of weaknesses by number, in at most ``n_left`` bytes.
+
+    The main weakness of each goal has one in any case. The others come by how grave they are.
+    """
+    mission, weaknesses = summary.mission, summary.weaknesses
+    first = {each.weakness.number for each in summary.verdicts if each.weakness}
+    n_flights = sum(1 + len(each.faults) for each in weaknesses if each.number in first)
+    stride, fault_free = story.stride(mission, n_flights), None
+    with suppress(MrsfiError):
+        fault_free = story.packed(story.motion(mission, record(()), stride)) if first else None
+    n_left -= len(fault_free or "")
+
+    def rank(weakness: GoalWeakness) -> tuple[bool, int, bool]:
+        kind = MEASURES.index(weakness.shown.column.kind)
+        return weakness.number not in first, -kind, not weakness.is_undetected
+
+    shown: dict[int, str] = {}
+    for weakness in sorted(weaknesses, key=rank):
+        flown, sentences = _flown(summary, weakness, record)
         entry = PageEntry(
-            title=mission.label_of(weakness.goal),
-            sentence=weaknesses.broken_by(weakness, mission.units),
-            faults=named_faults(mission, pool, weakness.shown.witness),
+            title=f"{mission.label_of(weakness.goal)}, weakness {weakness.number}",
+            faults=named_faults(mission, summary.pool, weakness.shown.witness),
             sentences=sentences,
             outcome=summary.outcome(weakness),
             command=_command(layout, summary, weakness),
             xmi=_witness(layout, weakness).read_text(encoding="utf-8"),
         )
-        content = entry_content(mission, entry, flown, n_flights)
-        yield weakness.number, sentences, content
+        text = story.packed(entry_content(mission, entry, flown, stride))
+        n_left -= len(text)
+        if n_left < 0 and weakness.number not in first:
+            break
+        shown[weakness.number] = text
+    return {"shown": shown, "fault_free": fault_free}
 
 
 def _command(layout: CampaignFolder, summary: Summary, weakness: GoalWeakness) -> Sequence[str]:
@@ -481,7 +534,10 @@ def _next(
     run, number = str(layout.path), str(weakness.number)
     command = _command(layout, summary, weakness)
     return {
-        "Show it": ("mrsfi", "show", run, number),
+        "Draw its mildest variant" if weakness.mildest else "Draw it": (
+            *("mrsfi", "show", run),
+            number,
+        ),
         "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
         "Check after a fix": ("mrsfi", "check", summary.place),

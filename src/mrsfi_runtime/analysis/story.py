@@ -2,9 +2,10 @@
 
 A ``Story`` has true and believed positions, windows in which faults were active and goals were
 violated, and collisions; ``story_of`` makes one. ``flight_content`` packs a flight for the page:
-series to a stated resolution, verdicts as windows, and events.
+series to a stated resolution, verdicts as windows, and events. ``packed`` makes text of it.
 """
 
+import json
 import zlib
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -233,23 +234,25 @@ def mission_content(mission: Mission) -> dict[str, Any]:
 
 
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
-    """Return what the page shows of a flight, with motion at every ``stride``-th tick."""
-    world = flown.recording["world"]["robots"]
+    """Return what the page shows of a flight, with motion at every ``stride``-th tick.
+
+    The page has the flight without faults once. So it is left out of the flights of a single fault.
+    """
     story = story_of(flown.title, mission, flown.faults, flown.recording)
-    belief = flown.recording["belief"]["robots"]
-    steps = {name: _step(world[name], belief[name]) for name in _SERIES}
-    steps["x"] = steps["y"] = max(steps["x"], steps["y"])
-    flights = [(None, flown.recording), *flown.others.items()]
+    whole = motion(mission, flown.recording, stride)
+    steps, flights = whole["steps"], [{"without": None, **whole}]
+    for place, recording in flown.others.items():
+        is_fault_free = len(flown.faults) == 1
+        other = {} if is_fault_free else motion(mission, recording, stride)
+        flights.append({"without": place, **other})
     ticks = "every tick" if stride == 1 else f"every {stride}th tick, with straight lines between"
-    kept = ", ".join(
-        f"{name} to within {step / 2:g}" for name, step in steps.items() if name != "y"
-    )
+    kept = ", ".join(f"{name} to within {steps[name] / 2:g}" for name in _SERIES if name != "y")
     return {
         "title": flown.title,
         "goal": flown.goal,
         "first": flown.first,
         "robots": sorted(story.struck),
-        "window": window_around(mission, story.true),
+        "window": _whole(mission, window_around(mission, story.true)),
         "faults": [
             {
                 "name": fault.name,
@@ -261,12 +264,9 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
             }
             for fault in story.faults
         ],
-        "flights": [
-            {"without": place, **_flight(mission, recording, steps, stride)}
-            for place, recording in flights
-        ],
+        "flights": flights,
         "displaced": list(_displaced(mission, flown.recording)),
-        "samples": list(_samples(mission, flown.recording, _digits(steps["x"]))),
+        "samples": [*_samples(mission, flown.recording, steps["x"])],
         "events": sorted(_events(story), key=lambda event: event[0]),
         "said": f"Shown for {ticks}; {kept.replace('x to', 'positions to')}, in mission units.",
     }
@@ -278,23 +278,38 @@ def stride(mission: Mission, n_flights: int) -> int:
     return every(n_values, MOST_VALUES)
 
 
-def _flight(
-    mission: Mission, recording: Recording, steps: dict[str, float], stride: int
-) -> dict[str, Any]:
+def _whole(mission: Mission, window: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return x, y and half width of a square around the mission area and a window."""
+    area, (x, y, half) = mission.area, window
+    apart = max(abs(x - area.center.x), abs(y - area.center.y))
+    return area.center.x, area.center.y, max(area.radius * 1.05, apart + half)
+
+
+def packed(content: Any) -> str:
+    """Return plain values as text: base64 of zlib of JSON. The page reads it when it is shown."""
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return b64encode(zlib.compress(text.encode(), 9)).decode()
+
+
+def motion(mission: Mission, recording: Recording, stride: int) -> dict[str, Any]:
+    """Return positions, speeds and energies of robots, and the verdicts on each goal."""
+    world, belief = (recording[side]["robots"] for side in SIDES)
+    steps = {name: _step(world[name], belief[name]) for name in _SERIES}
+    steps["x"] = steps["y"] = max(steps["x"], steps["y"])
     kept = sorted({*range(0, mission.duration, stride), mission.duration - 1})
-    packed = {}
+    series = {}
     for name in _SERIES:
         true, believed = (
             np.rint(recording[side]["robots"][name][kept] / steps[name]).astype(np.int32)
-            for side in ("world", "belief")
+            for side in SIDES
         )
-        packed[name] = _packed(true)
-        packed[f"believed_{name}"] = _packed(believed - true)
+        series[name] = _packed(true)
+        series[f"believed_{name}"] = _packed(believed - true)
     return {
         "stride": stride,
         "steps": steps | {f"believed_{name}": step for name, step in steps.items()},
         "digits": {name: _digits(step) for name, step in steps.items()},
-        "packed": packed,
+        "packed": series,
         "goals": [asdict(each) for each in judged(recording)],
     }
 
@@ -338,18 +353,17 @@ def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ..
 
 
 def _samples(
-    mission: Mission, recording: Recording, digits: int
-) -> Iterator[tuple[int, str, float, float]]:
-    """Yield the samples that truly counted: tick, goal ID and place."""
+    mission: Mission, recording: Recording, step: float
+) -> Iterator[tuple[str, float, str]]:
+    """Yield goal ID, step of places, and the samples that truly counted: ticks and places."""
     goals = recording["world"]["goals"]
     count, *places = (goals[name] for name in ("count", "sampled_x", "sampled_y"))
     for k, goal in enumerate(mission.goals):
         if goal.terms.sensor is None:
             continue
         counted = np.flatnonzero(np.diff(count[:, k], prepend=0) > 0)
-        for tick in counted.tolist():
-            x, y = (round(float(each[tick, k]), digits) for each in places)
-            yield tick, goal.id, x, y
+        x, y = (np.rint(each[counted, k] / step) for each in places)
+        yield goal.id, step, _packed(np.stack([counted, x, y], axis=1).astype(np.int32))
 
 
 def _events(story: Story) -> Iterator[tuple[int, str]]:

@@ -150,7 +150,7 @@ def _page(
     from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
 
     mission = engine.code.mission
-    told = PageEntry(subject.title, "", faults, (), outcome, subject.command, subject.xmi)
+    told = PageEntry(subject.title, faults, (), outcome, subject.command, subject.xmi)
     facts = {
         "mission": mission.name,
         "ticks": mission.duration,

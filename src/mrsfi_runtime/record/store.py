@@ -196,10 +196,15 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """How many evaluations are stored."""
         return self._next("evaluation")
 
-    def evaluations(self, first: int = 0, n_most: int | None = None) -> Iterator[Evaluation]:
-        """Yield evaluations in index order: all, or at most ``n_most`` from ``first`` on."""
+    def evaluations(
+        self, first: int = 0, n_most: int | None = None, step: int = 1
+    ) -> Iterator[Evaluation]:
+        """Yield evaluations in index order: all, or at most ``n_most`` from ``first`` on.
+
+        Of these, every ``step``-th.
+        """
         end = self.n_evaluations if n_most is None else first + n_most
-        for rows in self._batches(self._from_evaluations(), range(first, end)):
+        for rows in self._batches(self._from_evaluations(), range(first, end, step)):
             for row in rows:
                 yield self._decoded(_evaluation, row)
 

@@ -135,7 +135,7 @@ def test_a_page_of_many_ticks_leaves_ticks_out():
 
 def test_a_page_has_one_script_and_one_style_of_its_own_and_asks_for_nothing(flown):
     code, faults, recording, outcome = flown
-    told = PageEntry("one", "", faults, ["did it"] * len(faults), outcome, ["mrsfi"], "<xmi/>")
+    told = PageEntry("one", faults, ["did it"] * len(faults), outcome, ["mrsfi"], "<xmi/>")
 
     page = Elements(document(flight_page(code.mission, told, recording, [("seed", SEED)])))
 

@@ -72,16 +72,24 @@ function copying(text) {
   return button;
 }
 
+const commandOf = (what, command) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, bdi(command)), copying(command));
+
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 }
 
-// Series of a flight: 32-bit differences from tick to tick, lowest bytes of all first, in zlib.
-async function unpack(text, columns, step) {
+async function inflated(text) {
   const raw = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
-  const n = bytes.length / 4, values = new Float64Array(n), sums = new Int32Array(columns);
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Plain values, which are read only when they are shown.
+const opened = async (text) => JSON.parse(new TextDecoder().decode(await inflated(text)));
+
+// Series of a flight: 32-bit differences from tick to tick, lowest bytes of all first, in zlib.
+async function unpack(text, columns, step) {
+  const bytes = await inflated(text), n = bytes.length / 4, values = new Float64Array(n), sums = new Int32Array(columns);
   for (let k = 0; k < n; k++) {
     sums[k % columns] += bytes[k] | (bytes[n + k] << 8) | (bytes[2 * n + k] << 16) | (bytes[3 * n + k] << 24);
     values[k] = sums[k % columns] * step;

@@ -11,7 +11,6 @@ class Flight {
   }
 
   async load() {
-    if (this.series) return this;
     const n = this.mission.robots.length, series = {};
     for (const [name, text] of Object.entries(this.packed)) {
       series[name] = await unpack(text, n, this.steps[name]);
@@ -35,8 +34,9 @@ class Flight {
 }
 
 class FlightView {
-  constructor(mission) {
+  constructor(mission, faultFree) {
     this.mission = mission;
+    this.faultFree = faultFree; // packed; the flight without a single fault
     this.tick = 0;
     this.speed = 4;
     this.playing = false;
@@ -45,7 +45,7 @@ class FlightView {
     this.element = make("div", { id: "flight" });
     this.details = make("section", { id: "numbers-of-the-flight" });
     document.addEventListener("keydown", (event) => this.onKey(event));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(this.data));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (this.data) this.show(this.data); });
     addEventListener("resize", () => { if (this.flight) this.resize(); });
   }
 
@@ -57,10 +57,15 @@ class FlightView {
   async show(data, without) {
     if (data !== this.data) this.tick = data.first;
     this.data = data;
-    const flights = data.flights.map((each) => new Flight(each, this.mission));
-    this.flight = await flights[0].load();
-    const other = without === undefined || without === null ? null : flights.find((each) => each.without === without);
-    this.other = other ? await other.load() : null;
+    const flight = await new Flight(data.flights[0], this.mission).load(), samples = [];
+    const found = without === undefined || without === null ? null : data.flights.find((each) => each.without === without);
+    const other = found ? await new Flight(found.packed ? found : await opened(this.faultFree), this.mission).load() : null;
+    for (const [goal, step, text] of data.samples) {
+      const places = await unpack(text, 3, 1);
+      for (let k = 0; k < places.length; k += 3) samples.push([places[k], goal, places[k + 1] * step, places[k + 2] * step]);
+    }
+    if (data !== this.data) return;
+    Object.assign(this, { flight, other, samples });
     this.without = this.other ? without : null;
     this.events = data.events;
     this.build();
@@ -226,7 +231,7 @@ class FlightView {
       const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3] });
       this.spots.push([px, py, `${id}: obstacle believed at ${this.place(x, y)}`]);
     }
-    for (const [at, goal, x, y] of this.data.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });
+    for (const [at, goal, x, y] of this.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });
     if (this.other) this.drawRobots(context, this.other, disc, null, 0.35);
     this.drawRobots(context, this.flight, disc, label, 1);
     this.drawLabels(context, labels.reverse());

@@ -1,17 +1,23 @@
 // The first screen: goals with their weaknesses and evidence, and beside them the flight.
 
+const classes = { never: ["●", "undetected in at least one variant"], late: ["◐", "detected too late in at least one"], "in-time": ["○", "detected in time in all"], unknown: ["?", "detection not recorded"], alarm: ["△", "false alarm only"] };
+
+// The mark of a class, readable without colour, above a box filled up to a share.
+function classMark(name, share, isJoint) {
+  const bar = make("b"), box = make("span", { class: `class ${name}`, "aria-hidden": "true" }, make("span", {}, classes[name][0] + (isJoint ? "+" : "")), make("em", {}, bar));
+  bar.style.height = `${100 * share}%`;
+  return box;
+}
+
 class Screen {
-  constructor(data, view) {
-    Object.assign(this, data.first);
-    this.shown = data.shown;
-    this.view = view;
+  constructor(data, view, show) {
+    Object.assign(this, data.first, { shown: data.shown || {}, view, show });
     this.panel = make("div", { id: "panel", "aria-live": "polite" });
     this.next = make("div", { id: "next" });
     this.buttons = new Map();
     this.element = make("div", { id: "weaknesses", class: "screen" },
       make("div", { class: "left" }, this.goalsOf(), this.matrix ? this.matrixOf() : null),
       make("div", { class: "right" }, this.panel, view.element, this.next));
-    addEventListener("hashchange", () => this.followLink());
   }
 
   header() {
@@ -47,13 +53,11 @@ class Screen {
     const cell = (number) => {
       const each = this.ways.find((way) => way.number === number);
       if (!each) return make("td", { class: "none" });
-      const bar = make("span", { class: `share ${each.kind}${each.undetected ? " undetected" : ""}` });
-      bar.style.height = `${Math.max(12, 100 * each.share)}%`;
-      return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
+      return make("td", {}, this.choosing(each.number, [classMark(each.class, each.share, each.joint)], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, make("span", { class: "key share undetected" }), bdi("broken, undetected in at least one variant", terms), make("span", { class: "key share" }), bdi("broken, detected in all variants", terms),
-        make("span", { class: "key share believed" }), bdi("false alarm only. Height: share of variants. +: only together with other faults", terms)),
+      make("p", { class: "note keys" }, Object.entries(classes).filter(([name]) => this.ways.some((way) => way.class === name)).map(([name, [, words]]) => make("span", {}, classMark(name, 0.5), bdi(words, terms))),
+        make("span", {}, bdi("Filled: share of variants. +: joint, only together with other faults.", terms))),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, bdi(owner.name)))),
@@ -63,26 +67,29 @@ class Screen {
   }
 
   async choose(number, keep) {
+    this.number = number;
     const way = this.ways.find((each) => each.number === number), terms = new Set();
     for (const [key, buttons] of this.buttons) buttons.forEach((each) => each.setAttribute("aria-pressed", String(key === number)));
     for (const row of this.element.querySelectorAll("#goals tbody tr")) row.classList.toggle("chosen", row.dataset.goal === way.goal);
-    if (!keep) history.replaceState(null, "", `#weakness-${number}`);
-    const shown = way.shown === null ? null : this.shown[way.shown];
-    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight. The first command below draws it.";
+    if (!keep && location.hash !== `#w${number}`) history.pushState(null, "", `#w${number}`);
+    const shown = this.shown[number] ? await opened(this.shown[number]) : null;
+    if (this.number !== number) return;
+    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight, because it is less grave than the others. The first two commands below show it.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
-      make("p", {}, bdi(`${way.said}.`, terms)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`, terms)));
-    this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, bdi(command)), copying(command))));
+      make("p", {}, bdi(`${way.said}.`, terms)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`, terms)),
+      ...(way.mildest ? [make("p", { class: "note" }, bdi(`Mildest variant: ${way.mildest}.`, terms))] : []));
+    this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map((each) => commandOf(...each)));
+    if (shown) this.show(shown);
     const flight = shown ? shown.flight : null;
     this.view.element.hidden = this.view.details.hidden = !flight;
     if (flight) await this.view.show(flight);
   }
 
-  // A link such as #weakness-6 shows a weakness; other links lead to sections.
-  async followLink() {
-    const number = Number((/^#weakness-(\d+)$/.exec(location.hash) || [])[1]);
+  // Show a weakness by its number, or the first one if the page begins or is back at its beginning.
+  async follow(number) {
     const first = this.goals.find((each) => each.number);
     if (this.ways.some((each) => each.number === number)) await this.choose(number, true);
-    else if (first && !this.panel.hasChildNodes()) await this.choose(first.number, true);
+    else if (first && (!location.hash || !this.panel.hasChildNodes())) await this.choose(first.number, true);
     else if (!first) this.view.element.hidden = this.view.details.hidden = true;
   }
 }
