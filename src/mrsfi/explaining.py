@@ -14,7 +14,6 @@ from functools import cache
 from itertools import islice
 from pathlib import Path
 from time import monotonic
-from types import MappingProxyType
 
 from mrsfi.campaign_folders import (
     FlyableCampaign,
@@ -25,7 +24,7 @@ from mrsfi.campaign_folders import (
     require_same,
     tried_again,
 )
-from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, silent
+from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, project, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis import failure_modes as fmea
@@ -246,12 +245,6 @@ def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
         )
 
 
-FMEA = MappingProxyType({".csv": fmea.modes_as_csv, ".md": fmea.modes_as_markdown})
-FAULT_TREES = MappingProxyType(
-    {".xml": fmea.as_open_psa, ".txt": fmea.as_pfta, ".pft": fmea.as_pfta}
-)
-"""Writers by suffix of the file."""
-
 MAPS = (".csv", ".png", ".svg")
 """Suffixes of maps."""
 
@@ -436,17 +429,20 @@ def write_map(
 def write_fmea(
     campaign: OpenCampaign, found: Sequence[GoalWeakness], record: Record, path: Path
 ) -> None:
-    """Write failure modes and effects, flown in the campaign's mission seed, as one of ``FMEA``."""
-    mission = campaign.store.manifest.mission or campaign.mission.name
-    modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
+    """Write failure modes and effects, flown in the campaign's mission seed."""
+    name = campaign.store.manifest.mission or campaign.mission.name
+    modes = fmea.failure_modes(
+        campaign.mission, campaign.pool, found, record, project().ratings, {}
+    )
+    content = fmea.FMEA[path.suffix](fmea.fmea(name, modes))
     with whole_file(path) as file:
-        file.write(FMEA[path.suffix](mission, modes))
+        file.write(content)
 
 
 def write_fault_trees(campaign: OpenCampaign, found: Sequence[GoalWeakness], path: Path) -> None:
-    """Write the fault tree of each goal, as one of ``FAULT_TREES``."""
+    """Write the fault tree of each goal, as one of their formats."""
     with whole_file(path) as file:
-        file.write(FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
+        file.write(fmea.FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
 
 
 def report(

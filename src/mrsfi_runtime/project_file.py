@@ -2,15 +2,19 @@
 
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.errors import UsageError
 
 SETTINGS = "mrsfi.toml"
 FOLDERS = ("metamodels", "models", "generated", "runs")
+DETECTIONS = ("never", "late", "in time")
+"""How a collective intelligence may detect what breaks a goal, the worst first."""
+
 _CHOSEN = "MRSFI_METAMODELS"
 """Environment variable with the folder of the metamodels, for this process and those it starts."""
 
@@ -58,23 +62,66 @@ def metamodels_chosen() -> Iterator[None]:
             del os.environ[_CHOSEN]
 
 
-def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Return the tables [project] and [node] of a settings file."""
+class Ratings(NamedTuple):
+    """The numbers 1 to 10 of a team's FMEA: of likelihoods, and of detections by ``DETECTIONS``.
+
+    ``occurrence`` has pairs of the least likelihood for a number, and the number.
+    """
+
+    occurrence: tuple[tuple[float, int], ...] = ()
+    detection: Mapping[str, int] = MappingProxyType({})
+
+    def of_likelihood(self, chance: float | None) -> int | None:
+        """Return the number of a likelihood; ``None`` if it is unknown, or below all of these."""
+        known = (each for each in self.occurrence if chance is not None and each[0] <= chance)
+        return max(known, default=(0.0, None))[1]
+
+    @classmethod
+    def of(cls, file: Path, table: Mapping[str, Any]) -> Self:
+        """Return what the table [fmea] of a settings file gives; a mistake is a ``UsageError``."""
+        numbers = {str(number): number for number in range(1, 11)}
+        rules = {
+            "occurrence": (numbers, (int, float), (0, 1), "1 to 10, each with a least likelihood"),
+            "detection": (DETECTIONS, (int,), (1, 10), "never, late, in time, each with 1 to 10"),
+        }
+        for name, given in table.items():
+            if name not in rules:
+                found = f"{file}: [fmea]: found '{name}'"
+                raise UsageError(f"{found}; expected {' and '.join(rules)}")
+            keys, types, (low, high), wanted = rules[name]
+            if not isinstance(given, dict) or not all(
+                key in keys and type(each) in types and low <= each <= high
+                for key, each in given.items()
+            ):
+                raise UsageError(f"{file}: [fmea]: found {name} = {given!r}; expected {wanted}")
+        least = table.get("occurrence", {})
+        pairs = [(least[key], number) for key, number in numbers.items() if key in least]
+        if [chance for chance, _ in pairs] != sorted({*least.values()}):
+            raise UsageError(
+                f"{file}: [fmea]: found occurrence = {least!r}; expected a higher likelihood for "
+                "each higher number"
+            )
+        return cls(tuple(pairs), MappingProxyType(table.get("detection", {})))
+
+
+def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None, Ratings]:
+    """Return the tables [project], [node] and [fmea] of a settings file."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise UsageError(f"{file}: cannot be read: {error}; expected settings in TOML") from error
     table, node = document.get("project", {}), document.get("node")
     for name, found in document.items():
-        if name not in {"project", "node"} or not isinstance(found, dict):
-            raise UsageError(f"{file}: found '{name}'; expected the tables [project] and [node]")
+        if name not in {"project", "node", "fmea"} or not isinstance(found, dict):
+            known = "expected the tables [project], [node] and [fmea]"
+            raise UsageError(f"{file}: found '{name}'; {known}")
     for name, value in table.items():
         if name not in (*FOLDERS, "ros"):
             known = ", ".join((*FOLDERS, "ros"))
             raise UsageError(f"{file}: found '{name}'; expected one of {known}")
         if name in FOLDERS and (not isinstance(value, str) or not value):
             raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
-    return dict(table), node
+    return dict(table), node, Ratings.of(file, document.get("fmea", {}))
 
 
 def installed_version(name: str) -> str:

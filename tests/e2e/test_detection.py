@@ -98,8 +98,8 @@ def test_all_outputs_print_what_a_recount_of_all_flights_finds(tmp_path, monkeyp
     assert {*late} == truly != set()
     assert {row["number"]: row["detection"] for row in rows} == expected
     assert {row["number"]: row["detection"] for row in summarised(run)} == expected
-    assert {int(row["number"]): row["detected"] for row in failure_modes(run)} == words
-    assert [row["measures"] for row in failure_modes(run)] == named
+    assert {int(row["weakness"]): row["detection"] for row in failure_modes(run)} == words
+    assert [row["ticks by measure"] for row in failure_modes(run)] == named
     assert on_page(run) == {number: (words[number], number in unseen) for number in cells}
     assert stars(printed) == {cells[number] for number in unseen if len(cells[number][1]) == 1}
     told = sentences(printed)
@@ -173,11 +173,12 @@ def recounted(run, model, fly, truly):
 
 def counts(run, model, fly, mode):
     """Return for how many ticks a goal is broken under the variant that a failure mode names."""
-    (row, *_) = (row for row in reversed(summarised(run)) if str(row["number"]) == mode["number"])
-    row = row["mildest"] if mode["form"] == "mildest" else row
+    (row, *_) = (row for row in reversed(summarised(run)) if str(row["number"]) == mode["weakness"])
+    row = row["mildest"] if mode["mildest variant"] else row
     flight = fly(tuple(timed(fault.values()) for fault in row["witness"]))
     goal = model.goal_ids.index(row["goal"])
-    return ", ".join(f"{name} {flight[name][-1, goal]}" for name in ("believed", "true", "missed"))
+    counted = (flight[name][-1, goal] for name in ("believed", "true", "missed"))
+    return "believed {}, true {}, failed {}".format(*counted)
 
 
 def timed(row):

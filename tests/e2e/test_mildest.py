@@ -54,18 +54,20 @@ def test_failure_modes_are_of_mildest_forms_where_these_are_known(found, tmp_pat
     least = mrsfi_json(*MILDEST, "--fmea", sought, cwd=found)
 
     known, every = (
-        {int(row["number"]): row for row in csv.DictReader(path.read_text("utf-8").splitlines())}
+        {int(row["weakness"]): row for row in csv.DictReader(path.read_text("utf-8").splitlines())}
         for path in (kept, sought)
     )
-    mildest = {n for n, row in known.items() if row["form"] == "mildest"}
+    mildest = {n for n, row in known.items() if row["mildest variant"]}
     assert len(mildest) == len({one["goal"] for one in least}) < len(least)
-    assert {known[n]["form"] for n in {*known} - mildest} == {"listed"}
-    assert {n: known[n] for n in mildest} == {n: every[n] for n in mildest}
-    assert {row["form"] for row in every.values()} == {"mildest"}
+    sentences = dict.fromkeys(["mildest variant"])  # count the trials, which are more
+    assert {n: known[n] | sentences for n in mildest} == {n: every[n] | sentences for n in mildest}
+    assert {n: row["mildest variant"] for n, row in every.items()} == {
+        one["number"]: one["sentence"] for one in least
+    }
     for one in least:
         for timed in one["witness"]:
             window = f"from tick {timed['start']} to {timed['finish']}"
-            assert window in every[one["number"]]["failure_mode"]
+            assert window in every[one["number"]]["failure mode"]
 
 
 def test_values_and_windows_that_break_a_goal_are_written_as_a_table_or_drawn(found, tmp_path):

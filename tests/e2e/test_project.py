@@ -73,7 +73,7 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
     (place / "mrsfi.toml").write_text(shown, encoding="utf-8")
 
     assert project() == left_out
-    known = {field.name for field in fields(left_out)} - {"node"}
+    known = {field.name for field in fields(left_out)} - {"node", "ratings"}
     assert set(tomllib.loads(shown)["project"]) == known
 
 
@@ -86,6 +86,13 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
         "[project]\nros = true\n",
         "[other]\n",
         "[project\n",
+        "[fmea]\nseverity = 3\n",
+        "[fmea]\ndetection = 3\n",
+        "[fmea]\ndetection = {never = 11}\n",
+        "[fmea]\noccurrence = {11 = 0.1}\n",
+        "[fmea]\noccurrence = {1 = true}\n",
+        "[fmea]\noccurrence = {1 = nan}\n",
+        "[fmea]\noccurrence = {1 = 0.2, 10 = 0.1}\n",
         "[project]\nmetamodels = 'none'\n",
     ],
 )

@@ -1,9 +1,13 @@
 """Failure modes and effects (FMEA), and fault trees: weaknesses as safety assessors read them.
 
-A row of the FMEA is a weakness in one variant. ``failure_modes`` returns the rows, ``modes_as_csv``
-and ``modes_as_markdown`` write them. ``as_open_psa`` and ``as_pfta`` write fault trees: for each
-goal, the smallest sets of faults that truly violate it or make it fail. Sets that break a goal only
-in belief are in the FMEA and in no tree. No text of a model becomes markup or a formula.
+A row of the FMEA is a weakness in one variant. ``failure_modes`` returns the rows, ``fmea`` the
+table that ``FMEA`` writes in four formats, with the same cells in each. A cell that neither models
+nor record nor team can fill is empty. False alarms have a row without severity: the severity of a
+goal is that of its violation.
+
+``as_open_psa`` and ``as_pfta`` write fault trees: for each goal, the smallest sets of faults that
+truly violate it or make it fail, and for each requirement its goals. Sets that break a goal only in
+belief are in no tree. No text of a model becomes markup or a formula.
 
 References
 ----------
@@ -11,122 +15,220 @@ Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``,
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import chain, count
+from operator import itemgetter
 from textwrap import fill
+from types import MappingProxyType
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from mrsfi_runtime.analysis.tables import Table, as_csv, plain, to_markdown
-from mrsfi_runtime.analysis.weaknesses import detection
-from mrsfi_runtime.causes.chain import chains, local_effect
+from mrsfi_runtime.analysis.documents import in_latex
+from mrsfi_runtime.analysis.tables import (
+    Cell,
+    Table,
+    as_csv,
+    as_xlsx,
+    in_words,
+    plain,
+    to_markdown,
+)
+from mrsfi_runtime.analysis.weaknesses import detection, effect_class, evidence
+from mrsfi_runtime.causes.chain import chains, effects, struck
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.risk import cut_sets, occurrence
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import printable
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, elements_of
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.project_file import DETECTIONS, Ratings
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE
 
 
 class FailureMode(NamedTuple):
-    """A row of the table: a weakness, in a variant that breaks the goal by the gravest measure.
+    """A row of the FMEA: a weakness, in its mildest known variant, by the gravest measure.
 
-    ``form`` says whether the variant is the mildest one or the listed one. ``measures`` has the
-    ticks at which it breaks the goal by each measure, ``ticks`` the most of these. ``detected`` is
-    about all variants. ``occurrence`` is the chance that all faults occur, 0 … 1, as if they were
-    independent; ``None`` if not recorded.
+    Empty cells are unknown. ``s``, ``o`` and ``d`` are numbers of the team, ``rpn`` their product.
+    ``likelihood`` is the chance that all faults occur, as if they were independent. ``detection``
+    is about all variants. ``ticks_by_measure`` has the ticks at which the variant breaks the goal,
+    ``most_ticks`` the most of these.
     """
 
-    number: int
-    faults: str
-    form: str
+    weakness: int
     item: str
+    function: str
     failure_mode: str
     local_effect: str
+    next_effect: str
     end_effect: str
-    measures: str
-    detected: str
-    severity: str
-    ticks: int
-    occurrence: float | None
+    requirement: str
+    effect_class: str
+    s: int | None
+    o: int | None
+    d: int | None
+    rpn: int | None
+    detection: str
+    mildest_variant: str
+    evidence: str
+    recommended_action: str
+    owner: str
+    status: str
+    reference: str
+    integrity_level: str
+    faults: str
+    likelihood: float | None
+    ticks_by_measure: str
+    most_ticks: int
 
 
-_FMEA_HEADS = (
-    *("weakness", "faults", "variant", "item", "failure mode", "local effect", "end effect"),
-    *("ticks by measure", "detection", "severity", "most ticks", "occurrence"),
+HEADS = tuple(
+    name.upper() if len(name) < 4 else name.replace("_", " ") for name in FailureMode._fields
 )
+"""The columns of an FMEA in all formats."""
 
 
 def failure_modes(
-    mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness], record: Record
+    mission: Mission,
+    pool: FaultPool,
+    weaknesses: Iterable[GoalWeakness],
+    record: Record,
+    ratings: Ratings,
+    settled: Mapping[int, tuple[str, str, str]],
 ) -> list[FailureMode]:
-    """Return the failure modes of weaknesses, by occurrence if recorded, then by severity.
+    """Return the failure modes of weaknesses: the most severe first, then undetected ones.
 
-    Goals that fail come first, then those that are broken for longest.
+    Then come the likeliest, those that make a goal fail, and those that break it for longest.
+    ``settled`` has recommended action, owner and status, by the numbers of weaknesses.
     """
     fly, units = lru_cache(4)(record), mission.units
 
     @cache
-    def flown(variant: Specification) -> tuple[str, list[tuple[int, ...]]]:
-        effects = (local_effect(mission, chain) or NONE for chain in chains(fly, mission, variant))
+    def flown(variant: Specification) -> tuple[str, str, list[tuple[int, ...]]]:
+        found = (effects(mission, chain) for chain in chains(fly, mission, variant))
+        local, following = (
+            "; ".join(each or NONE for each in some) for some in zip(*found, strict=True)
+        )
         counts = (fly(variant)[kind][-1].tolist() for kind in MEASURES)
-        return "; ".join(effects), [*zip(*counts, strict=True)]
+        return local, following, [*zip(*counts, strict=True)]
 
     def happens(named: NamedFault) -> str:
         window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
         return ", ".join(filter(None, (window, named.values_in_words)))
 
-    def mode(weakness: GoalWeakness) -> FailureMode:
+    def mode(weakness: GoalWeakness) -> tuple[tuple[float, ...], FailureMode]:
         shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
-        faults = named_faults(mission, pool, shown.witness)
-        effect, counts = flown(shown.witness)
-        return FailureMode(
-            number=weakness.number,
-            faults=" ".join(weakness.faults),
-            form="listed" if weakness.mildest is None else "mildest",
-            item="; ".join(dict.fromkeys(each.target for each in faults)),
-            failure_mode="; ".join(map(happens, faults)),
-            local_effect=effect,
+        goal, faults = mission.goals[place], named_faults(mission, pool, shown.witness)
+        local_effect, next_effect, counts = flown(shown.witness)
+        chance = occurrence(pool, weakness.faults)
+        found = weakness.shown.detection
+        worst = found.worst if found else ""
+        s = None if shown.column.kind == MEASURES[0] else goal.severity or None
+        o, d = ratings.of_likelihood(chance), ratings.detection.get(worst)
+        required = (each for each in mission.requirements if each.id in goal.requirements)
+        action, owner, status = settled.get(weakness.number, ("", "", ""))
+        row = FailureMode(
+            weakness=weakness.number,
+            item=_listed(struck(mission, each) for each in faults),
+            function=_listed(goal for each in faults for goal in _served(mission, each.fault)),
+            failure_mode=_listed(map(happens, faults)),
+            local_effect=local_effect,
+            next_effect=next_effect,
             end_effect=mission.label_of(weakness.goal),
-            measures=", ".join(map("{} {}".format, MEASURES, counts[place])),
-            detected=detection(weakness, units),
-            severity="missed" if shown.column.kind == "missed" else "violated",
-            ticks=max(counts[place]),
-            occurrence=occurrence(pool, weakness.faults),
+            requirement=_listed(f"{each.id}: {each.text}" for each in required),
+            effect_class=effect_class(weakness),
+            s=s,
+            o=o,
+            d=d,
+            rpn=s * o * d if s and o and d else None,
+            detection=detection(weakness, units),
+            mildest_variant=weakness.mildest.sentence if weakness.mildest else "",
+            evidence=evidence(weakness.at_least),
+            recommended_action=action,
+            owner=owner,
+            status=status,
+            reference=_listed(each.fault.reference for each in faults),
+            integrity_level=goal.integrity_level,
+            faults=" ".join(weakness.faults),
+            likelihood=chance,
+            ticks_by_measure=", ".join(
+                map("{} {}".format, ("believed", "true", "failed"), counts[place])
+            ),
+            most_ticks=max(counts[place]),
         )
+        late = DETECTIONS.index(worst) if worst else len(DETECTIONS)
+        likely = 1.0 if chance is None else -chance
+        return (-(s or 0), late, likely, shown.column.kind != MEASURES[-1], -row.most_ticks), row
 
-    def rank(mode: FailureMode) -> tuple[float, bool, int]:
-        chance = 1.0 if mode.occurrence is None else -mode.occurrence
-        return chance, mode.severity != "missed", -mode.ticks
-
-    return sorted(map(mode, weaknesses), key=rank)
-
-
-def modes_as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
-    """Return failure modes as CSV."""
-    return as_csv([FailureMode._fields, *modes])
+    return [row for _, row in sorted(map(mode, weaknesses), key=itemgetter(0))]
 
 
-def modes_as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
-    """Return failure modes of a mission, by its name, as a page in Markdown."""
-    title = f"Failure modes of mission {mission}"
-    rows = [
-        each._replace(
-            measures=each.measures.replace("missed", "failed"),
-            severity=each.severity.replace("missed", "fails"),
-        )
-        for each in modes
-    ]
-    return f"# {plain(title)}\n\n{to_markdown(Table(title, _FMEA_HEADS, rows))}\n".encode()
+def _listed(texts: Iterable[str]) -> str:
+    return "; ".join(filter(None, dict.fromkeys(texts)))
 
+
+def _served(mission: Mission, fault: Fault) -> list[str]:
+    """Return the goals that name what a fault strikes, or else the robots that it touches."""
+
+    def named(elements: Collection[str | None]) -> list[str]:
+        return [
+            mission.label_of(goal.id)
+            for goal in mission.goals
+            for has in [(*goal.members, *goal.terms.obstacles, goal.terms.sensor)]
+            if not {*has, *(each.id for each in goal.messages)}.isdisjoint(elements)
+        ]
+
+    return named({fault.target}) or named(elements_of(mission, fault))
+
+
+def fmea(mission: str, modes: Iterable[FailureMode]) -> Table:
+    """Return failure modes of a mission, by its name, as a table whose cells are single lines."""
+
+    def cell(value: Cell) -> Cell:
+        if isinstance(value, float):
+            return float(f"{value:.15g}")  # openpyxl writes no more digits
+        return printable(value) or None if isinstance(value, str) else value
+
+    rows = [[*map(cell, mode)] for mode in modes]
+    return Table(f"Failure modes of mission {printable(mission)}", HEADS, rows)
+
+
+def _as_markdown(table: Table) -> bytes:
+    return f"# {plain(table.title)}\n\n{to_markdown(table)}\n".encode()
+
+
+def _as_latex(table: Table) -> bytes:
+    """Return a document with a list of the cells of each failure mode."""
+    parts = [_LATEX, f"\\section*{{{in_latex(table.title)}}}"]
+    for number, *cells in table.rows:
+        parts.append(f"\\subsection*{{{HEADS[0].capitalize()} {number}}}\n\\begin{{description}}")
+        named = zip(HEADS[1:], cells, strict=True)
+        parts += [f"\\item[{name}] {in_latex(in_words(cell))}" for name, cell in named]
+        parts.append("\\end{description}")
+    return "\n".join((*parts, "\\end{document}\n")).encode()
+
+
+FMEA = MappingProxyType(
+    {
+        ".csv": lambda table: as_csv(table.lines),
+        ".xlsx": as_xlsx,
+        ".md": _as_markdown,
+        ".tex": _as_latex,
+    }
+)
+"""Writers by suffix of the file."""
+
+_LATEX = r"""\documentclass{article}
+\usepackage[T1]{fontenc}
+\usepackage{textcomp}
+\sloppy
+\begin{document}"""
 
 _COMMENT = (
     "Known minimal sets of faults that truly violate a goal of the mission or make it fail. For a "
-    "goal that is not listed, none is known."
+    "goal that is not listed, none is known. A requirement is violated with any of its goals."
 )
 _PFTA_COMMENT = (
     "For pfta 0.4 or newer. The probability of an event is the likelihood of the fault in its "
@@ -148,7 +250,10 @@ class _Gate(NamedTuple):
 def _trees(
     mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness]
 ) -> tuple[list[list[_Gate]], list[tuple[str, str, Fault]]]:
-    """Return the gates of each goal, the top gate first, and names and labels of the faults."""
+    """Return the gates of each goal and requirement, top gates first, and names of the faults.
+
+    Faults have labels, too.
+    """
     taken: set[str] = set()
 
     def named(*words: str) -> str:
@@ -176,6 +281,11 @@ def _trees(
             if len(faults) > 1
         ]
         trees.append([_Gate(tops[goal.id], label, "or", tuple(below)), *joint])
+    for each in mission.requirements:
+        goals = [goal.id for goal in mission.goals if each.id in goal.requirements]
+        if broken := tuple(tops[goal] for goal in goals if goal in tops):
+            label = printable(f"{each.id}: {each.text}")
+            trees.append([_Gate(named(each.id), f"Violated: {label}", "or", broken)])
     return trees, [
         (event[each.id], printable(f"{each.name} ({each.id}): {each.words}"), each)
         for each in pool
@@ -188,14 +298,14 @@ def as_open_psa(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeak
     trees, events = _trees(mission, pool, weaknesses)
     root = Element("opsa-mef")
     root.append(Comment(f" {_COMMENT} "))
+    gates = {gate.name for tree in trees for gate in tree}
     for tree in trees:
-        of_goal = SubElement(root, "define-fault-tree", name=tree[0].name)
-        joint = {gate.name for gate in tree}
+        defined_in = SubElement(root, "define-fault-tree", name=tree[0].name)
         for gate in tree:
-            defined = _defined(of_goal, "gate", gate.name, gate.label)
+            defined = _defined(defined_in, "gate", gate.name, gate.label)
             formula = SubElement(defined, gate.kind) if len(gate.inputs) > 1 else defined
             for name in gate.inputs:
-                SubElement(formula, "gate" if name in joint else "basic-event", name=name)
+                SubElement(formula, "gate" if name in gates else "basic-event", name=name)
     data = SubElement(root, "model-data")
     for name, label, fault in events:
         defined = _defined(data, "basic-event", name, label)
@@ -217,14 +327,20 @@ def as_pfta(mission: Mission, pool: FaultPool, weaknesses: Sequence[GoalWeakness
     trees, events = _trees(mission, pool, weaknesses)
     comment = fill(f"{_COMMENT} {_PFTA_COMMENT}", 98, initial_indent="# ", subsequent_indent="# ")
     parts = [comment, "- times: nan\n- computational_order: 1"]
+    tops = {tree[0].name for tree in trees}
     for gate in (gate for tree in trees for gate in tree):
         kind = gate.kind.upper() if len(gate.inputs) > 1 else "NULL"
         inputs = ", ".join(gate.inputs)
+        own = "\n- is_paged: True" * (gate.name in tops)  # a figure, also below a requirement
         parts.append(
-            f"Gate: {gate.name}\n- label: {gate.label}\n- type: {kind}\n- inputs: {inputs}"
+            f"Gate: {gate.name}\n- label: {gate.label}{own}\n- type: {kind}\n- inputs: {inputs}"
         )
     for name, label, fault in events:
         chance = "nan" if fault.likelihood is None else fault.likelihood
         model = f"- model_type: Fixed\n- probability: {chance}\n- intensity: nan"
         parts.append(f"Event: {name}\n- label: {label}\n{model}")
     return "\n\n".join((*parts, "")).encode()
+
+
+FAULT_TREES = MappingProxyType({".xml": as_open_psa, ".txt": as_pfta, ".pft": as_pfta})
+"""Writers by suffix of the file."""

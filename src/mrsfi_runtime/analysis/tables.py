@@ -18,11 +18,13 @@ import io
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
+from datetime import datetime
 from html import escape
 from itertools import chain, zip_longest
 from operator import itemgetter
 from statistics import linear_regression
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -162,6 +164,35 @@ def write_csv(file: TextIO, lines: Iterable[Sequence[Cell]]) -> None:
         return f"'{cell}" if is_formula else cell
 
     csv.writer(file, lineterminator="\n").writerows(map(inert, line) for line in lines)
+
+
+def as_xlsx(table: Table) -> bytes:
+    """Return a table as a workbook: texts are strings, an equal table has the same bytes.
+
+    Texts are printable. Excel reads the letter of a number in ``_x0041_``, so ``_x`` is escaped.
+    """
+    from openpyxl import Workbook  # noqa: PLC0415 - as the next two, only for this format
+    from openpyxl.packaging.core import DocumentProperties  # noqa: PLC0415
+    from openpyxl.writer.excel import ExcelWriter  # noqa: PLC0415
+
+    workbook, begin = Workbook(), datetime(1980, 1, 1, tzinfo=None)
+    workbook.properties = DocumentProperties(
+        creator="mrsfi", title=table.title, created=begin, modified=begin
+    )
+    sheet = workbook.worksheets[0]
+    for row, line in enumerate(table.lines, 1):
+        for column, value in enumerate(line, 1):
+            cell = sheet.cell(row, column, value)
+            if isinstance(value, str):
+                text = value.replace("_x", "_x005F_x")
+                cell.value, cell.data_type, cell.quotePrefix = text, "s", True
+    sheet.freeze_panes, sheet.auto_filter.ref = "B2", sheet.dimensions
+    written, content = io.BytesIO(), io.BytesIO()
+    ExcelWriter(workbook, ZipFile(written, "w")).save()
+    with ZipFile(written) as parts, ZipFile(content, "w") as archive:
+        for name in parts.namelist():
+            archive.writestr(ZipInfo(name), parts.read(name), ZIP_DEFLATED)  # dates of 1980
+    return content.getvalue()
 
 
 def plain(text: str) -> str:

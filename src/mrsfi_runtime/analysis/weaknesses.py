@@ -187,6 +187,11 @@ def detection(weakness: GoalWeakness, units: Units) -> str:
     return found.in_words(units) if found else "Whether the CI detects it is not recorded"
 
 
+def effect_class(weakness: GoalWeakness) -> str:
+    """Return what happens to the goal, by the gravest measure, as a predicate."""
+    return _WORDS[_STATES[weakness.shown.column.kind]]
+
+
 def evidence(weakness: GoalWeakness) -> str:
     """Return in sentences in how many variants and mission seeds a weakness holds."""
     shown = weakness.shown

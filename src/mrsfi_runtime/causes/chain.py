@@ -234,9 +234,14 @@ def _deed(mission: Mission, fault: NamedFault) -> str:
     deed = "forged" if is_forged else "falsified"
     if kind.mode in {Mode.DELAY, Mode.BLOCK}:
         deed = "held back"
-    where = f" in message {fault.fault.target}" if kind.struck is Struck.MESSAGE else ""
+    return f"{deed} {struck(mission, fault)}"
+
+
+def struck(mission: Mission, fault: NamedFault) -> str:
+    """Return what a fault touches: ``the position of KAL (r3) in message m8``."""
+    where = f" in message {fault.fault.target}" if fault.fault.kind.struck is Struck.MESSAGE else ""
     what = (_of(mission, *each.split(" ", 1)) for each in fault.touched)
-    return f"{deed} {' and '.join(what) or 'nothing'}{where}"
+    return f"{' and '.join(what) or 'nothing'}{where}"
 
 
 def _of(mission: Mission, owner: str, quantity: str) -> str:
@@ -246,10 +251,15 @@ def _of(mission: Mission, owner: str, quantity: str) -> str:
     return f"the {quantity} of {with_id(name, owner)}"
 
 
-def local_effect(mission: Mission, chain: Chain) -> str:
-    """Return the first change of belief or commands in words; empty if a fault changed neither."""
-    differences = _differences(mission, replace(chain, truth=None))
-    return min(differences, key=itemgetter(0), default=(0, ""))[1]
+def effects(mission: Mission, chain: Chain) -> tuple[str, str]:
+    """Return the first change of belief or commands in words, and the other changes, by tick.
+
+    A text is empty if the fault caused no such change.
+    """
+    inside = _differences(mission, replace(chain, truth=None))
+    local = min(inside, key=itemgetter(0), default=(0, ""))
+    others = sorted(_differences(mission, chain), key=itemgetter(0))
+    return local[1], ". ".join(words for tick, words in others if (tick, words) != local)
 
 
 def _differences(mission: Mission, chain: Chain) -> Iterator[tuple[int, str]]:

@@ -261,7 +261,7 @@ def report_command(folder: Path | None, ratio: str | None, form: str, is_json: b
     metavar="N FILE",
     help="Map of weakness N: .csv, .png, .svg.",
 )
-@options.file_option("--fmea", "Write failure modes and effects: .csv or .md.")
+@options.file_option("--fmea", "Write failure modes and effects: .csv, .xlsx, .md or .tex.")
 @options.file_option("--fault-tree", "Write the fault trees of goals: .xml, or .txt for pfta.")
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: print the bounds alone.")
 @click.option("--json", "is_json", is_flag=True, help="Print them as JSON.")
@@ -355,9 +355,10 @@ def _write(
     fault_tree: Path | None = None,
 ) -> None:
     from mrsfi import explaining as of
+    from mrsfi_runtime.analysis.failure_modes import FAULT_TREES, FMEA
 
     number, map_path = drawn or (0, None)
-    files = ((fmea, of.FMEA), (fault_tree, of.FAULT_TREES), (map_path, of.MAPS))
+    files = ((fmea, FMEA), (fault_tree, FAULT_TREES), (map_path, of.MAPS))
     wanted = [(path, known) for path, known in files if path is not None]
     for path, known in wanted:
         of.require_format(path, known)

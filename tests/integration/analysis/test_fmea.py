@@ -1,5 +1,6 @@
 """Failure modes of the paper's mission, held to flights of their own."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -9,6 +10,8 @@ from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Requirement
+from mrsfi_runtime.project_file import Ratings
 from tests.support.weaknesses import weakness
 from tests.support.world import paper_code
 
@@ -19,12 +22,15 @@ STOP, BLIND = (
 )
 
 
-def modes(found, chances=()):
+UNRATED = Ratings()
+RATINGS = Ratings(((0.0, 1), (0.1, 4), (0.5, 8)), {"never": 10, "late": 6})
+
+
+def modes(found, chances=(), code=CODE, ratings=UNRATED, settled=()):
     given = dict(chances)
-    pool = FaultPool("p", tuple(replace(f, likelihood=given.get(f.id)) for f in CODE.pool))
-    return failure_modes(
-        CODE.mission, pool, goal_weaknesses(found), ReferenceEngine(CODE, 1).record
-    )
+    pool = FaultPool("p", tuple(replace(f, likelihood=given.get(f.id)) for f in code.pool))
+    record = ReferenceEngine(code, 1).record
+    return failure_modes(code.mission, pool, goal_weaknesses(found), record, ratings, dict(settled))
 
 
 def test_a_row_says_what_the_flight_shows():
@@ -35,19 +41,20 @@ def test_a_row_says_what_the_flight_shows():
     (mode,) = modes([form, replace(form, column=form.column._replace(kind="missed"))])
 
     robot = CODE.pool[STOP].target
+    name = CODE.mission.robots[CODE.mission.robot_index[robot]].name
     assert mode.faults == STOP
-    assert mode.item == f"{robot} motion"
+    assert mode.item == f"the motion of {name} ({robot})"
     assert mode.failure_mode == "StopRobot from tick 100 to 150"
     assert mode.local_effect.startswith("At tick 99, the commanded speed of ")
     assert f" ({robot}) was 0 instead of " in mode.local_effect
     assert mode.end_effect == f"{goal.name} ({goal.id})"
-    assert mode.detected == "The CI does not detect it in 2 of 3 breaking variants"
-    assert mode.severity == "missed"
-    assert (mode.number, mode.occurrence) == (1, None)
+    assert mode.detection == "The CI does not detect it in 2 of 3 breaking variants"
+    assert mode.effect_class == "fails"
+    assert (mode.weakness, mode.likelihood) == (1, None)
     outcome = ReferenceEngine(CODE, 1).evaluate(form.witness)
     counts = outcome.believed[0], outcome.true[0], outcome.missed[0]
-    assert mode.ticks == max(counts)
-    assert mode.measures == "believed {}, true {}, missed {}".format(*counts)
+    assert mode.most_ticks == max(counts)
+    assert mode.ticks_by_measure == "believed {}, true {}, failed {}".format(*counts)
 
 
 def test_the_likeliest_come_first_then_what_is_missed_then_what_breaks_longest():
@@ -63,12 +70,77 @@ def test_the_likeliest_come_first_then_what_is_missed_then_what_breaks_longest()
     known = modes(found, {STOP: 0.5, BLIND: 0.1}.items())
     partly = modes(found, {STOP: 0.5}.items())
 
-    assert [mode.severity for mode in unknown] == ["missed", *["violated"] * 3]
-    ticks = [mode.ticks for mode in unknown[1:]]
+    assert [mode.effect_class for mode in unknown] == ["fails", *["is violated"] * 3]
+    ticks = [mode.most_ticks for mode in unknown[1:]]
     assert ticks == sorted(ticks, reverse=True)
-    assert [mode.occurrence for mode in known] == pytest.approx([0.5, 0.1, 0.1, 0.05])
-    assert known[1].severity == "missed"
-    assert [mode.occurrence for mode in partly] == [0.5, None, None, None]
+    assert [mode.likelihood for mode in known] == pytest.approx([0.5, 0.1, 0.1, 0.05])
+    assert known[1].effect_class == "fails"
+    assert [mode.likelihood for mode in partly] == [0.5, None, None, None]
     assert all(
         "; " in each for each in (known[3].item, known[3].failure_mode, known[3].local_effect)
     )
+
+
+def rated(*given, **fields):
+    """Return the code with severities of goals, in model order, and with fields of the first."""
+    goals = [replace(each, severity=n) for each, n in zip(CODE.mission.goals, given, strict=False)]
+    goals[0] = replace(goals[0], **fields)
+    required = (Requirement("R1", "first"), Requirement("R2", "second"))
+    goals += CODE.mission.goals[len(given) :]
+    return replace(CODE, mission=replace(CODE.mission, goals=tuple(goals), requirements=required))
+
+
+def test_severe_ones_come_first_then_those_that_nobody_detects_and_false_alarms_have_no_severity():
+    goals, words = CODE.mission.goal_ids, ("in time", "late", "never")
+    by = [Detection(worst, 1, worst == "never", worst == "late", 0) for worst in words]
+    found = [
+        weakness(goals[0], "believed", STOP),
+        *(
+            weakness(goal, "true", STOP, detection=each)
+            for goal, each in zip(goals[1:4], by, strict=True)
+        ),
+        weakness(goals[4], "true", STOP, detection=by[0]),
+    ]
+
+    rows = modes(found, {STOP: 0.2}.items(), rated(10, 7, 7, 7, 8), RATINGS)
+
+    assert [row.weakness for row in rows] == [5, 4, 3, 2, 1]
+    assert [row.s for row in rows] == [8, 7, 7, 7, None]
+    assert [row.o for row in rows] == [4] * 5
+    assert [row.d for row in rows] == [None, 10, 6, None, None]
+    assert [row.rpn for row in rows] == [None, 280, 168, None, None]
+    assert rows[-1].effect_class == "is violated in belief only (a false alarm)"
+
+
+def test_what_neither_model_nor_team_says_is_empty():
+    (row,) = modes([weakness(CODE.mission.goal_ids[0], "true", STOP)])
+
+    empty = {name for name, cell in row._asdict().items() if cell in ("", None)}
+    assert empty == {
+        *("requirement", "s", "o", "d", "rpn", "mildest_variant", "recommended_action"),
+        *("owner", "status", "reference", "integrity_level", "likelihood"),
+    }
+
+
+def test_a_row_has_what_model_and_team_say():
+    goal = CODE.mission.goal_ids[0]
+    code = rated(9, requirements=("R2", "R1"), integrity_level="ASIL B", severity=9)
+    code = replace(
+        code, pool=FaultPool("p", tuple(replace(f, reference="FM-1") for f in code.pool))
+    )
+
+    (row,) = modes([weakness(goal, "true", STOP)], code=code, settled={1: ("a", "b", "c")}.items())
+
+    assert row.requirement == "R1: first; R2: second"
+    assert (row.s, row.integrity_level, row.reference) == (9, "ASIL B", "FM-1")
+    assert (row.recommended_action, row.owner, row.status) == ("a", "b", "c")
+    assert f"({goal})" in row.function
+    assert re.match(r"At tick \d+, the (true|believed) ", row.next_effect)
+    assert row.evidence.startswith("Of ")
+
+
+def test_a_likelihood_has_the_number_of_the_highest_threshold_that_it_reaches():
+    chances = (None, 0.0, 0.0999, 0.1, 0.7, 1.0)
+
+    assert [*map(RATINGS.of_likelihood, chances)] == [None, 1, 1, 4, 8, 8]
+    assert Ratings(((0.5, 3),)).of_likelihood(0.4) is None

@@ -1,20 +1,31 @@
 """Failure modes and fault trees: minimal sets, names, likelihoods, hostile text."""
 
+import csv
+import io
 import re
+import time
 from dataclasses import replace
 
+import pytest
 from lxml import etree
+from openpyxl import load_workbook
+from python_calamine import CalamineWorkbook
 
 from mrsfi_runtime.analysis.failure_modes import (
+    FMEA,
+    HEADS,
     FailureMode,
     as_open_psa,
     as_pfta,
-    modes_as_csv,
-    modes_as_markdown,
+    fmea,
 )
+from mrsfi_runtime.analysis.tables import plain
 from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.risk import cut_sets
+from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Requirement
+from tests.integration.analysis.test_page import HOSTILE
 from tests.support.search import PAPER_FAULTS, paper_mission, pool_of
 from tests.support.weaknesses import weakness
 
@@ -28,6 +39,8 @@ FOUND = goal_weaknesses(
         weakness("g3", "missed", "f9"),
     ]
 )
+
+SPECIAL = ["\\input{/etc/passwd}", "100 % & $x_1^2$ #{~}", "\\end{document}", "a\nb|c"]
 
 
 def test_sets_are_least_over_truth_and_what_is_missed_and_belief_alone_is_none():
@@ -94,15 +107,76 @@ def test_without_anything_that_breaks_there_is_no_tree():
     assert "Gate" not in as_pfta(paper_mission(), pool_of(), FOUND[:1]).decode()
 
 
-def test_no_cell_is_a_formula_in_a_spreadsheet_or_markup_on_a_page():
-    texts = (7, "f9", "listed", "-a", "b|c", "<d", "=1+1 (g1)", "true", "no", "violated")
-    modes = [FailureMode(*texts, 3, chance) for chance in (0.1 * 0.2, None)]
+ALL = [*HOSTILE, *SPECIAL, "@SUM(A1)", "-1", "\t=1", "_x0041_ \x00\x1f\ud800", "日 😀", "#N/A"]
+EMPTY = FailureMode(7, *[""] * 8, *[None] * 4, *[""] * 9, None, "", 3)
 
-    table = modes_as_csv("harbour", modes).decode().splitlines()
-    page = modes_as_markdown("har|bour", modes).decode().splitlines()
 
-    assert table[0] == ",".join(FailureMode._fields)
-    assert table[2] == "7,f9,listed,'-a,b|c,<d,'=1+1 (g1),true,no,violated,3,"
-    assert page[0] == "# Failure modes of mission har\\|bour"
-    told = "| 7 | f9 | listed | -a | b\\|c | &lt;d | =1+1 (g1) | true | no | violated | 3 | "
-    assert page[-2:] == [f"{told}0.02 |", f"{told}– |"]
+def cells(text):
+    """Return an FMEA whose texts are all this one, as CSV and as a workbook."""
+    texts = {name for name, cell in EMPTY._asdict().items() if cell == ""}
+    modes = [EMPTY._replace(**dict.fromkeys(texts, text), s=9, likelihood=0.1 * 0.2), EMPTY]
+    table = fmea(text, modes)
+    read = csv.reader(io.StringIO(FMEA[".csv"](table).decode(), newline=""))
+    book = CalamineWorkbook.from_filelike(io.BytesIO(FMEA[".xlsx"](table)))
+    return [*read], book.get_sheet_by_index(0).to_python()
+
+
+@pytest.mark.parametrize("text", ALL)
+def test_every_text_is_a_string_in_spreadsheets_and_figures_are_equal_in_both(text):
+    in_csv, in_book = cells(text)
+
+    assert in_csv[0] == in_book[0] == [*HEADS]
+    shown = printable(text)
+    assert {*in_book[1][1:9]} == {shown}
+    assert {*in_csv[1][1:9]} == {f"'{shown}" if shown[0] in "=+-@" else shown}
+    assert [in_book[1][k] for k in (0, 9, 22, 24)] == [7, 9, 0.02, 3]
+    assert [float(in_csv[1][k]) for k in (0, 9, 22, 24)] == [7, 9, 0.02, 3]
+    assert [k for k, cell in enumerate(in_csv[2]) if cell] == [0, 24]
+    assert [k for k, cell in enumerate(in_book[2]) if cell != ""] == [0, 24]
+
+
+def test_no_text_is_a_formula_in_a_workbook_also_after_it_is_edited():
+    book = load_workbook(io.BytesIO(FMEA[".xlsx"](fmea("m", [EMPTY._replace(item="=1+1")]))))
+
+    cell = book.active["B2"]
+
+    assert (cell.value, cell.data_type, cell.quotePrefix) == ("=1+1", "s", True)
+
+
+def test_equal_tables_have_equal_bytes_whenever_they_are_written(monkeypatch):
+    first = FMEA[".xlsx"](fmea("m", [EMPTY]))
+    monkeypatch.setattr(time, "time", lambda: 2e9)
+
+    assert FMEA[".xlsx"](fmea("m", [EMPTY])) == first
+
+
+@pytest.mark.parametrize("text", ALL)
+def test_no_text_becomes_markup_or_a_command(text):
+    table = fmea(text, [EMPTY._replace(item=text, status=text)])
+
+    title, _, *lines = FMEA[".md"](table).decode().splitlines()
+    document = FMEA[".tex"](table).decode()
+
+    assert title == f"# Failure modes of mission {plain(text)}"
+    assert [len(re.findall(r"(?<!\\)\|", line)) for line in lines] == [len(HEADS) + 1] * 3
+    assert "<" not in title + lines[-1]
+    assert document.count("\\item[") == len(HEADS) - 1
+    assert {*re.findall(r"\\(input|end\{document)", document)} == {"end{document"}
+
+
+def test_a_requirement_has_a_tree_of_its_goals_which_keep_theirs():
+    mission = paper_mission()
+    of = {"g1": ("R1",), "g2": ("R1", "g3"), "g3": ("R1",)}
+    goals = tuple(replace(each, requirements=of.get(each.id, ())) for each in mission.goals)
+    wanted = [Requirement("R1", "never\n<both>"), Requirement("g3", "="), Requirement("R4", "x")]
+    mission = replace(mission, goals=goals, requirements=tuple(wanted))
+
+    root = etree.fromstring(as_open_psa(mission, pool_of(), FOUND))
+
+    trees = {
+        each.get("name"): each.find("define-gate") for each in root.findall("define-fault-tree")
+    }
+    assert [*trees] == ["g2", "g3", "R1", "g3-2"]
+    assert _inputs(trees["R1"].find("or")) == [("gate", "g2"), ("gate", "g3")]
+    assert _inputs(trees["g3-2"])[1:] == [("gate", "g2")]
+    assert trees["R1"].findtext("label") == "Violated: R1: never <both>"
