@@ -321,13 +321,9 @@ _ALSO = {
 }
 """Other words for terms of the glossary."""
 
-_PLAIN = {"fault", "goal", "mission", "tick"}
-"""Terms that stand in every second sentence of the page."""
-
-
 def meanings() -> dict[str, str]:
     """Return the tooltips of the page: the meaning of each term, by the words for it."""
-    found = {each.name: each.meaning.replace("`", "") for each in TERMS if each.name not in _PLAIN}
+    found = {each.name: each.meaning.replace("`", "") for each in TERMS}
     return found | {word: found[name] for word, name in _ALSO.items()}
 
 

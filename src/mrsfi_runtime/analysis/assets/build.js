@@ -15,8 +15,8 @@ function make(tag, attributes, ...children) {
 
 const longest = 300; // letters; longer text scrolls on its own
 
-// Text of any direction; with a set, terms that it lacks get tooltips and are added to it.
-const bdi = (text, terms) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, terms ? explained(String(text), terms) : String(text));
+// Text of any direction.
+const bdi = (text) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, String(text));
 
 const meanings = new Map();
 let anyTerm = /(?!)/g;
@@ -26,6 +26,18 @@ function explain(terms) {
   const words = [...meanings.keys()].sort((a, b) => b.length - a.length);
   anyTerm = new RegExp(`\\b(${words.join("|")})(?:e?s)?\\b`, "gi");
 }
+
+const unexplained = "h1, h2, h3, button, code, pre, a, abbr, summary, option, output, small, canvas, .uplot, td:not(#goals td)";
+
+// Give terms tooltips where each first stands in the prose of a part of the page.
+function withTerms(element) {
+  const terms = new Set(), texts = [], walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) if (!walker.currentNode.parentElement.closest(unexplained)) texts.push(walker.currentNode);
+  for (const text of texts) text.replaceWith(...explained(text.data, terms));
+  return element;
+}
+
+const meaningOf = (words) => [...words.matchAll(anyTerm)].map((match) => meanings.get(match[1].toLowerCase()))[0] || null;
 
 function explained(text, terms) {
   const parts = [];
@@ -50,15 +62,15 @@ let nTables = 0; // each table is a landmark with its own name
 
 function table(header, rows, attributes) {
   const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
-  const terms = new Set();
-  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? bdi(value, terms) : value instanceof Node ? value : number(value));
+  
+  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? bdi(value) : value instanceof Node ? value : number(value));
   return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": `table ${(nTables += 1)}` },
     make("table", attributes || {},
       make("thead", {}, make("tr", {}, header.map((value, k) => cell("th", value, k)))),
       make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));
 }
 
-const titled = ({ title, header, rows }) => [make("p", { class: "note" }, bdi(title, new Set())), table(header, rows)];
+const titled = ({ title, header, rows }) => [make("p", { class: "note" }, bdi(title)), table(header, rows)];
 
 function copying(text) {
   const button = make("button", { type: "button" }, "Copy");

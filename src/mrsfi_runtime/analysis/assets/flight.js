@@ -74,7 +74,7 @@ class FlightView {
   }
 
   build() {
-    const { mission, data } = this, last = mission.duration - 1, terms = new Set();
+    const { mission, data } = this, last = mission.duration - 1;
     const button = (label, title, act, more) => make("button", { type: "button", title, "aria-label": title, on: { click: act }, ...more }, label);
     this.canvas = make("canvas", { role: "img", "aria-label": "map of the mission with true and believed positions" });
     this.slider = make("input", { type: "range", min: 0, max: last, value: this.tick, "aria-label": "tick", id: "tick",
@@ -101,12 +101,14 @@ class FlightView {
       make("h2", {}, "The flight in numbers"),
       make("p", { class: "note" }, bdi("Filled discs and solid lines show true positions. " +
         `Dashed circles and lines (of the last ${believedTrail} ticks) show believed positions; a line joins the two where they differ. Dots are samples that counted. ` +
-        "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours.", terms)),
+        "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours.")),
       this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
     this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
     this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
     this.buildTimeline();
     this.buildCharts();
+    withTerms(this.timeline);
+    withTerms(this.details);
   }
 
   follow() {
@@ -117,7 +119,7 @@ class FlightView {
   }
 
   buildTimeline() {
-    const total = this.mission.duration, terms = new Set(), share = (tick) => `${(100 * tick) / total}%`;
+    const total = this.mission.duration, share = (tick) => `${(100 * tick) / total}%`;
     const bar = (kind, first, last, title) => {
       const element = make("div", { class: `bar ${kind}`, title });
       element.style.left = share(first);
@@ -148,8 +150,8 @@ class FlightView {
     });
     this.cursor = make("div", { class: "cursor" });
     this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
-      make("span", { class: "key fault" }), bdi("fault active", terms), make("span", { class: "key believed" }), bdi("violated in belief", terms), make("span", { class: "key true" }), bdi("violated in truth", terms),
-      make("span", { class: "key missed" }), bdi("goal fails", terms)));
+      make("span", { class: "key fault" }), bdi("fault active"), make("span", { class: "key believed" }), bdi("violated in belief"), make("span", { class: "key true" }), bdi("violated in truth"),
+      make("span", { class: "key missed" }), bdi("goal fails")));
   }
 
   buildCharts() {
@@ -295,7 +297,7 @@ class FlightView {
     this.element.dataset.frame = milliseconds.toFixed(2);
     const rows = mission.robots.map((robot, r) => [bdi(robot.id), ...["x", "y", "speed", "energy"].flatMap((name) => [flight.at(name, r, tick), flight.at(`believed_${name}`, r, tick)].map((value) => value.toFixed(flight.digits[name])))]);
     const header = ["robot", ...["x", "y", "speed", "energy"].flatMap((name) => [this.labelled(name), "believed"])];
-    if (!this.playing || mission.robots.length <= 12) this.numbers.replaceChildren(table(header, rows, { id: "numbers" }));
+    if (!this.playing || mission.robots.length <= 12) this.numbers.replaceChildren(withTerms(table(header, rows, { id: "numbers" })));
   }
 
   seek(tick) {

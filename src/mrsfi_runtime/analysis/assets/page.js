@@ -35,7 +35,7 @@ function evaluationsOf(data) {
     one.replaceChildren(make("article", {}, make("h3", { tabindex: "-1" }, `Evaluation ${index}`),
       faults ? table(["fault", "type", "start", "finish", "target", "values"], faults.of[place].map((k) => faults.rows[k])) : make("p", { class: "note" }, "This page does not include its faults. The command prints them."),
       commandOf("Simulate it again", command), commandOf("As a page", `${command} --html evaluation-${index}.html`)));
-    one.querySelector("h3").focus();
+    withTerms(one).querySelector("h3").focus();
   };
   const most = 200, body = make("tbody"), state = { column: 0, up: true, text: "" };
   const count = make("output", { class: "note" });
@@ -46,7 +46,7 @@ function evaluationsOf(data) {
     body.replaceChildren(...found.slice(0, most).map((row) => make("tr", { on: { click: () => { location.hash = `#e${row[0]}`; } } }, row.map((cell, k) => make("td", { class: "number" }, k ? number(cell) : make("a", { href: `#e${cell}` }, cell))))));
     count.textContent = `${found.length} of ${data.rows.length} rows${found.length > most ? `; the first ${most} are shown` : ""}`;
   };
-  const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", title: meanings.get(name), on: { click: () => {
+  const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", title: meaningOf(name), on: { click: () => {
     Object.assign(state, { up: state.column === k ? !state.up : true, column: k });
     head.forEach((each, place) => each.setAttribute("aria-sort", place === k ? (state.up ? "ascending" : "descending") : "none"));
     fill();
@@ -67,7 +67,7 @@ async function main() {
   explain(data.terms);
   document.title = data.title;
   const view = data.mission ? new FlightView(data.mission, data.fault_free) : null, flown = make("section", { id: "flown" });
-  const show = (shown) => flown.replaceChildren(make("h2", {}, "Faults and outcome"), flownOf(shown));
+  const show = (shown) => flown.replaceChildren(make("h2", {}, "Faults and outcome"), withTerms(flownOf(shown)));
   const screen = data.first ? new Screen(data, view, show) : null, evaluations = data.evaluations ? evaluationsOf(data.evaluations) : null;
   const entry = !screen && data.shown ? await opened(data.shown[0]) : null, only = entry && entry.flight, sections = [];
   if (screen) sections.push(["weaknesses", "Goals", screen.element]);
@@ -82,7 +82,7 @@ async function main() {
   const links = sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)));
   document.body.append(
     make("header", {}, screen ? screen.header() : make("h1", {}, bdi(data.title))),
-    make("main", {}, sections.map(([, , element]) => element)),
+    make("main", {}, sections.map(([, , element]) => (screen && element === screen.element ? element : withTerms(element)))),
     make("footer", { class: "note" }, make("nav", { "aria-label": "sections" }, make("ul", {}, links)),
       "Keys: space plays or pauses; ← and → move by one tick, with shift by ten; n and p go to the next or previous event; f follows robots; Home and End go to the first or last tick. CI: collective intelligence."));
   if (only) await view.show(only);

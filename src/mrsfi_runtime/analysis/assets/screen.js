@@ -21,25 +21,25 @@ class Screen {
   }
 
   header() {
-    const terms = new Set();
-    return make("div", { class: "head" },
+    
+    return withTerms(make("div", { class: "head" },
       make("div", {}, make("h1", {}, bdi(this.headline)), make("p", { class: "note" }, bdi(this.about))),
-      make("ul", {}, this.facts.map((fact) => make("li", {}, bdi(fact, terms)))));
+      make("ul", {}, this.facts.map((fact) => make("li", {}, bdi(fact))))));
   }
 
   goalsOf() {
-    const terms = new Set(), heads = ["", "Goal and its main weakness", "Evidence"];
-    return make("table", { id: "goals" },
-      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? bdi(each, terms) : make("span", { class: "hidden" }, "state"))))),
+    const heads = ["", "Goal and its main weakness", "Evidence"];
+    return withTerms(make("table", { id: "goals" },
+      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each ? bdi(each) : make("span", { class: "hidden" }, "state"))))),
       make("tbody", {}, this.goals.map((goal) => {
         const chosen = goal.number ? this.choosing(goal.number, bdi(goal.name)) : make("b", {}, bdi(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state, terms)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection, terms), "."] : "")),
-          make("td", {}, goal.stakes ? make("div", {}, bdi(`${goal.stakes}.`, terms)) : null, bdi(goal.evidence, terms)));
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection), "."] : "")),
+          make("td", {}, goal.stakes ? make("div", {}, bdi(`${goal.stakes}.`)) : null, bdi(goal.evidence)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
-      })));
+      }))));
   }
 
   choosing(number, label, more) {
@@ -49,26 +49,26 @@ class Screen {
   }
 
   matrixOf() {
-    const { owners, faults, rows, note } = this.matrix, terms = new Set();
+    const { owners, faults, rows, note } = this.matrix;
     const cell = (number) => {
       const each = this.ways.find((way) => way.number === number);
       if (!each) return make("td", { class: "none" });
       return make("td", {}, this.choosing(each.number, [classMark(each.class, each.share, each.joint)], { class: "cell", title: each.said, "aria-label": each.said }));
     };
-    return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
-      make("p", { class: "note keys" }, Object.entries(classes).filter(([name]) => this.ways.some((way) => way.class === name)).map(([name, [, words]]) => make("span", {}, classMark(name, 0.5), bdi(words, terms))),
-        make("span", {}, bdi("Filled: share of variants. +: joint, only together with other faults.", terms))),
+    return withTerms(make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
+      make("p", { class: "note keys" }, Object.entries(classes).filter(([name]) => this.ways.some((way) => way.class === name)).map(([name, [, words]]) => make("span", {}, classMark(name, 0.5), bdi(words))),
+        make("span", {}, bdi("Filled: share of variants. +: joint, only together with other faults."))),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, bdi(owner.name)))),
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, bdi(fault.label)))))),
         make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, bdi(row.name), row.id === row.name ? null : [" ", make("small", {}, bdi(`(${row.id})`))]), row.cells.map(cell)))))),
-      make("p", { class: "note" }, bdi(note, terms)));
+      make("p", { class: "note" }, bdi(note))));
   }
 
   async choose(number, keep) {
     this.number = number;
-    const way = this.ways.find((each) => each.number === number), terms = new Set();
+    const way = this.ways.find((each) => each.number === number);
     for (const [key, buttons] of this.buttons) buttons.forEach((each) => each.setAttribute("aria-pressed", String(key === number)));
     for (const row of this.element.querySelectorAll("#goals tbody tr")) row.classList.toggle("chosen", row.dataset.goal === way.goal);
     if (!keep && location.hash !== `#w${number}`) history.pushState(null, "", `#w${number}`);
@@ -76,8 +76,9 @@ class Screen {
     if (this.number !== number) return;
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight, because it is less grave than the others. The first two commands below show it.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
-      make("p", {}, bdi(`${way.said}.`, terms)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`, terms)),
-      ...(way.mildest ? [make("p", { class: "note" }, bdi(`Mildest variant: ${way.mildest}.`, terms))] : []));
+      make("p", {}, bdi(`${way.said}.`)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`)),
+      ...(way.mildest ? [make("p", { class: "note" }, bdi(`Mildest variant: ${way.mildest}.`))] : []));
+    withTerms(this.panel);
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map((each) => commandOf(...each)));
     if (shown) this.show(shown);
     const flight = shown ? shown.flight : null;
