@@ -112,6 +112,13 @@ TERMS = (
         "undetected violation, missed detection, false negative",
     ),
     Term(
+        "detected",
+        "Of a violation: the CI believes it, in time if at the tick at which it is first true, "
+        "late if after it.",
+        "The CI detects it late in 28 of 28 breaking variants, by up to 593 ticks.",
+        "detection, diagnosed",
+    ),
+    Term(
         "false alarm",
         "A violation that the CI believes while there is none; `phantom` in files and options.",
         "A random energy report makes the CI believe that r3 runs out of energy.",
@@ -190,6 +197,25 @@ TERMS = (
         "A flight of a search, with its fitness, recorded under a number.",
         "Evaluation 725 has the highest fitness, 1257.50.",
         "fitness evaluation",
+    ),
+    Term(
+        "fitness",
+        "The number by which a search ranks evaluations: the more violations, the higher.",
+        "Evaluation 725 has the highest fitness, 1257.50.",
+        "objective, cost function",
+    ),
+    Term(
+        "generation",
+        "The evaluations that a search makes before it looks at their results and chooses the "
+        "next.",
+        "50 generations of at most 20 evaluations.",
+        "iteration",
+    ),
+    Term(
+        "Pareto front",
+        "The evaluations of which none is better in one aim without being worse in another.",
+        "Of 931 evaluations, 12 are trade-offs between g1 and g2.",
+        "non-dominated set",
     ),
     Term(
         "harvest",

@@ -373,22 +373,32 @@ def test_a_term_shows_its_meaning_when_it_has_the_focus(chromium, campaign):
     with opened(chromium, campaign / "report.html") as page:
         terms = page.shown.locator("abbr")
         titles = {each.inner_text(): each.get_attribute("title") for each in terms.all()}
+        heads = page.shown.locator("#evaluations th button").all()
+        heads = [each.get_attribute("title") for each in heads]
         terms.first.focus()
         shown = terms.first.evaluate("each => getComputedStyle(each, '::after').content")
 
     assert {*titles.values()} <= {*known.values()}
+    used = {"fault", "goal", "tick", "weakness", "variant", "undetected", "detected", "fails"}
+    used |= {"mission seed", "false alarm", "margin", "true", "believed", "evaluation", "fitness"}
+    assert {known[name] for name in used} <= {*titles.values()}
+    assert heads[2] == known["fitness"]
     assert titles["undetected"] == titles["masked"] == known["undetected"]
     assert shown in {json.dumps(each) for each in known.values()}
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme):
+@pytest.mark.parametrize("width", [1280, 390])
+def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme, width):
     context = chromium.new_context(
-        viewport={"width": 1280, "height": 800}, bypass_csp=True, color_scheme=scheme
+        viewport={"width": width, "height": 800}, bypass_csp=True, color_scheme=scheme
     )
     page = context.new_page()
     page.goto((any_campaign / "report.html").as_uri())
     page.wait_for_selector("html[data-ready=true]")
+    page.locator("#matrix .cell").last.click()
+    page.locator("#evaluations a").nth(3).click()
+    page.wait_for_selector("#evaluation h3")
 
     found = Axe().run(page).response["violations"]
 
@@ -399,11 +409,13 @@ def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme):
 def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_path):
     write_rendezvous(tmp_path)
     mission = tmp_path / "models" / RENDEZVOUS / "mission.xmi"
-    text = escape("<img src=x onerror=alert(1)>", {'"': "&quot;"})
+    hostile = "<img src=x onerror=alert(1)></script><script>alert(1)</script>\u2028{{data}}"
+    text = escape(hostile, {'"': "&quot;", "\u2028": "&#x2028;"})
     for name in ('ID="a" name="a"', 'ID="g1" name=""'):
         edit(mission, name, f'{name.split()[0]} name="{text}"')
     edit(mission, 'ID="g1" ', f'ID="g1" requirements="Q" severity="9" integrityLevel="{text}" ')
-    edit(mission, "  <goals ", f'  <requirements ID="Q" text="{text}"/>\n  <goals ')
+    first = '  <goals ID="g1"'
+    edit(mission, first, f'  <requirements ID="Q" text="{text}"/>\n{first}')
     (tmp_path / "c.toml").write_text("[search]\nalgorithm = 'cover'\n", encoding="utf-8")
     mrsfi("generate", RENDEZVOUS, cwd=tmp_path)
     size = ("--case", "c.toml", "--evaluations", "60", "--engine", "reference", "--workers", "1")
@@ -412,7 +424,9 @@ def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_pat
 
     for path in (tmp_path / "runs" / "it" / "report.html", tmp_path / "change.html"):
         with opened(chromium, path) as page:
-            assert "<img src=x onerror=alert(1)>" in page.shown.locator("body").inner_text()
+            scripts = page.shown.locator("script").count()
+            for place in page.shown.locator("#matrix .cell, #evaluations tbody a").all()[:20]:
+                place.click()
+            assert hostile in page.shown.locator("body").text_content()
             assert page.shown.locator("img").count() == 0
-            for cell in page.shown.locator("#matrix .cell").all():
-                cell.click()
+            assert page.shown.locator("script").count() == scripts == 2

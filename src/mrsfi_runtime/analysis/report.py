@@ -310,16 +310,21 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
 
 
 _ALSO = {
+    "break": "breaks",
     "broken": "breaks",
     "CI": "collective intelligence",
+    "closest approach": "margin",
+    "detect": "detected",
     "failed": "fails",
     "in belief": "believed",
     "in truth": "true",
     "masked": "undetected",
     "missed": "fails",
     "phantom": "false alarm",
+    "specification": "fault specification",
 }
 """Other words for terms of the glossary."""
+
 
 def meanings() -> dict[str, str]:
     """Return the tooltips of the page: the meaning of each term, by the words for it."""

@@ -104,7 +104,7 @@ class FlightView {
         "A black line in the timeline marks the tick from which on a goal fails. Click a fault to add the flight without it, in pale colours.")),
       this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
     this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
-    this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
+    this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2, event); }, { passive: false });
     this.buildTimeline();
     this.buildCharts();
     withTerms(this.timeline);
@@ -314,8 +314,12 @@ class FlightView {
     this.event.textContent = `tick ${found[0]}: ${texts.join("; ")}`;
   }
 
-  zoomBy(factor) {
+  // With an event, the point under the pointer stays where it is.
+  zoomBy(factor, event) {
+    const box = this.canvas.getBoundingClientRect(), ratio = this.canvas.width / box.width, before = this.project(0, 0)[2];
     this.zoom = Math.max(0.2, Math.min(200, this.zoom * factor));
+    const change = 1 / this.project(0, 0)[2] - 1 / before;
+    if (event) this.shift = [this.shift[0] + ((event.clientX - box.left) * ratio - this.canvas.width / 2) * change, this.shift[1] - ((event.clientY - box.top) * ratio - this.canvas.height / 2) * change];
     this.draw();
   }
 
