@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 from mrsfi_runtime.analysis.documents import _HEAD, in_latex, to_latex
+from mrsfi_runtime.analysis.failure_modes import FMEA, HEADS, fmea
 from mrsfi_runtime.analysis.tables import Table
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import mrsfi
@@ -58,3 +59,10 @@ def test_any_text_is_set(texts, tmp_path):
     )
 
     set_by_latex(tmp_path, "all.tex")
+
+
+def test_an_fmea_of_any_texts_is_set(tmp_path):
+    modes = [dict.fromkeys(HEADS, text) for text in (*HOSTILE[:-1], *SPECIAL)]
+    (tmp_path / "fmea.tex").write_bytes(FMEA[".tex"](fmea(SPECIAL[0], modes)))
+
+    set_by_latex(tmp_path, "fmea.tex")

@@ -15,7 +15,7 @@ Open-PSA Model Exchange Format 2.0d, "Fault Tree Layer". The syntax of ``pfta``,
 """
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import chain, count
 from operator import itemgetter
@@ -47,47 +47,13 @@ from mrsfi_runtime.project_file import DETECTIONS, Ratings
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE
 
-
-class FailureMode(NamedTuple):
-    """A row of the FMEA: a weakness, in its mildest known variant, by the gravest measure.
-
-    Empty cells are unknown. ``s``, ``o`` and ``d`` are numbers of the team, ``rpn`` their product.
-    ``likelihood`` is the chance that all faults occur, as if they were independent. ``detection``
-    is about all variants. ``ticks_by_measure`` has the ticks at which the variant breaks the goal,
-    ``most_ticks`` the most of these.
-    """
-
-    weakness: int
-    item: str
-    function: str
-    failure_mode: str
-    local_effect: str
-    next_effect: str
-    end_effect: str
-    requirement: str
-    effect_class: str
-    s: int | None
-    o: int | None
-    d: int | None
-    rpn: int | None
-    detection: str
-    mildest_variant: str
-    evidence: str
-    recommended_action: str
-    owner: str
-    status: str
-    reference: str
-    integrity_level: str
-    faults: str
-    likelihood: float | None
-    ticks_by_measure: str
-    most_ticks: int
-
-
-HEADS = tuple(
-    name.upper() if len(name) < 4 else name.replace("_", " ") for name in FailureMode._fields
+HEADS = (
+    *("weakness", "item", "function", "failure mode", "local effect", "next effect", "end effect"),
+    *("requirement", "effect class", "S", "O", "D", "RPN", "detection", "mildest variant"),
+    *("evidence", "recommended action", "owner", "status", "reference", "integrity level"),
+    *("faults", "likelihood", "ticks by measure", "most ticks"),
 )
-"""The columns of an FMEA in all formats."""
+"""The columns of an FMEA. Those that docs/find-weaknesses.md does not explain are standard."""
 
 
 def failure_modes(
@@ -96,12 +62,13 @@ def failure_modes(
     weaknesses: Iterable[GoalWeakness],
     record: Record,
     ratings: Ratings,
-    settled: Mapping[int, tuple[str, str, str]],
-) -> list[FailureMode]:
+    settled: Mapping[int, Mapping[str, str]],
+) -> list[dict[str, Cell]]:
     """Return the failure modes of weaknesses: the most severe first, then undetected ones.
 
     Then come the likeliest, those that make a goal fail, and those that break it for longest.
-    ``settled`` has recommended action, owner and status, by the numbers of weaknesses.
+    A cell is by its column; it describes the mildest known variant, and detection is about all.
+    ``settled`` has cells that the team fills, by the numbers of weaknesses.
     """
     fly, units = lru_cache(4)(record), mission.units
 
@@ -118,7 +85,7 @@ def failure_modes(
         window = f"{named.fault.type} from tick {named.timed.start} to {named.timed.finish}"
         return ", ".join(filter(None, (window, named.values_in_words)))
 
-    def mode(weakness: GoalWeakness) -> tuple[tuple[float, ...], FailureMode]:
+    def mode(weakness: GoalWeakness) -> tuple[tuple[float, ...], dict[str, Cell]]:
         shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
         goal, faults = mission.goals[place], named_faults(mission, pool, shown.witness)
         local_effect, next_effect, counts = flown(shown.witness)
@@ -128,39 +95,41 @@ def failure_modes(
         s = None if shown.column.kind == MEASURES[0] else goal.severity or None
         o, d = ratings.of_likelihood(chance), ratings.detection.get(worst)
         required = (each for each in mission.requirements if each.id in goal.requirements)
-        action, owner, status = settled.get(weakness.number, ("", "", ""))
-        row = FailureMode(
-            weakness=weakness.number,
-            item=_listed(struck(mission, each) for each in faults),
-            function=_listed(goal for each in faults for goal in _served(mission, each.fault)),
-            failure_mode=_listed(map(happens, faults)),
-            local_effect=local_effect,
-            next_effect=next_effect,
-            end_effect=mission.label_of(weakness.goal),
-            requirement=_listed(f"{each.id}: {each.text}" for each in required),
-            effect_class=effect_class(weakness),
-            s=s,
-            o=o,
-            d=d,
-            rpn=s * o * d if s and o and d else None,
-            detection=detection(weakness, units),
-            mildest_variant=weakness.mildest.sentence if weakness.mildest else "",
-            evidence=evidence(weakness.at_least),
-            recommended_action=action,
-            owner=owner,
-            status=status,
-            reference=_listed(each.fault.reference for each in faults),
-            integrity_level=goal.integrity_level,
-            faults=" ".join(weakness.faults),
-            likelihood=chance,
-            ticks_by_measure=", ".join(
-                map("{} {}".format, ("believed", "true", "failed"), counts[place])
-            ),
-            most_ticks=max(counts[place]),
-        )
+        measured = map("{} {}".format, ("believed", "true", "failed"), counts[place])
+        row: dict[str, Cell] = {
+            "weakness": weakness.number,
+            "item": _listed(struck(mission, each) for each in faults),
+            "function": _listed(goal for each in faults for goal in _served(mission, each.fault)),
+            "failure mode": _listed(map(happens, faults)),
+            "local effect": local_effect,
+            "next effect": next_effect,
+            "end effect": mission.label_of(weakness.goal),
+            "requirement": _listed(f"{each.id}: {each.text}" for each in required),
+            "effect class": effect_class(weakness),
+            "S": s,
+            "O": o,
+            "D": d,
+            "RPN": s * o * d if s and o and d else None,
+            "detection": detection(weakness, units),
+            "mildest variant": weakness.mildest.sentence if weakness.mildest else "",
+            "evidence": evidence(weakness.at_least),
+            **settled.get(weakness.number, {}),
+            "reference": _listed(each.fault.reference for each in faults),
+            "integrity level": goal.integrity_level,
+            "faults": " ".join(weakness.faults),
+            "likelihood": chance,
+            "ticks by measure": ", ".join(measured),
+            "most ticks": max(counts[place]),
+        }
         late = DETECTIONS.index(worst) if worst else len(DETECTIONS)
         likely = 1.0 if chance is None else -chance
-        return (-(s or 0), late, likely, shown.column.kind != MEASURES[-1], -row.most_ticks), row
+        return (
+            -(s or 0),
+            late,
+            likely,
+            shown.column.kind != MEASURES[-1],
+            -max(counts[place]),
+        ), row
 
     return [row for _, row in sorted(map(mode, weaknesses), key=itemgetter(0))]
 
@@ -171,19 +140,19 @@ def _listed(texts: Iterable[str]) -> str:
 
 def _served(mission: Mission, fault: Fault) -> list[str]:
     """Return the goals that name what a fault strikes, or else the robots that it touches."""
+    named: dict[str, set[str | None]] = {
+        mission.label_of(goal.id): {
+            *(*goal.members, *goal.terms.obstacles, goal.terms.sensor),
+            *(each.id for each in goal.messages),
+        }
+        for goal in mission.goals
+    }
+    struck = [label for label, elements in named.items() if fault.target in elements]
+    touched = elements_of(mission, fault)
+    return struck or [label for label, has in named.items() if not has.isdisjoint(touched)]
 
-    def named(elements: Collection[str | None]) -> list[str]:
-        return [
-            mission.label_of(goal.id)
-            for goal in mission.goals
-            for has in [(*goal.members, *goal.terms.obstacles, goal.terms.sensor)]
-            if not {*has, *(each.id for each in goal.messages)}.isdisjoint(elements)
-        ]
 
-    return named({fault.target}) or named(elements_of(mission, fault))
-
-
-def fmea(mission: str, modes: Iterable[FailureMode]) -> Table:
+def fmea(mission: str, modes: Iterable[Mapping[str, Cell]]) -> Table:
     """Return failure modes of a mission, by its name, as a table whose cells are single lines."""
 
     def cell(value: Cell) -> Cell:
@@ -191,7 +160,7 @@ def fmea(mission: str, modes: Iterable[FailureMode]) -> Table:
             return float(f"{value:.15g}")  # openpyxl writes no more digits
         return printable(value) or None if isinstance(value, str) else value
 
-    rows = [[*map(cell, mode)] for mode in modes]
+    rows = [[cell(mode.get(head)) for head in HEADS] for mode in modes]
     return Table(f"Failure modes of mission {printable(mission)}", HEADS, rows)
 
 
@@ -210,14 +179,11 @@ def _as_latex(table: Table) -> bytes:
     return "\n".join((*parts, "\\end{document}\n")).encode()
 
 
-FMEA = MappingProxyType(
-    {
-        ".csv": lambda table: as_csv(table.lines),
-        ".xlsx": as_xlsx,
-        ".md": _as_markdown,
-        ".tex": _as_latex,
-    }
-)
+def _as_csv(table: Table) -> bytes:
+    return as_csv(table.lines)
+
+
+FMEA = MappingProxyType({".csv": _as_csv, ".xlsx": as_xlsx, ".md": _as_markdown, ".tex": _as_latex})
 """Writers by suffix of the file."""
 
 _LATEX = r"""\documentclass{article}

@@ -14,7 +14,6 @@ from python_calamine import CalamineWorkbook
 from mrsfi_runtime.analysis.failure_modes import (
     FMEA,
     HEADS,
-    FailureMode,
     as_open_psa,
     as_pfta,
     fmea,
@@ -108,13 +107,14 @@ def test_without_anything_that_breaks_there_is_no_tree():
 
 
 ALL = [*HOSTILE, *SPECIAL, "@SUM(A1)", "-1", "\t=1", "_x0041_ \x00\x1f\ud800", "日 😀", "#N/A"]
-EMPTY = FailureMode(7, *[""] * 8, *[None] * 4, *[""] * 9, None, "", 3)
+NUMBERS = ("S", "O", "D", "RPN", "likelihood")
+EMPTY = dict.fromkeys(HEADS, "") | dict.fromkeys(NUMBERS) | {"weakness": 7, "most ticks": 3}
 
 
 def cells(text):
     """Return an FMEA whose texts are all this one, as CSV and as a workbook."""
-    texts = {name for name, cell in EMPTY._asdict().items() if cell == ""}
-    modes = [EMPTY._replace(**dict.fromkeys(texts, text), s=9, likelihood=0.1 * 0.2), EMPTY]
+    texts = dict.fromkeys((name for name, cell in EMPTY.items() if cell == ""), text)
+    modes = [EMPTY | texts | {"S": 9, "likelihood": 0.1 * 0.2}, EMPTY]
     table = fmea(text, modes)
     read = csv.reader(io.StringIO(FMEA[".csv"](table).decode(), newline=""))
     book = CalamineWorkbook.from_filelike(io.BytesIO(FMEA[".xlsx"](table)))
@@ -136,7 +136,7 @@ def test_every_text_is_a_string_in_spreadsheets_and_figures_are_equal_in_both(te
 
 
 def test_no_text_is_a_formula_in_a_workbook_also_after_it_is_edited():
-    book = load_workbook(io.BytesIO(FMEA[".xlsx"](fmea("m", [EMPTY._replace(item="=1+1")]))))
+    book = load_workbook(io.BytesIO(FMEA[".xlsx"](fmea("m", [EMPTY | {"item": "=1+1"}]))))
 
     cell = book.active["B2"]
 
@@ -152,7 +152,7 @@ def test_equal_tables_have_equal_bytes_whenever_they_are_written(monkeypatch):
 
 @pytest.mark.parametrize("text", ALL)
 def test_no_text_becomes_markup_or_a_command(text):
-    table = fmea(text, [EMPTY._replace(item=text, status=text)])
+    table = fmea(text, [EMPTY | {"item": text, "status": text}])
 
     title, _, *lines = FMEA[".md"](table).decode().splitlines()
     document = FMEA[".tex"](table).decode()
