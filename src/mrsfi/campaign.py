@@ -6,6 +6,7 @@ compares the files with the list. Then it makes the campaign once more from its 
 and code, and compares the two records. So it detects a changed result, even if all hashes fit it.
 """
 
+import datetime as dt
 import lzma
 import re
 import shutil
@@ -412,7 +413,7 @@ class Campaign:
             Also write it for a paper, with figures as PDF, and return that file.
         """
         with open_campaign(self.folder) as campaign:
-            explaining.report(campaign, ratio, latex=latex)
+            explaining.report(campaign, ratio, latex=latex, today=dt.date.today())
             return campaign.folder.latex if latex else campaign.folder.report
 
     def pack(self, out: Path | str) -> str:

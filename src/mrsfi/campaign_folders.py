@@ -18,13 +18,20 @@ from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
-from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
+from mrsfi_runtime.errors import (
+    GenerationError,
+    ModelError,
+    RecordError,
+    ReplayMismatch,
+    UsageError,
+)
 from mrsfi_runtime.fence import IMPORTED, copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, unprotected
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.database import CampaignFolder, hashes
+from mrsfi_runtime.record.decisions import Decision, decisions_of
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
@@ -138,6 +145,15 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
                 f"'{campaign.mission.name}'; expected that one; go to its project"
             )
     return folders
+
+
+def decisions_in(campaign: OpenCampaign) -> tuple[Decision, ...]:
+    """Return the decisions on weaknesses of a campaign's mission; none if that is gone."""
+    try:
+        models = mission_of(campaign).models
+    except (UsageError, ModelError):
+        return ()
+    return decisions_of(models)
 
 
 def find_evaluations(

@@ -6,6 +6,7 @@ are written as models. ``harvest`` searches for weaknesses, ``harvested`` reads 
 a page. Flights of a campaign use its own copy of the code.
 """
 
+import datetime as dt
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -18,6 +19,7 @@ from time import monotonic
 from mrsfi.campaign_folders import (
     FlyableCampaign,
     OpenCampaign,
+    decisions_in,
     find_evaluations,
     open_campaign,
     open_to_fly,
@@ -61,6 +63,7 @@ from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
+from mrsfi_runtime.record.decisions import words_on
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.settings import (
@@ -452,12 +455,15 @@ def report(
     show: Callable[[Summary], None] = lambda _: None,
     *,
     latex: bool = False,
+    today: dt.date | None = None,
 ) -> None:
     """Write the report of a campaign into its folder.
 
     ``show`` gets the results before the figures are drawn, by ``draw`` or a process of its own.
-    With ``latex``, the report is written for a paper, too.
+    With ``latex``, the report is written for a paper, too. ``today`` is the day for which the
+    report has the decisions on weaknesses; without it, there are none.
     """
+    known = () if today is None else decisions_in(campaign)
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
         write_report(
@@ -470,6 +476,7 @@ def report(
             draw=draw or stack.enter_context(DrawingProcess()).draw,
             show=show,
             latex=latex,
+            decided=lambda each: words_on(each, known, today or dt.date.min),
         )
 
 

@@ -1,7 +1,8 @@
 """The folders of missions (models, generated code, campaign files), and other IDs for elements.
 
-Begin with ``find_mission``. ``renaming`` gives elements other IDs in models, code, campaign files
-and kept limits. It computes all new contents before anything is written: all files change or none.
+Begin with ``find_mission``. ``renaming`` gives elements other IDs in models, code, campaign files,
+kept limits and decisions. It computes all new contents before anything is written: all files change
+or none.
 """
 
 import ast
@@ -25,6 +26,7 @@ from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import changing, settle
 from mrsfi_runtime.generated_code import require_semantics
 from mrsfi_runtime.project_file import root
+from mrsfi_runtime.record.decisions import decisions_of
 from mrsfi_runtime.record.settings import folder_of
 
 
@@ -131,12 +133,14 @@ _LIMITS = _Place(
 
 @dataclass(frozen=True, slots=True)
 class Renaming(WithNewIds):
-    """The changes that other IDs make, also in campaign files and limits.
+    """The changes that other IDs make, also in campaign files, limits and decisions.
 
-    ``scripts`` has the places where Python files beside the models name an old ID.
+    ``scripts`` has the places where Python files beside the models name an old ID. ``gone`` are the
+    files of decisions, which are named by IDs.
     """
 
     scripts: tuple[tuple[Path, int, str], ...]
+    gone: tuple[Path, ...]
 
     @property
     def paths(self) -> tuple[Path, ...]:
@@ -148,7 +152,11 @@ class Renaming(WithNewIds):
     @property
     def changes(self) -> dict[Path, bytes | None]:
         """New content of all files that change, by path."""
-        return {**self.contents, **({} if self.code is None else self.code.changes)}
+        return {
+            **dict.fromkeys(self.gone),
+            **self.contents,
+            **({} if self.code is None else self.code.changes),
+        }
 
 
 def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
@@ -173,8 +181,16 @@ def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
                 contents[path] = new.encode()
                 named = str(path)
                 lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    gone = []
+    for before in decisions_of(folders.models):
+        after = before.renamed(names)
+        if after != before:
+            contents[after.path] = after.text().encode()
+            gone.append(before.path)
+            texts = before.text().splitlines(), after.text().splitlines()
+            lines += unified_difference(*texts, str(before.path), str(after.path), "")
     scripts = tuple(_named(folders.models, names))
-    return Renaming(contents, found.respelt, found.code, tuple(lines), scripts)
+    return Renaming(contents, found.respelt, found.code, tuple(lines), scripts, tuple(gone))
 
 
 def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:

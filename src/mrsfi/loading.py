@@ -38,6 +38,7 @@ from mrsfi_runtime.files import changing, write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 from mrsfi_runtime.model.mission import starvation
+from mrsfi_runtime.record.decisions import Decision, read_decisions, unknown_in
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -170,6 +171,18 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     if n_errors(models):
         return Validated(folders.name, models, regions)
     loaded = inspection.require_models()
+    models += tuple(
+        Diagnostic(
+            path,
+            1,
+            f"decision '{path.stem}'",
+            "DecisionFits",
+            "error",
+            str(found).removeprefix(f"{path}: "),
+        )
+        for path, found in inspected_decisions(folders.models, loaded)
+        if isinstance(found, MrsfiError)
+    )
     flown = () if n_errors(regions) else _flown(folders, loaded, tell)
     counts = {
         "robots": len(loaded.mission.robots),
@@ -179,6 +192,16 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
         "faults": len(loaded.pool),
     }
     return Validated(folders.name, models, (*flown, *regions), counts)
+
+
+def inspected_decisions(
+    folder: Path, loaded: LoadedModels
+) -> Iterator[tuple[Path, Decision | MrsfiError]]:
+    """Yield the decisions on weaknesses beside models, or why one cannot be used."""
+    goals, faults = ([each.ID for each in some] for some in (loaded.mission.goals, loaded.pool))
+    for path, found in read_decisions(folder):
+        wrong = "" if isinstance(found, MrsfiError) else unknown_in(found, goals, faults)
+        yield path, UsageError(f"{path}: {wrong}") if wrong else found
 
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:

@@ -7,16 +7,23 @@ writes what a team decided on a weakness.
 """
 
 import datetime as dt
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
+from typing import ClassVar, Self
 
+from m2t.models.load import load_mission_folder, load_specification
 from mrsfi.campaign_folders import OpenCampaign, mission_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
-from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi.loading import (
+    inspected_decisions,
+    load_fresh,
+    read_specification,
+    specification_writer,
+)
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights
@@ -24,15 +31,51 @@ from mrsfi_runtime.causes.chain import find_cause
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    MrsfiError,
+    SpecificationError,
+    UndecidedWeakness,
+    UsageError,
+)
 from mrsfi_runtime.files import changing, writable
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import numbered
-from mrsfi_runtime.record.decisions import Cause, Decision, decision_file, decisions_of
+from mrsfi_runtime.model.faults import numbered, original
+from mrsfi_runtime.record.decisions import (
+    Cause,
+    Decision,
+    decision_on,
+    decisions_of,
+    read_decisions,
+)
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
 from mrsfi_runtime.record.store import Measure
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedDecision:
+    """The file of a decision: a sentence ``about`` it, or the ``failure`` why it is not valid.
+
+    ``warning`` says that it has expired. The rest is as of ``Checked``.
+    """
+
+    path: Path
+    about: tuple[str, ...] = ()
+    failure: MrsfiError | None = None
+    warning: str = ""
+    exceeded: ClassVar[tuple[str, ...]] = ()
+    why: ClassVar[tuple[str, ...]] = ()
+    places: ClassVar[tuple[tuple[Path, int], ...]] = ()
+    excess: ClassVar[str] = ""
+    found: ClassVar[str] = ""
+    seconds: ClassVar[float] = 0.0
+
+    @property
+    def name(self) -> str:
+        """The name of the file."""
+        return self.path.stem
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +86,8 @@ class Checked:
     is empty if the weakness could not be flown, and ``error`` is the reason. ``others`` has the
     same for the other seeds. ``gone`` are its faults that are not in today's pool; the kept file
     has copies of them. If a limit is exceeded, ``why`` has what each fault of the cause did, and
-    ``places`` the lines of the models or regions concerned.
+    ``places`` the lines of the models or regions concerned. ``faults`` are the pool's,
+    sorted. ``about`` has sentences on what its goals stand for, and on decisions.
     """
 
     regression: Regression
@@ -55,6 +99,31 @@ class Checked:
     why: tuple[str, ...] = ()
     seconds: float = 0.0
     places: tuple[tuple[Path, int], ...] = ()
+    faults: tuple[str, ...] = ()
+    about: tuple[str, ...] = ()
+    warning: ClassVar[str] = ""
+
+    @property
+    def name(self) -> str:
+        """The name of its files."""
+        return self.regression.name
+
+    @property
+    def path(self) -> Path:
+        """The file of its faults."""
+        return self.regression.specification
+
+    @property
+    def found(self) -> str:
+        """Where it was found, and what it did."""
+        return self.regression.found
+
+    def with_decisions(self, decisions: Iterable[Decision], today: dt.date) -> Self:
+        """Return it with the decisions on its goals under its faults."""
+        kind, limits = self.regression.violations, self.regression.limits
+        causes = [Cause(goal, self.faults) for goal in limits]
+        found = (each for each in decisions if any(each.covers(one, kind) for one in causes))
+        return replace(self, about=(*self.about, *(each.sentence(today) for each in found)))
 
     @property
     def exceeded(self) -> tuple[str, ...]:
@@ -181,7 +250,7 @@ def decide(
     if original == weakness:
         raise UsageError(f"--of: found {of}, the weakness itself; expected another weakness")
     decision = Decision(
-        decision_file(models, weakness),
+        Cause(weakness.goal, weakness.faults).path(models, weakness.measure),
         weakness.goal,
         weakness.measure,
         weakness.faults,
@@ -195,7 +264,7 @@ def decide(
     )
     Decision.parse(decision.path, decision.text())  # refuses what a file may not have
     with changing(models) as change:
-        replaced = tuple(each for each in decisions_of(models) if decision.replaces(each))
+        replaced = tuple(each for each in decisions_of(models) if each.cause == decision.cause)
         gone = dict.fromkeys(each.path for each in replaced)
         change.replace({**gone, decision.path: decision.text().encode()})
     return decision, replaced
@@ -248,12 +317,70 @@ def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
 
 
 def missions_with_kept() -> Iterator[MissionFolders]:
-    """Yield all folders below ``models`` with kept weaknesses, with or without a mission."""
+    """Yield all folders below ``models`` with kept weaknesses or decisions, also without models."""
     models = project().models
-    for folder in sorted({*models.glob("*/regressions"), *models.rglob("regressions")}):
-        if kept(folder.parent):
-            name = folder.parent.relative_to(models).as_posix()
-            yield replace(folders_at(folder.parent), name=name)
+    named = ("*/regressions", "*/decisions", "**/regressions", "**/decisions")  # * follows links
+    for folder in sorted({path.parent for each in named for path in models.glob(each)}):
+        if kept(folder) or any(read_decisions(folder)):
+            name = folder.relative_to(models).as_posix()
+            yield replace(folders_at(folder), name=name)
+
+
+def check_mission(
+    folders: MissionFolders,
+    engine: EngineSettings,
+    tell: Tell,
+    n_seeds: int | None,
+    today: dt.date,
+    *,
+    is_strict: bool,
+) -> list[Checked | CheckedDecision]:
+    """Fly all kept weaknesses of a mission, and compare its decisions with the models and a date.
+
+    One of both is needed. If the check is strict, an expired decision is an error.
+    """
+    found = [*read_decisions(folders.models)]
+    flown = (
+        [*check_all(folders, engine, tell, n_seeds)] if kept(folders.models) or not found else []
+    )
+    try:
+        if found:
+            found = [*inspected_decisions(folders.models, load_mission_folder(folders.models))]
+    except MrsfiError as error:
+        found = [(path, error) for path, _ in found]
+    sound = [each for _, each in found if isinstance(each, Decision)]
+    compared = (_compared(*each, today, is_strict=is_strict) for each in found)
+    return [*(each.with_decisions(sound, today) for each in flown), *compared]
+
+
+def _compared(
+    path: Path, found: Decision | MrsfiError, today: dt.date, *, is_strict: bool
+) -> CheckedDecision:
+    if isinstance(found, MrsfiError):
+        return CheckedDecision(path, failure=found)
+    about = found.sentence(today)
+    warning = f"{path}: {about} Decide again" if found.has_expired(today) else ""
+    failure = UndecidedWeakness(warning) if warning and is_strict else None
+    return CheckedDecision(path, (about,), failure, warning)
+
+
+def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...]:
+    """Return the weaknesses of a campaign that are not kept, and on which no valid decision is."""
+    models = mission_of(campaign).models
+    valid = [each for each in decisions_of(models) if not each.has_expired(today)]
+    causes = set()
+    for each in kept(models):
+        if each.defect is None:
+            copies = [fault.ID for fault in load_specification(each.specification).pool]
+            faults = _faults_of(copies, campaign.pool.by_id)
+            causes |= {(goal, faults) for goal in each.limits}
+    found = harvested(campaign).goal_weaknesses
+    rest = (each for each in found if (each.goal, each.faults) not in causes)
+    return tuple(each for each in rest if decision_on(each, valid) is None)
+
+
+def _faults_of(copies: Iterable[str], known: Container[str]) -> tuple[str, ...]:
+    return tuple(sorted({original(each, known) for each in copies}))
 
 
 def check_all(
@@ -301,6 +428,11 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
         if written.late:
             late = "; ".join(written.late)
             raise SpecificationError(f"{late}; expected the mission that it was kept for")
+        faults = _faults_of((fault.id for fault in written.pool), code.pool.by_id)
+        goals = [goal for goal in code.mission.goal_ids if goal in regression.limits]
+        stakes = {code.mission.label_of(each): code.mission.stakes_of(each) for each in goals}
+        about = tuple(f"{goal}: {each}." for goal, each in stakes.items() if each)
+        found = replace(found, faults=faults, about=about)
         for oddity in regression.idle(code.mission.duration):
             tell(oddity)
         flown = replace(code, pool=written.pool)

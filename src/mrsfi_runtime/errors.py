@@ -16,7 +16,8 @@
     │   ├── TransportClosed
     │   └── ProtocolError
     ├── RecordError             9  a campaign folder that cannot be read, written or flown
-    └── LimitExceeded          10  a kept weakness exceeds its limit
+    ├── LimitExceeded          10  a kept weakness exceeds its limit
+    └── UndecidedWeakness      11  a weakness is neither kept nor decided on
 
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
@@ -146,3 +147,9 @@ class LimitExceeded(MrsfiError):
     """A goal has more violations under a kept weakness than its limit allows."""
 
     exit_code = 10
+
+
+class UndecidedWeakness(MrsfiError):
+    """A weakness is neither kept nor decided on, or the decision has expired."""
+
+    exit_code = 11

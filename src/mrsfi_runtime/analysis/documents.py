@@ -151,6 +151,9 @@ def _weaknesses(summary: Summary) -> Iterator[str]:
         "mildest variant of those below. `mrsfi show RUN N` draws weakness N in time and space.",
         level=3,
     )
+    if summary.decided:
+        yield "### Decisions on weaknesses"
+        yield "\n".join(f"- Weakness {n}: {plain(words)}" for n, words in summary.decided.items())
     for weakness in least(summary.weaknesses):
         title = f"{mission.label_of(weakness.goal)}, weakness {weakness.number}"
         faults = named_faults(mission, pool, weakness.shown.witness)

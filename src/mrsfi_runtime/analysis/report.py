@@ -157,6 +157,7 @@ def _first_screen(
                 "sure": weaknesses.evidence(weakness),
                 "mildest": weakness.mildest and weakness.mildest.sentence,
                 "class": _class_of(weakness),
+                "decision": summary.decided.get(weakness.number, ""),
                 "share": weakness.shown.share,
                 "joint": len(weakness.faults) > 1,
                 "next": [(what, shlex.join(words)) for what, words in next_of(weakness).items()],
@@ -392,16 +393,20 @@ def write_report(  # noqa: PLR0913 - most have a default
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
     latex: bool = False,
+    decided: Callable[[GoalWeakness], str] = lambda _: "",
 ) -> Summary:
     """Write all files of a report on a campaign, finished or interrupted.
 
     Files of an earlier report are removed. ``record`` simulates the flights of the page; if it
     fails, the page gives the reason. ``show`` gets the summary when all files but the page and the
     figures are written; the figures are finished even if it fails. ``ratio`` is one to pick by.
+    ``decided`` returns the decision on a weakness in words.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, mission, pool, ratio)
+        words = {each.number: decided(each) for each in summary.weaknesses}
+        summary = replace(summary, decided={number: each for number, each in words.items() if each})
         with _writing(folder, "report"):
             shown = tuple(illustrate(summary, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")

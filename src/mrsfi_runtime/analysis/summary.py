@@ -56,7 +56,7 @@ class Summary:
     ``sentences`` describe by number what the faults of some weaknesses did. ``front`` is ``None``
     if it has fewer than two aims. ``patterns`` are fault types in the top, ``guilty`` those in the
     weaknesses. ``unrepeated`` describes how an external simulation or node gave different results
-    for the same faults, if it did.
+    for the same faults, if it did. ``decided`` has the decisions on weaknesses by number, in words.
     """
 
     folder: Path
@@ -87,6 +87,7 @@ class Summary:
     patterns: tuple[TypePattern, ...]
     guilty: tuple[TypePattern, ...]
     sentences: Mapping[int, Sequence[str]] = field(default_factory=dict)
+    decided: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def counted(self) -> str:

@@ -4,6 +4,7 @@
 ``--json`` they print the same facts as JSON.
 """
 
+import datetime as dt
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 import click
 
-from mrsfi.campaign_folders import OpenCampaign
+from mrsfi.campaign_folders import OpenCampaign, decisions_in
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
 from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis import tables, weaknesses
@@ -26,9 +27,10 @@ from mrsfi_runtime.causes.missing import estimate
 from mrsfi_runtime.causes.risk import risk
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
-from mrsfi_runtime.errors import counted
+from mrsfi_runtime.errors import UndecidedWeakness, counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.record.decisions import KINDS, decision_on, words_on
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE, Measure, ticks
 
@@ -77,6 +79,7 @@ def print_all(
         print_table(weaknesses.matrix_table(mission, pool, found))
         title = "How, in one of the variants of each weakness"
         print_table(weaknesses.weakness_table(title, mission, pool, found))
+        _print_decisions(campaign, found)
     for each in goals:
         print_words(weaknesses.not_found(known.known, each))
     click.echo()
@@ -89,6 +92,32 @@ def print_all(
         click.echo()
     for goal, value in risks.items():
         print_words(weaknesses.risk_in_words(goal, value))
+
+
+def _print_decisions(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
+    known, today = decisions_in(campaign), dt.date.today()
+    words = {each.number: words_on(each, known, today) for each in found}
+    for number, decision in words.items():
+        if decision:
+            print_words((f"Weakness {number}: ", "bold"), decision)
+    if any(words.values()):
+        click.echo()
+
+
+def require_decided(campaign: OpenCampaign) -> None:
+    """Report the weaknesses of a campaign that are neither kept nor decided on, and refuse them."""
+    from mrsfi.regressions import undecided
+
+    found, run = undecided(campaign, dt.date.today()), campaign.folder.path
+    if found:
+        for each in found:
+            words = weaknesses.sentence(campaign.mission, campaign.pool, each)
+            tell(f"undecided  weakness {each.number} ({' and '.join(each.faults)}): {words}")
+        tell(f"keep it    mrsfi keep {run} --weakness N")
+        tell(f"or decide  mrsfi decide {run} N {'|'.join(KINDS)} --because TEXT --by NAME")
+        n = counted(len(found), "weaknesses")
+        verb = "is" if len(found) == 1 else "are"
+        raise UndecidedWeakness(f"{run}: {n} {verb} neither kept nor decided on")
 
 
 def _print_estimates(
@@ -135,8 +164,13 @@ def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harv
 
 def print_found(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
     """Print weaknesses as JSON, with a row for each measure."""
-    of = campaign.mission, campaign.pool
-    print_json([row for weakness in found for row in weaknesses.as_json(*of, weakness)])
+    known, today, rows = decisions_in(campaign), dt.date.today(), list[dict[str, Any]]()
+    for weakness in found:
+        decision = decision_on(weakness, known)
+        more = {"decision": decision and decision.as_json(today)}
+        by = weaknesses.as_json(campaign.mission, campaign.pool, weakness)
+        rows += [each | more for each in by]
+    print_json(rows)
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[GoalWeakness], *, is_json: bool) -> None:
@@ -173,7 +207,7 @@ def report(
 
     path = campaign.folder.path
     try:
-        write_report(campaign, ratio, draw, show, latex=latex)
+        write_report(campaign, ratio, draw, show, latex=latex, today=dt.date.today())
     except KeyboardInterrupt:
         tell(f"figures are missing from the report; write it again with: mrsfi report {path}")
         raise

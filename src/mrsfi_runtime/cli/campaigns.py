@@ -18,7 +18,7 @@ from mrsfi_runtime.cli.terminal import tell
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
-from mrsfi_runtime.record.settings import ALGORITHM_NAMES, MINIMISING, VIOLATIONS
+from mrsfi_runtime.record.settings import ALGORITHM_NAMES, COVERING, MINIMISING, VIOLATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,6 +73,12 @@ def _ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] |
     metavar="|".join(COSTS),
     help=f"Also minimise their number; needs algorithm {' or '.join(MINIMISING)}.",
 )
+@click.option(
+    "--nightly",
+    "is_nightly",
+    is_flag=True,
+    help=f"--algorithm {COVERING}, and exit code 11 if a weakness is neither kept nor decided.",
+)
 @options.worker_options
 @options.engine_options(default=AUTO)
 @options.folder_option(
@@ -88,6 +94,7 @@ def evolve_command(
     resume: Path | None,
     ratio: str | None,
     explain: bool | None,
+    is_nightly: bool,
     is_json: bool,
     **given: Any,
 ) -> None:
@@ -110,6 +117,7 @@ def evolve_command(
       mrsfi evolve uuv_sampling --algorithm cover --until 0.02
       mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
       mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
+      mrsfi evolve uuv_sampling --nightly --seed 41 --until 0.1
       mrsfi evolve --resume runs/uuv_sampling-a-1
 
     The same seed gives the same result, bit for bit, with any number of workers. A campaign that
@@ -118,13 +126,17 @@ def evolve_command(
     """
     from mrsfi.evolving import evolve
     from mrsfi_runtime.analysis.summary import DrawingProcess, map_drawing
-    from mrsfi_runtime.cli.campaign_results import report
+    from mrsfi_runtime.cli.campaign_results import report, require_decided
     from mrsfi_runtime.cli.terminal import search_progress
 
+    if is_nightly and (explain is False or given["algorithm"] not in {None, COVERING}):
+        raise click.UsageError(f"--nightly needs --algorithm {COVERING} and --explain")
+    if is_nightly and resume is None:
+        given["algorithm"] = COVERING
     if resume is None:
         opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
     else:
-        opened = _resumed(resume, ctx, engine, workers, ratio)
+        opened = _resumed(resume, ctx, engine, workers, ratio, is_nightly=is_nightly)
     with (
         opened as (campaign, flown_by),
         DrawingProcess(map_drawing(campaign.mission)) as process,
@@ -139,6 +151,8 @@ def evolve_command(
                 tell(f"continue with: mrsfi evolve --resume {path}")
             raise
         report(campaign, ratio, is_json=is_json, draw=process.draw)
+        if is_nightly:
+            require_decided(campaign)
 
 
 def _begun(
@@ -154,19 +168,27 @@ def _begun(
     from mrsfi.evolving import begun
     from mrsfi.folders import campaign_file, find_mission
     from mrsfi.loading import load_fresh
+    from mrsfi_runtime.record.decisions import decisions_of
     from mrsfi_runtime.record.settings import CampaignSettings
 
     workers.require_sense(engine)
     if mission is None:
         raise UsageError("found no MISSION; expected one, or --resume DIR to continue a campaign")
     folders, case = find_mission(mission, generated), case or "a"
+    decisions_of(folders.models)  # refuses, before the search, what the report could not read
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     code = load_fresh(folders)
     return begun(folders, code, settings, case, engine, out=out, ratio=ratio, tell=tell)
 
 
 def _resumed(
-    path: Path, ctx: click.Context, engine: Given, workers: Workers, ratio: str | None
+    path: Path,
+    ctx: click.Context,
+    engine: Given,
+    workers: Workers,
+    ratio: str | None,
+    *,
+    is_nightly: bool,
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
     from mrsfi.evolving import resumed
     from mrsfi_runtime.record.store import CampaignStore
@@ -175,6 +197,11 @@ def _resumed(
         store.require_flyable()
         store.require_repeatable()
         manifest, settings = store.manifest, store.settings
+    if is_nightly and settings.algorithm != COVERING:
+        raise UsageError(
+            f"--nightly: {path} was begun with {settings.algorithm}; expected {COVERING}; "
+            "leave the option out"
+        )
     begun_with = {"mission": manifest.mission, "case": manifest.case, "protect": []}
     begun_with |= settings.as_json()
     _require_same_options(path, ctx, begun_with)
@@ -187,7 +214,10 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
     for parameter in ctx.command.params:
         name = str(parameter.name)
         is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_given or name in {"resume", "ratio", "explain", "is_json"} | OF_ENGINE:
+        if (
+            not is_given
+            or name in {"resume", "ratio", "explain", "is_nightly", "is_json"} | OF_ENGINE
+        ):
             continue
         given = ctx.params[name]
         label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"

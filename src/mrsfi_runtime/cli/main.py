@@ -171,8 +171,8 @@ def cli(traceback: bool) -> None:
       2  wrong usage                         8  messages were lost
       3  a model that cannot be used         9  a campaign folder that cannot be used
       4  generation impossible, or stale    10  a kept weakness exceeds its limit
-      5  a fault specification that         130  interrupted
-         cannot be flown
+      5  a fault specification that         11  a weakness is neither kept nor decided on
+         cannot be flown                   130  interrupted
     """
 
 

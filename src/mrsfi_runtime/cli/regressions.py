@@ -10,23 +10,24 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date
 from os.path import normpath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
 from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_json, print_table, tell
-from mrsfi_runtime.errors import LimitExceeded, UsageError
+from mrsfi_runtime.errors import LimitExceeded, UsageError, counted
 from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.engine_settings import AUTO
 
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from mrsfi.regressions import Checked
+    from mrsfi.regressions import Checked, CheckedDecision
     from mrsfi_runtime.record.settings import Regression
 
+    Result: TypeAlias = Checked | CheckedDecision
 
 _CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"  # as in JSON
 _IN_WORDS = {_CAME_BACK: "exceeds its limit", _HOLDS: "within its limit"}
@@ -34,19 +35,20 @@ _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML does not allow: control characters, lone surrogates."""
 
 
-def print_annotations(checked: "Iterable[Checked]") -> None:
-    """Annotate, for GitHub, the lines of what exceeds its limit or cannot be judged."""
+def print_annotations(checked: "Iterable[Result]") -> None:
+    """Annotate, for GitHub, the lines of what exceeds its limit, expired, or cannot be judged."""
     for each in checked:
-        message = f"{each.regression.name}: "
+        message, kind = f"{each.name}: ", "warning" if each.failure is None else "error"
         if each.exceeded:
-            message += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
-        elif each.failure is not None:
-            message += str(each.failure)
+            kind = "error"
+            message += " ".join((f"{each.excess.partition(': ')[2]}.", *each.why, *each.about))
+        elif each.failure is not None or each.warning:
+            message += str(each.failure or each.warning)
         else:
             continue
-        for path, line in each.places or ((each.regression.specification, 1),):
+        for path, line in each.places or ((each.path, 1),):
             file = _escaped(normpath(path), ":,")
-            click.echo(f"::error file={file},line={line}::{_escaped(message)}")
+            click.echo(f"::{kind} file={file},line={line}::{_escaped(message)}")
 
 
 def _escaped(text: str, more: str = "") -> str:
@@ -55,9 +57,22 @@ def _escaped(text: str, more: str = "") -> str:
     return text
 
 
-def _print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
-    for name, checked in found.items():
-        _print(name, checked)
+def _print_tables(found: "Mapping[str, Sequence[Result]]") -> None:
+    from mrsfi.regressions import Checked
+
+    for name, every in found.items():
+        checked = [each for each in every if isinstance(each, Checked)]
+        if checked:
+            _print(name, checked)
+        decisions = [each for each in every if not isinstance(each, Checked)]
+        if decisions:
+            click.echo(f"{name}: {counted(len(decisions), 'decisions')}")
+        for each in decisions:
+            click.echo(
+                f"  {' '.join(each.about) or f'{each.name} cannot be judged: {each.failure}'}"
+            )
+            if each.warning and each.failure is None:
+                tell(f"warning: {each.warning}")
 
 
 def _print(name: str, checked: "Sequence[Checked]") -> None:
@@ -84,7 +99,8 @@ def _print(name: str, checked: "Sequence[Checked]") -> None:
             click.echo(f"{each.regression.name}: accepted because {each.regression.accepted}\n")
         if each.exceeded:
             click.echo(f"{each.regression.name} exceeds its limit. From {each.regression.found}")
-            click.echo("\n".join(f"  {sentence}" for sentence in each.why) + "\n")
+            sentences = (*each.why, *each.about)
+            click.echo("\n".join(f"  {sentence}" for sentence in sentences) + "\n")
         elif each.failure is not None:
             failed[str(each.failure)].append(each.regression.name)
     for message, names in failed.items():
@@ -114,25 +130,32 @@ def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
             head = ("", "")
 
 
-def _state(each: "Checked") -> str:
+def _state(each: "Result") -> str:
     if each.exceeded:
         return _CAME_BACK
     return _HOLDS if each.failure is None else _UNKNOWN
 
 
-def verdict_as_json(each: "Checked") -> dict[str, Any]:
-    """Return a verdict as plain values."""
-    regression = each.regression
-    return {
-        "name": regression.name,
+def verdict_as_json(each: "Result") -> dict[str, Any]:
+    """Return a verdict on a kept weakness or a decision as plain values."""
+    from mrsfi.regressions import Checked
+
+    verdict = {
+        "name": each.name,
         "state": _state(each),
+        "error": None if each.failure is None else str(each.failure),
+        "about": list(each.about),
+    }
+    if not isinstance(each, Checked):
+        return verdict | {"warning": each.warning}
+    regression = each.regression
+    return verdict | {
         "violations": regression.violations,
         "mission_seeds": list(each.seeds),
         "kept_seeds": list(regression.mission_seeds),
         "max": dict(regression.limits),
         "now": each.now,
         "exceeded": list(each.exceeded),
-        "error": None if each.failure is None else str(each.failure),
         "not_in_pool": list(each.gone),
         "why": list(each.why),
         "found": regression.found,
@@ -140,7 +163,7 @@ def verdict_as_json(each: "Checked") -> dict[str, Any]:
     }
 
 
-def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
+def write_junit(path: Path, found: "Mapping[str, Sequence[Result]]") -> None:
     """Write all verdicts as JUnit's XML, which build servers read."""
     from xml.etree import ElementTree as ET
 
@@ -154,13 +177,16 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
         suite.attrib |= {kind: str(n) for kind, n in counts.items()}
         suite.set("time", f"{sum(each.seconds for each in checked):.3f}")
         for each in checked:
-            about = {"classname": f"mrsfi.{name}", "name": each.regression.name}
+            about = {"classname": f"mrsfi.{name}", "name": each.name}
             case = ET.SubElement(suite, "testcase", about, time=f"{each.seconds:.3f}")
             if each.exceeded:
                 failure = ET.SubElement(case, "failure", message=each.excess)
-                failure.text = "\n".join((f"Found in {each.regression.found}", *each.why))
+                failure.text = "\n".join((f"Found in {each.found}", *each.why))
             elif each.failure is not None:
                 ET.SubElement(case, "error", message=str(each.failure))
+            if each.about:
+                warning = "Warning: " * bool(each.warning)
+                ET.SubElement(case, "system-out").text = f"{warning}{' '.join(each.about)}"
     for element in root.iter():
         element.text = element.text and _legal(element.text)
         element.attrib.update({key: _legal(value) for key, value in element.attrib.items()})
@@ -319,8 +345,9 @@ def decide_command(run: Path, number: int, until: "datetime | None", **given: An
 @options.engine_options(default=AUTO)
 @options.file_option("--junit", "Write the verdicts to FILE as JUnit's XML, for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
+@click.option("--strict", "is_strict", is_flag=True, help="Treat expired decisions as errors.")
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts as JSON.")
-def check_command(
+def check_command(  # noqa: PLR0913, PLR0917 - its options
     mission: str | None,
     generated: Path | None,
     engine: Given,
@@ -328,6 +355,7 @@ def check_command(
     junit: Path | None,
     digest: str | None,
     github: bool,
+    is_strict: bool,
     is_json: bool,
 ) -> None:
     """Fly every kept weakness of MISSION with today's models and code, and check its limits.
@@ -336,6 +364,9 @@ def check_command(
     check prints why and ends with exit code 10. A weakness that cannot be judged any more, because
     a robot is gone, say, is an error: the others are flown all the same, and the exit code is the
     lowest of such errors. If nothing is kept, that is an error, too.
+
+    It also prints the decisions of mrsfi decide. One that names a goal or a fault that is gone is
+    an error; one that has expired is a warning, and with --strict an error with exit code 11.
 
     With an ARCHIVE of mrsfi pack, check compares its files with the list of their hashes, repeats
     the campaign with its own code, and compares the results with the record. Whoever changes a file
@@ -350,7 +381,7 @@ def check_command(
       mrsfi check for-the-paper.zip --digest 3f0c…
     """
     from mrsfi.folders import find_mission
-    from mrsfi.regressions import check_all, missions_with_kept
+    from mrsfi.regressions import check_mission, missions_with_kept
 
     if mission is not None and mission.endswith(".zip"):
         is_of_kept = bool(generated or n_seeds or junit or github)
@@ -367,7 +398,10 @@ def check_command(
             "found no kept weakness in models/*/regressions/; expected at least one; keep one "
             "with: mrsfi keep CAMPAIGN --weakness 1"
         )
-    found = {each.name: [*check_all(each, settings, tell, n_seeds)] for each in places}
+    found = {
+        each.name: check_mission(each, settings, tell, n_seeds, date.today(), is_strict=is_strict)
+        for each in places
+    }
     if junit is not None:
         write_junit(junit, found)
         tell(f"written    {junit}")
@@ -402,7 +436,7 @@ def _repeat(
     click.echo(f"archive digest {found}: {wanted}")
 
 
-def _end(every: "Sequence[Checked]") -> None:
+def _end(every: "Sequence[Result]") -> None:
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]

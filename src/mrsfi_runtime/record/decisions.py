@@ -7,8 +7,8 @@ There is at most one on a goal and a set of faults. The keys of a file are the f
 
 import datetime as dt
 import re
-from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, Self
@@ -43,6 +43,18 @@ class Cause(NamedTuple):
     goal: str
     faults: tuple[str, ...]
 
+    def renamed(self, names: Mapping[str, str]) -> Self:
+        """Return it with other IDs, given by old ones."""
+        faults = sorted(names.get(fault, fault) for fault in self.faults)
+        return self._replace(goal=names.get(self.goal, self.goal), faults=tuple(faults))
+
+    def path(self, models: Path, measure: str) -> Path:
+        """Return the file of a decision on it, beside the models of its mission."""
+        name = f"{self.goal}-{measure}-{'+'.join(self.faults)}"
+        if len(name) > _LONGEST:
+            name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
+        return models / "decisions" / f"{name}.toml"
+
     def __str__(self) -> str:
         """Return ``g2 by f3 and f7``."""
         return f"{self.goal} by {' and '.join(self.faults)}"
@@ -73,9 +85,18 @@ class Decision:
         """The weakness on which it decides."""
         return Cause(self.goal, self.faults)
 
-    def replaces(self, other: Self) -> bool:
-        """Return whether both decide on one weakness, or are one file."""
-        return self.cause == other.cause or self.path == other.path
+    def renamed(self, names: Mapping[str, str]) -> Self:
+        """Return it with other IDs, in the file that they name."""
+        cause, of = self.cause.renamed(names), self.of and self.of.renamed(names)
+        if (cause, of) == (self.cause, self.of):
+            return self
+        path = cause.path(self.path.parent.parent, self.violations)
+        return replace(self, path=path, goal=cause.goal, faults=cause.faults, of=of)
+
+    def covers(self, cause: Cause, measure: str) -> bool:
+        """Return whether it is on these faults, by a measure at least as grave."""
+        rank = VIOLATIONS.index
+        return self.cause == cause and rank(measure) <= rank(self.violations)
 
     def has_expired(self, today: dt.date) -> bool:
         """Return whether it is no longer valid."""
@@ -87,6 +108,17 @@ class Decision:
         until = "" if self.until is None else f" until {self.until}"
         what = _KINDS[self.kind].format(of=self.of)
         return printable(f"{expired}{what} by {self.by} on {self.date}{until}: {self.because}")
+
+    def sentence(self, today: dt.date) -> str:
+        """Return the decision in a sentence that names the weakness."""
+        return f"Decision on {self.cause}: {self.in_words(today)}."
+
+    def as_json(self, today: dt.date) -> dict[str, Any]:
+        """Return it as plain values, without the weakness."""
+        names = ("kind", "because", "by", "date", "until", "of", "path")
+        values = {name: getattr(self, name) for name in names}
+        plain = {name: None if each is None else str(each) for name, each in values.items()}
+        return plain | {"expired": self.has_expired(today)}
 
     def text(self) -> str:
         """Return the text of the file, as ``parse`` reads it."""
@@ -136,9 +168,14 @@ def decisions_of(models: Path) -> tuple[Decision, ...]:
 
 def decision_on(weakness: Judged, decisions: Iterable[Decision]) -> Decision | None:
     """Return the decision on a weakness; none if the weakness is graver than what was decided."""
-    rank, cause = VIOLATIONS.index, Cause(weakness.goal, weakness.faults)
-    found = (each for each in decisions if each.cause == cause)
-    return next((each for each in found if rank(weakness.measure) <= rank(each.violations)), None)
+    cause = Cause(weakness.goal, weakness.faults)
+    return next((each for each in decisions if each.covers(cause, weakness.measure)), None)
+
+
+def words_on(weakness: Judged, decisions: Iterable[Decision], today: dt.date) -> str:
+    """Return the decision on a weakness in words; empty if there is none."""
+    found = decision_on(weakness, decisions)
+    return "" if found is None else found.in_words(today)
 
 
 def unknown_in(decision: Decision, goals: Collection[str], faults: Collection[str]) -> str:
@@ -150,14 +187,6 @@ def unknown_in(decision: Decision, goals: Collection[str], faults: Collection[st
                 wanted = expected(found, known, f"one of the {what} of the mission:")
                 return f"found '{found}'; {wanted}; decide again, or remove the file"
     return ""
-
-
-def decision_file(models: Path, weakness: Judged) -> Path:
-    """Return the file of a decision on a weakness."""
-    name = f"{weakness.goal}-{weakness.measure}-{'+'.join(weakness.faults)}"
-    if len(name) > _LONGEST:
-        name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
-    return models / "decisions" / f"{name}.toml"
 
 
 def _in_toml(value: object) -> str:

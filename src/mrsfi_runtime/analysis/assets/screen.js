@@ -77,6 +77,7 @@ class Screen {
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight, because it is less grave than the others. The first two commands below show it.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
       make("p", {}, bdi(`${way.said}.`)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`)),
+      way.decision ? make("p", { class: "decision" }, make("b", {}, "Decision: "), bdi(`${way.decision}.`)) : "",
       ...(way.mildest ? [make("p", { class: "note" }, bdi(`Mildest variant: ${way.mildest}.`))] : []));
     withTerms(this.panel);
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map((each) => commandOf(...each)));
