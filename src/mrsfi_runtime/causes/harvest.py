@@ -64,6 +64,7 @@ class Probing:
     ``N_FEW`` if none breaks anything. Later turns have one specification for each column, and half
     as many faults alone, an eighth as long as none breaks anything. A specification is random or
     ``given``, of at most ``n_faults`` faults; or it leads from a set that was found to another one.
+    ``Known.unexplained`` may give them: what was flown for one column often breaks another, too.
     """
 
     def __init__(
@@ -202,7 +203,9 @@ class Cover:
         self._most, self._until = settings.evaluations, settings.until
         self._rng = Random(settings.seed)
         self.known = Known(space, ends_by_bounds=settings.until is not None)
-        self._probing = Probing(space, self.known, settings.faults, self._rng)
+        self._probing = Probing(
+            space, self.known, settings.faults, self._rng, given=self.known.unexplained
+        )
         self._yardstick: Yardstick | None = None
         self._n_asked = 0
         self._n_generations = 0
@@ -493,13 +496,19 @@ def _affordable(known: Known, left: int) -> int:
 def _probing(
     space: SearchSpace, store: CampaignStore, known: Known, yardstick: Yardstick, most: int
 ) -> Probing:
-    """Return what proposes flights, first those that explain columns without weaknesses."""
+    """Return what proposes flights, first those that explain columns without weaknesses.
+
+    Flights of the harvest are explained only if no fault breaks a goal alone: else its few flights
+    are worth more as random ones, which bound what is not found.
+    """
     left = {column: deque[int](maxlen=_N_EVALUATIONS) for column in known.sets}
     for each in store.flown(1):
         for column in yardstick.broken(each.outcome):
             left[column].append(each.index)
 
     def unexplained(column: Column) -> Specification | None:
+        if known.is_harmless and (flown := known.unexplained(column)):
+            return flown
         if known.sets[column] or not left[column]:
             return None
         return store.evaluation(left[column].pop()).specification

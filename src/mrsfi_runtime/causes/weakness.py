@@ -172,6 +172,7 @@ class Known:
         self.n_kept = dict.fromkeys(self.sets, 0)
         self.n_restarts = dict.fromkeys(self.sets, 0)
         self._forms: defaultdict[FaultSet, list[Specification]] = defaultdict(list)
+        self._unexplained = {column: list[Specification]() for column in self.sets}
 
     def learn(self, specification: Specification, broken: Broken) -> None:
         """Record what a flight breaks; a single fault is a minimal set of each broken column."""
@@ -181,8 +182,9 @@ class Known:
         self.flown[tried] = broken
         faults = faults_of(specification)
         self._forms[faults].append(specification)
-        if len(faults) == 1:
-            for column in broken:
+        for column in broken:
+            self._unexplained[column].append(specification)
+            if len(faults) == 1:
                 self.add(column, faults)
 
     def add(self, column: Column, faults: FaultSet) -> None:
@@ -251,6 +253,15 @@ class Known:
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether some faults contain a set that breaks a column."""
         return any(known <= faults for known in self.sets[column])
+
+    def unexplained(self, column: Column) -> Specification | None:
+        """Return the flown variant of fewest faults that breaks a column without a known set."""
+        self._unexplained[column] = [
+            each
+            for each in self._unexplained[column]
+            if not self.has_part_of(column, faults_of(each))
+        ]
+        return min(self._unexplained[column], key=len, default=None)
 
     def breaking(self, column: Column, faults: FaultSet) -> Iterator[Specification]:
         """Yield the variants of exactly these faults that broke a column, in order of trial."""
