@@ -186,10 +186,16 @@ def test_risks_have_two_values_where_faults_have_likelihoods(place, second, tmp_
     assert alone["upper"] is None
     assert 0.0 < alone["lower"] <= both["lower"] < both["upper"] < 1.0
     of = "Risk of energy: it is truly violated or fails in at least"
-    assert f"{of} {100 * alone['lower']:.2g} % of missions, a lower bound from" in said_alone
+    least, unless = f"{100 * alone['lower']:.2g} %", "if no fault undoes another"
+    assert f"{of} {least} of missions {unless}, a lower bound from" in said_alone
+    assert f"at least this share of missions, {unless}: SufficientEnergy (energy) {least}" in (
+        said_alone
+    )
     assert said_alone.endswith("an upper value needs --with")
     assert f"{of} {100 * both['lower']:.2g} % of" in said
     assert f"sets; {100 * both['upper']:.2g} % if as many sets exist" in said
+    summary = mrsfi_json("report", "cover", cwd=tmp_path)
+    assert summary["weaknesses"]["risk"]["energy"] == alone
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):

@@ -35,6 +35,7 @@ from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verd
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.protection import confirmed, ladder
+from mrsfi_runtime.causes.risk import risks
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
@@ -202,6 +203,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
 
 
 def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
+    at_risk = risks(summary.pool, summary.mission.goal_ids, [summary.weaknesses])
     return {
         "n_flown": known.n_flights,
         "found": [
@@ -215,6 +217,7 @@ def _weaknesses(summary: Summary, known: Harvest) -> dict[str, Any]:
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
         "protect": [*_protect(summary, known)],
+        "risk": {goal: each._asdict() for goal, each in at_risk.items()},
     }
 
 

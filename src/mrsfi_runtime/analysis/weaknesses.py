@@ -23,7 +23,7 @@ from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.missing import Estimate
 from mrsfi_runtime.causes.protection import confirmed, ladder
-from mrsfi_runtime.causes.risk import Risk
+from mrsfi_runtime.causes.risk import Risk, risks
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units
@@ -175,7 +175,7 @@ def risk_in_words(goal: str, found: Risk) -> str:
         )
     return (
         f"Risk of {goal}: it is truly violated or fails in at least {100 * found.lower:.2g} % of "
-        f"missions, a lower bound from {sets}; {upper}"
+        f"missions if no fault undoes another, a lower bound from {sets}; {upper}"
     )
 
 
@@ -512,14 +512,24 @@ def facts(
     pool: FaultPool,
     goals: Sequence[GoalVerdict],
     known: Harvest,
+    *others: Harvest,
 ) -> Iterator[str]:
-    """Yield sentences: undetected weaknesses, false alarms, and the elements to protect first."""
+    """Yield sentences: undetected weaknesses, false alarms, risks, the elements to protect first.
+
+    Risks count what other campaigns found, too.
+    """
     undetected = [each.label for each in goals if each.weakness and each.weakness.is_undetected]
     if undetected:
         yield f"Undetected in at least one variant: {', '.join(undetected)}"
     alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"False alarms only: {', '.join(alarms)}"
+    labels = {each.goal: each.label for each in goals}
+    found = risks(pool, labels, [each.goal_weaknesses for each in (known, *others)])
+    shares = [f"{labels[goal]} {100 * each.lower:.2g} %" for goal, each in found.items()]
+    if shares:
+        least = "Truly violated or failed in at least this share of missions"
+        yield f"{least}, if no fault undoes another: {', '.join(shares)}"
     yield from _protect_first(mission, pool, known)
 
 

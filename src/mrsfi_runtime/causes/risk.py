@@ -84,6 +84,14 @@ def risk(pool: FaultPool, goal: str, campaigns: Sequence[Sequence[GoalWeakness]]
     return Risk(lower, upper, len(shares), len(shares) - len(known))
 
 
+def risks(
+    pool: FaultPool, goals: Iterable[str], campaigns: Sequence[Sequence[GoalWeakness]]
+) -> dict[str, Risk]:
+    """Return the risk of each of some goals, without those for which no likelihood is known."""
+    found = {goal: risk(pool, goal, campaigns) for goal in goals}
+    return {goal: each for goal, each in found.items() if each}
+
+
 def _least_share(weakness: Weakness) -> float:
     """Return the lower end of a weakness's share (of several faults, Clopper and Pearson's).
 

@@ -24,7 +24,7 @@ from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.missing import estimate
-from mrsfi_runtime.causes.risk import risk
+from mrsfi_runtime.causes.risk import risks
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import UndecidedWeakness, counted
@@ -36,14 +36,14 @@ from mrsfi_runtime.record.store import NONE, Measure, ticks
 
 
 def print_verdicts(
-    campaign: OpenCampaign, known: Harvest, goals: Sequence[str] | None = None
+    campaign: OpenCampaign, known: Harvest, *others: Harvest, goals: Sequence[str] | None = None
 ) -> None:
     """Print a sentence for each goal: whether it breaks, by which faults, on what evidence."""
     mission, pool = campaign.mission, campaign.pool
     wanted = mission.goal_ids if goals is None else goals
     found = [each for each in weaknesses.verdicts(mission, pool, known) if each.goal in wanted]
     print_words((weaknesses.headline(found), "bold"))
-    for fact in weaknesses.facts(mission, pool, found, known):
+    for fact in weaknesses.facts(mission, pool, found, known, *others):
         print_words(fact)
     click.echo()
     held = [each for each in found if each.state is State.HOLDS]
@@ -74,7 +74,7 @@ def print_all(
     With other campaigns, print how many weaknesses are estimated; with likelihoods, the risks.
     """
     mission, pool = campaign.mission, campaign.pool
-    print_verdicts(campaign, known, goals)
+    print_verdicts(campaign, known, *others, goals=goals)
     if found:
         print_table(weaknesses.matrix_table(mission, pool, found))
         title = "How, in one of the variants of each weakness"
@@ -86,11 +86,10 @@ def print_all(
     print_words(weaknesses.harmless(pool, known))
     print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known), goals))
     _print_estimates(campaign, goals, [each.weaknesses for each in (known, *others)])
-    ways = [each.goal_weaknesses for each in (known, *others)]
-    risks = {goal: value for goal in goals if (value := risk(pool, goal, ways))}
-    if risks:
+    at_risk = risks(pool, goals, [each.goal_weaknesses for each in (known, *others)])
+    if at_risk:
         click.echo()
-    for goal, value in risks.items():
+    for goal, value in at_risk.items():
         print_words(weaknesses.risk_in_words(goal, value))
 
 
@@ -152,9 +151,9 @@ def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harv
         for column, n in known.n_kept.items()
         if column.goal in goals
     ]
-    risks = {goal: risk(pool, goal, [each.goal_weaknesses for each in campaigns]) for goal in goals}
-    if len(samples) > 1 or any(risks.values()):
-        whole = {goal: found and found._asdict() for goal, found in risks.items()}
+    at_risk = risks(pool, goals, [each.goal_weaknesses for each in campaigns])
+    if len(samples) > 1 or at_risk:
+        whole = {goal: (found := at_risk.get(goal)) and found._asdict() for goal in goals}
         rows += [{"goal": goal, "measure": None, "risk": found} for goal, found in whole.items()]
     for row in rows if len(samples) > 1 else ():
         measures = MEASURES if row["measure"] is None else [row["measure"]]
