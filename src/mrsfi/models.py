@@ -1,5 +1,6 @@
-"""Models: difference, import and writing, for the command line and for scripts."""
+"""Models: difference, import, requirements and writing, for the command line and for scripts."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,8 @@ from m2t.models.difference import difference as difference  # noqa: PLC0414 - fo
 from m2t.models.importing import Imported as Imported  # noqa: PLC0414
 from m2t.models.importing import Note as Note  # noqa: PLC0414
 from m2t.models.importing import import_published as import_published  # noqa: PLC0414
-from m2t.models.load import FAULTS_XMI, MISSION_XMI
+from m2t.models.load import FAULTS_XMI, MISSION_XMI, edited, load_mission_folder
+from m2t.models.requirements import ReqifFile, update
 from m2t.models.write import dumps
 from m2t.read import MAX_BYTES
 from mrsfi_runtime.files import changing
@@ -32,6 +34,21 @@ def piped(pipe: Path, folder: Path) -> Path:
     with pipe.open("rb") as content:
         file.write_bytes(content.read(MAX_BYTES + 1))
     return file
+
+
+def import_requirements(folder: Path, file: ReqifFile) -> Mapping[str, tuple[str, ...]]:
+    """Add the requirements of a ReqIF file to the mission in a folder, or update them, and write.
+
+    Return their IDs by what was done: ``added``, ``changed``, ``unchanged``, or ``kept`` although
+    the file lacks them; and the files ``written``. A requirement that the model cannot have raises
+    a ``ModelError``.
+    """
+    done: dict[str, tuple[str, ...]] = {}
+    with changing(folder) as change:
+        models = load_mission_folder(folder)
+        edit = edited(models, lambda _: done.update(update(models.mission, file.requirements)))
+        change.replace(edit.contents)
+    return {**done, "written": tuple(map(str, edit.contents))}
 
 
 def write_models(folder: Path | str, mission: Any, faults: Any) -> None:

@@ -8,6 +8,7 @@ from m2t.models.load import load_mission_folder
 from mrsfi_runtime.glossary import TERMS
 from tests.support.cli import MISSION, edit, mrsfi, stop_specification
 from tests.support.models.published import published
+from tests.support.tree import ROOT
 from tests.tiers import slow
 
 COMMANDS = (
@@ -27,6 +28,7 @@ COMMANDS = (
     "compare",
     "bridge",
     "import",
+    "requirements",
     "rename",
     "diff",
     "pack",
@@ -69,6 +71,7 @@ IMPORTED = [
     (("diff", MISSION, MISSION), MODELS),
     (("rename", MISSION, "r1=leader", "--diff"), FRESH),
     (("import", "published.xmi"), MODELS),
+    (("requirements", "required.reqif", MISSION), FRESH),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
     (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
     *(pytest.param(*case, marks=slow) for case in LONG),
@@ -159,6 +162,7 @@ def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
     models = load_mission_folder(place / "models" / MISSION)
     stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
     (place / "published.xmi").write_text(published(models), encoding="ascii")
+    shutil.copy(ROOT / "models" / "undersea" / "requirements.reqif", place / "required.reqif")
 
     done = subprocess.run(
         [sys.executable, "-c", _IMPORTS, " ".join(HEAVY), *arguments],

@@ -37,6 +37,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "pack": ("campaigns", "Pack a campaign into one file that can be repeated elsewhere."),
     "bridge": ("flights", "Run a rosbridge server for simulators and collective intelligences."),
     "import": ("models", "Make a mission folder from a model of the paper's prototype."),
+    "requirements": ("models", "Read requirements from ReqIF, or write their results into it."),
     "rename": ("models", "Give elements of a mission other IDs, in all files."),
     "diff": ("models", "Print the difference between two models."),
     "help": ("main", "Print the help of a command, or of a topic: bus, words."),

@@ -1,4 +1,4 @@
-"""Commands that make, check and change models: new, import, diff, rename, validate, generate.
+"""Commands that make, check and change models: new, import, requirements, diff and others.
 
 A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
 so that ``mrsfi --help`` loads no toolchain.
@@ -14,7 +14,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.options import generated_option, mission_argument, print_metamodels
+from mrsfi_runtime.cli.options import (
+    file_option,
+    generated_option,
+    mission_argument,
+    print_metamodels,
+)
 from mrsfi_runtime.cli.terminal import print_changes, print_json, tell
 from mrsfi_runtime.errors import EvaluationError, GenerationError, ModelError, UsageError, counted
 
@@ -395,3 +400,74 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
     unfilled = unfilled_regions(folders.generated)
     if unfilled:
         raise GenerationError("\n".join(each.words for each in unfilled))
+
+
+@click.command(name="requirements")
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@mission_argument
+@click.option(
+    "--text",
+    metavar="NAME",
+    default="ReqIF.Text",
+    help="The value with the text.",
+    show_default=True,
+)
+@click.option(
+    *("--id", "identity"),
+    metavar="NAME",
+    default="ReqIF.ForeignID",
+    help="The value with the ID.",
+    show_default=True,
+)
+@click.option("--result", "run", type=click.Path(path_type=Path), metavar="RUN", help="Campaign.")
+@file_option("--output", "Where FILE is written with the results of RUN.")
+@click.option("--json", "is_json", is_flag=True, help="Print what was done as JSON.")
+def requirements_command(
+    file: Path,
+    mission: str,
+    text: str,
+    identity: str,
+    run: Path | None,
+    output: Path | None,
+    is_json: bool,
+) -> None:
+    """Read the requirements of FILE, in ReqIF, into the model of MISSION, or write their results.
+
+    Each SPEC-OBJECT of FILE that has a text becomes a Requirement. --text and --id name the values
+    that have text and ID; without such an ID, its identifier is used. Characters that no ID may
+    have become _. Requirements that only the model has are kept.
+
+    With --result and --output, the model stays as it is. A copy of FILE gets one more value for
+    each requirement that was read, mrsfi.Result: undetected, late, in time, none found, or not
+    searched. It is the gravest of the goals of MISSION that name the requirement.
+
+    \b
+    Examples:
+      mrsfi requirements models/undersea/requirements.reqif undersea
+      mrsfi requirements harbour.reqif harbour --text Description --id ID
+      mrsfi requirements harbour.reqif harbour --result runs/harbour-a-1 --output out.reqif
+    """
+    from m2t.models.requirements import ReqifFile
+    from mrsfi.folders import find_mission
+
+    if (run is None) != (output is None):
+        raise click.UsageError("--result and --output need each other")
+    folders, reqif = find_mission(mission), ReqifFile(file, text, identity)
+    if run is not None and output is not None:
+        from mrsfi.requirements import export_results
+
+        results = export_results(folders, reqif, run, output)
+        lines = [f"{result:12} {name}" for name, result in results.items()]
+        lines.append(f"written      {output}")
+    else:
+        from mrsfi.models import import_requirements
+
+        done = import_requirements(folders.models, reqif)
+        lines = [f"{what:10} {', '.join(names)}" for what, names in done.items() if names]
+        if done["written"]:
+            lines.append(f"next       name them in goals, then mrsfi generate {mission}")
+    if is_json:
+        print_json(done if run is None else results)
+        return
+    for line in lines:
+        click.echo(line)
