@@ -38,7 +38,7 @@ from mrsfi_runtime.files import changing, write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 from mrsfi_runtime.model.mission import starvation
-from mrsfi_runtime.record.decisions import Decision, read_decisions, unknown_in
+from mrsfi_runtime.record.decisions import Decision, read_decisions
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -180,7 +180,7 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
             "error",
             str(found).removeprefix(f"{path}: "),
         )
-        for path, found in inspected_decisions(folders.models, loaded)
+        for path, found in decisions_beside(folders.models, loaded)
         if isinstance(found, MrsfiError)
     )
     flown = () if n_errors(regions) else _flown(folders, loaded, tell)
@@ -194,14 +194,12 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     return Validated(folders.name, models, (*flown, *regions), counts)
 
 
-def inspected_decisions(
+def decisions_beside(
     folder: Path, loaded: LoadedModels
 ) -> Iterator[tuple[Path, Decision | MrsfiError]]:
     """Yield the decisions on weaknesses beside models, or why one cannot be used."""
     goals, faults = ([each.ID for each in some] for some in (loaded.mission.goals, loaded.pool))
-    for path, found in read_decisions(folder):
-        wrong = "" if isinstance(found, MrsfiError) else unknown_in(found, goals, faults)
-        yield path, UsageError(f"{path}: {wrong}") if wrong else found
+    return read_decisions(folder, goals, faults)
 
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
-from typing import ClassVar, Self
 
 from m2t.models.load import load_mission_folder, load_specification
 from mrsfi.campaign_folders import OpenCampaign, mission_of
@@ -19,7 +18,7 @@ from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
 from mrsfi.loading import (
-    inspected_decisions,
+    decisions_beside,
     load_fresh,
     read_specification,
     specification_writer,
@@ -44,6 +43,7 @@ from mrsfi_runtime.model.faults import numbered, original
 from mrsfi_runtime.record.decisions import (
     Cause,
     Decision,
+    decision_file,
     decision_on,
     decisions_of,
     read_decisions,
@@ -55,30 +55,6 @@ from mrsfi_runtime.record.store import Measure
 
 
 @dataclass(frozen=True, slots=True)
-class CheckedDecision:
-    """The file of a decision: a sentence ``about`` it, or the ``failure`` why it is not valid.
-
-    ``warning`` says that it has expired. The rest is as of ``Checked``.
-    """
-
-    path: Path
-    about: tuple[str, ...] = ()
-    failure: MrsfiError | None = None
-    warning: str = ""
-    exceeded: ClassVar[tuple[str, ...]] = ()
-    why: ClassVar[tuple[str, ...]] = ()
-    places: ClassVar[tuple[tuple[Path, int], ...]] = ()
-    excess: ClassVar[str] = ""
-    found: ClassVar[str] = ""
-    seconds: ClassVar[float] = 0.0
-
-    @property
-    def name(self) -> str:
-        """The name of the file."""
-        return self.path.stem
-
-
-@dataclass(frozen=True, slots=True)
 class Checked:
     """The result of a kept weakness, with its mission ``seeds`` and the ``seconds`` that it took.
 
@@ -86,8 +62,10 @@ class Checked:
     is empty if the weakness could not be flown, and ``error`` is the reason. ``others`` has the
     same for the other seeds. ``gone`` are its faults that are not in today's pool; the kept file
     has copies of them. If a limit is exceeded, ``why`` has what each fault of the cause did, and
-    ``places`` the lines of the models or regions concerned. ``faults`` are the pool's,
-    sorted. ``about`` has sentences on what its goals stand for, and on decisions.
+    ``places`` the lines of the models or regions concerned. ``faults`` are the pool's, sorted.
+    ``about`` has sentences on what its goals stand for, and on decisions.
+
+    A decision is a result, too: it has no limits, and ``warning`` says whether it has expired.
     """
 
     regression: Regression
@@ -101,29 +79,8 @@ class Checked:
     places: tuple[tuple[Path, int], ...] = ()
     faults: tuple[str, ...] = ()
     about: tuple[str, ...] = ()
-    warning: ClassVar[str] = ""
-
-    @property
-    def name(self) -> str:
-        """The name of its files."""
-        return self.regression.name
-
-    @property
-    def path(self) -> Path:
-        """The file of its faults."""
-        return self.regression.specification
-
-    @property
-    def found(self) -> str:
-        """Where it was found, and what it did."""
-        return self.regression.found
-
-    def with_decisions(self, decisions: Iterable[Decision], today: dt.date) -> Self:
-        """Return it with the decisions on its goals under its faults."""
-        kind, limits = self.regression.violations, self.regression.limits
-        causes = [Cause(goal, self.faults) for goal in limits]
-        found = (each for each in decisions if any(each.covers(one, kind) for one in causes))
-        return replace(self, about=(*self.about, *(each.sentence(today) for each in found)))
+    warning: str = ""
+    is_decision: bool = False
 
     @property
     def exceeded(self) -> tuple[str, ...]:
@@ -250,7 +207,7 @@ def decide(
     if original == weakness:
         raise UsageError(f"--of: found {of}, the weakness itself; expected another weakness")
     decision = Decision(
-        Cause(weakness.goal, weakness.faults).path(models, weakness.measure),
+        decision_file(models, weakness),
         weakness.goal,
         weakness.measure,
         weakness.faults,
@@ -264,7 +221,9 @@ def decide(
     )
     Decision.parse(decision.path, decision.text())  # refuses what a file may not have
     with changing(models) as change:
-        replaced = tuple(each for each in decisions_of(models) if each.cause == decision.cause)
+        replaced = tuple(
+            each for each in decisions_of(models) if each.cause[:2] == decision.cause[:2]
+        )
         gone = dict.fromkeys(each.path for each in replaced)
         change.replace({**gone, decision.path: decision.text().encode()})
     return decision, replaced
@@ -334,34 +293,36 @@ def check_mission(
     today: dt.date,
     *,
     is_strict: bool,
-) -> list[Checked | CheckedDecision]:
+) -> list[Checked]:
     """Fly all kept weaknesses of a mission, and compare its decisions with the models and a date.
 
     One of both is needed. If the check is strict, an expired decision is an error.
     """
-    found = [*read_decisions(folders.models)]
-    flown = (
-        [*check_all(folders, engine, tell, n_seeds)] if kept(folders.models) or not found else []
-    )
+    models, found = folders.models, [*read_decisions(folders.models)]
+    checked = [*check_all(folders, engine, tell, n_seeds)] if kept(models) or not found else []
     try:
-        if found:
-            found = [*inspected_decisions(folders.models, load_mission_folder(folders.models))]
+        found = found and [*decisions_beside(models, load_mission_folder(models))]
     except MrsfiError as error:
         found = [(path, error) for path, _ in found]
-    sound = [each for _, each in found if isinstance(each, Decision)]
-    compared = (_compared(*each, today, is_strict=is_strict) for each in found)
-    return [*(each.with_decisions(sound, today) for each in flown), *compared]
+    decided = [each for _, each in found if isinstance(each, Decision)]
+    for place, each in enumerate(checked):
+        kind, goals = each.regression.violations, each.regression.limits
+        some = {decision_on(Cause(goal, each.faults, kind), decided) for goal in goals}
+        sentences = sorted(one.sentence(today) for one in some if one)
+        checked[place] = replace(each, about=(*each.about, *sentences))
+    return checked + [_compared(*each, today, is_strict=is_strict) for each in found]
 
 
 def _compared(
     path: Path, found: Decision | MrsfiError, today: dt.date, *, is_strict: bool
-) -> CheckedDecision:
+) -> Checked:
+    row = Checked(Regression(path, "", "", (), {}), (), places=((path, 1),), is_decision=True)
     if isinstance(found, MrsfiError):
-        return CheckedDecision(path, failure=found)
+        return replace(row, error=found)
     about = found.sentence(today)
     warning = f"{path}: {about} Decide again" if found.has_expired(today) else ""
-    failure = UndecidedWeakness(warning) if warning and is_strict else None
-    return CheckedDecision(path, (about,), failure, warning)
+    error = UndecidedWeakness(warning) if warning and is_strict else None
+    return replace(row, error=error, about=(about,), warning=warning)
 
 
 def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...]:

@@ -259,4 +259,4 @@ def test_a_night_needs_cover_and_weaknesses(place):
 
     done = mrsfi("evolve", "--resume", "runs/it", "--nightly", cwd=place, expected=2)
 
-    assert "--nightly: runs/it was begun with planted_search:Planted" in done.stderr
+    assert "--algorithm: found cover; runs/it was begun with planted_search:Planted" in done.stderr

@@ -104,19 +104,18 @@ def _print_decisions(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> N
 
 
 def require_decided(campaign: OpenCampaign) -> None:
-    """Report the weaknesses of a campaign that are neither kept nor decided on, and refuse them."""
+    """Refuse a campaign with weaknesses that are neither kept nor decided on, and report these."""
     from mrsfi.regressions import undecided
 
     found, run = undecided(campaign, dt.date.today()), campaign.folder.path
+    for each in found:
+        words = weaknesses.sentence(campaign.mission, campaign.pool, each)
+        tell(f"undecided  weakness {each.number} ({' and '.join(each.faults)}): {words}")
     if found:
-        for each in found:
-            words = weaknesses.sentence(campaign.mission, campaign.pool, each)
-            tell(f"undecided  weakness {each.number} ({' and '.join(each.faults)}): {words}")
         tell(f"keep it    mrsfi keep {run} --weakness N")
         tell(f"or decide  mrsfi decide {run} N {'|'.join(KINDS)} --because TEXT --by NAME")
         n = counted(len(found), "weaknesses")
-        verb = "is" if len(found) == 1 else "are"
-        raise UndecidedWeakness(f"{run}: {n} {verb} neither kept nor decided on")
+        raise UndecidedWeakness(f"{run}: found {n} neither kept nor decided on; expected none")
 
 
 def _print_estimates(

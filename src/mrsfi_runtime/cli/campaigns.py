@@ -129,14 +129,15 @@ def evolve_command(
     from mrsfi_runtime.cli.campaign_results import report, require_decided
     from mrsfi_runtime.cli.terminal import search_progress
 
-    if is_nightly and (explain is False or given["algorithm"] not in {None, COVERING}):
-        raise click.UsageError(f"--nightly needs --algorithm {COVERING} and --explain")
-    if is_nightly and resume is None:
-        given["algorithm"] = COVERING
+    if is_nightly:
+        if explain is False or given["algorithm"] not in {None, COVERING}:
+            raise click.UsageError(f"--nightly needs --algorithm {COVERING} and --explain")
+        given["algorithm"] = ctx.params["algorithm"] = COVERING
+        ctx.set_parameter_source("algorithm", ParameterSource.COMMANDLINE)
     if resume is None:
         opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
     else:
-        opened = _resumed(resume, ctx, engine, workers, ratio, is_nightly=is_nightly)
+        opened = _resumed(resume, ctx, engine, workers, ratio)
     with (
         opened as (campaign, flown_by),
         DrawingProcess(map_drawing(campaign.mission)) as process,
@@ -182,13 +183,7 @@ def _begun(
 
 
 def _resumed(
-    path: Path,
-    ctx: click.Context,
-    engine: Given,
-    workers: Workers,
-    ratio: str | None,
-    *,
-    is_nightly: bool,
+    path: Path, ctx: click.Context, engine: Given, workers: Workers, ratio: str | None
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
     from mrsfi.evolving import resumed
     from mrsfi_runtime.record.store import CampaignStore
@@ -197,11 +192,6 @@ def _resumed(
         store.require_flyable()
         store.require_repeatable()
         manifest, settings = store.manifest, store.settings
-    if is_nightly and settings.algorithm != COVERING:
-        raise UsageError(
-            f"--nightly: {path} was begun with {settings.algorithm}; expected {COVERING}; "
-            "leave the option out"
-        )
     begun_with = {"mission": manifest.mission, "case": manifest.case, "protect": []}
     begun_with |= settings.as_json()
     _require_same_options(path, ctx, begun_with)
@@ -210,14 +200,14 @@ def _resumed(
     return resumed(path, flown_by, ratio=ratio, tell=tell)
 
 
+_FREE = {"resume", "ratio", "explain", "is_nightly", "is_json"}  # also of a begun campaign
+
+
 def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str, Any]) -> None:
     for parameter in ctx.command.params:
         name = str(parameter.name)
         is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if (
-            not is_given
-            or name in {"resume", "ratio", "explain", "is_nightly", "is_json"} | OF_ENGINE
-        ):
+        if not is_given or name in _FREE | OF_ENGINE:
             continue
         given = ctx.params[name]
         label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date
 from os.path import normpath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,10 +24,9 @@ from mrsfi_runtime.record.engine_settings import AUTO
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from mrsfi.regressions import Checked, CheckedDecision
+    from mrsfi.regressions import Checked
     from mrsfi_runtime.record.settings import Regression
 
-    Result: TypeAlias = Checked | CheckedDecision
 
 _CAME_BACK, _UNKNOWN, _HOLDS = "came back", "cannot be judged", "holds"  # as in JSON
 _IN_WORDS = {_CAME_BACK: "exceeds its limit", _HOLDS: "within its limit"}
@@ -35,18 +34,19 @@ _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML does not allow: control characters, lone surrogates."""
 
 
-def print_annotations(checked: "Iterable[Result]") -> None:
+def print_annotations(checked: "Iterable[Checked]") -> None:
     """Annotate, for GitHub, the lines of what exceeds its limit, expired, or cannot be judged."""
     for each in checked:
-        message, kind = f"{each.name}: ", "warning" if each.failure is None else "error"
+        kind, message = "error", f"{each.regression.name}: "
         if each.exceeded:
-            kind = "error"
             message += " ".join((f"{each.excess.partition(': ')[2]}.", *each.why, *each.about))
-        elif each.failure is not None or each.warning:
-            message += str(each.failure or each.warning)
+        elif each.failure is not None:
+            message += str(each.failure)
+        elif each.warning:
+            kind, message = "warning", message + each.warning
         else:
             continue
-        for path, line in each.places or ((each.path, 1),):
+        for path, line in each.places or ((each.regression.specification, 1),):
             file = _escaped(normpath(path), ":,")
             click.echo(f"::{kind} file={file},line={line}::{_escaped(message)}")
 
@@ -57,20 +57,15 @@ def _escaped(text: str, more: str = "") -> str:
     return text
 
 
-def _print_tables(found: "Mapping[str, Sequence[Result]]") -> None:
-    from mrsfi.regressions import Checked
-
+def _print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
     for name, every in found.items():
-        checked = [each for each in every if isinstance(each, Checked)]
+        checked = [each for each in every if not each.is_decision]
         if checked:
             _print(name, checked)
-        decisions = [each for each in every if not isinstance(each, Checked)]
-        if decisions:
-            click.echo(f"{name}: {counted(len(decisions), 'decisions')}")
-        for each in decisions:
-            click.echo(
-                f"  {' '.join(each.about) or f'{each.name} cannot be judged: {each.failure}'}"
-            )
+        if len(checked) < len(every):
+            click.echo(f"{name}: {counted(len(every) - len(checked), 'decisions')}")
+        for each in every[len(checked) :]:
+            click.echo(f"  {' '.join(each.about) or f'cannot be judged: {each.failure}'}")
             if each.warning and each.failure is None:
                 tell(f"warning: {each.warning}")
 
@@ -130,40 +125,35 @@ def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
             head = ("", "")
 
 
-def _state(each: "Result") -> str:
+def _state(each: "Checked") -> str:
     if each.exceeded:
         return _CAME_BACK
     return _HOLDS if each.failure is None else _UNKNOWN
 
 
-def verdict_as_json(each: "Result") -> dict[str, Any]:
-    """Return a verdict on a kept weakness or a decision as plain values."""
-    from mrsfi.regressions import Checked
-
-    verdict = {
-        "name": each.name,
-        "state": _state(each),
-        "error": None if each.failure is None else str(each.failure),
-        "about": list(each.about),
-    }
-    if not isinstance(each, Checked):
-        return verdict | {"warning": each.warning}
+def verdict_as_json(each: "Checked") -> dict[str, Any]:
+    """Return a verdict as plain values."""
     regression = each.regression
-    return verdict | {
+    return {
+        "name": regression.name,
+        "state": _state(each),
         "violations": regression.violations,
         "mission_seeds": list(each.seeds),
         "kept_seeds": list(regression.mission_seeds),
         "max": dict(regression.limits),
         "now": each.now,
         "exceeded": list(each.exceeded),
+        "error": None if each.failure is None else str(each.failure),
         "not_in_pool": list(each.gone),
         "why": list(each.why),
         "found": regression.found,
         "accepted": regression.accepted,
+        "about": list(each.about),
+        "warning": each.warning,
     }
 
 
-def write_junit(path: Path, found: "Mapping[str, Sequence[Result]]") -> None:
+def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
     """Write all verdicts as JUnit's XML, which build servers read."""
     from xml.etree import ElementTree as ET
 
@@ -177,11 +167,11 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Result]]") -> None:
         suite.attrib |= {kind: str(n) for kind, n in counts.items()}
         suite.set("time", f"{sum(each.seconds for each in checked):.3f}")
         for each in checked:
-            about = {"classname": f"mrsfi.{name}", "name": each.name}
+            about = {"classname": f"mrsfi.{name}", "name": each.regression.name}
             case = ET.SubElement(suite, "testcase", about, time=f"{each.seconds:.3f}")
             if each.exceeded:
                 failure = ET.SubElement(case, "failure", message=each.excess)
-                failure.text = "\n".join((f"Found in {each.found}", *each.why))
+                failure.text = "\n".join((f"Found in {each.regression.found}", *each.why))
             elif each.failure is not None:
                 ET.SubElement(case, "error", message=str(each.failure))
             if each.about:
@@ -436,7 +426,7 @@ def _repeat(
     click.echo(f"archive digest {found}: {wanted}")
 
 
-def _end(every: "Sequence[Result]") -> None:
+def _end(every: "Sequence[Checked]") -> None:
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""
     back = [each.excess for each in every if each.exceeded]

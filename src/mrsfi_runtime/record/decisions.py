@@ -38,22 +38,11 @@ class Judged(Protocol):
 
 
 class Cause(NamedTuple):
-    """A goal, and the faults that break it, by their sorted IDs."""
+    """A goal, the faults that break it, by their sorted IDs, and a measure or none."""
 
     goal: str
     faults: tuple[str, ...]
-
-    def renamed(self, names: Mapping[str, str]) -> Self:
-        """Return it with other IDs, given by old ones."""
-        faults = sorted(names.get(fault, fault) for fault in self.faults)
-        return self._replace(goal=names.get(self.goal, self.goal), faults=tuple(faults))
-
-    def path(self, models: Path, measure: str) -> Path:
-        """Return the file of a decision on it, beside the models of its mission."""
-        name = f"{self.goal}-{measure}-{'+'.join(self.faults)}"
-        if len(name) > _LONGEST:
-            name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
-        return models / "decisions" / f"{name}.toml"
+    measure: str = ""
 
     def __str__(self) -> str:
         """Return ``g2 by f3 and f7``."""
@@ -83,20 +72,20 @@ class Decision:
     @property
     def cause(self) -> Cause:
         """The weakness on which it decides."""
-        return Cause(self.goal, self.faults)
+        return Cause(self.goal, self.faults, self.violations)
 
     def renamed(self, names: Mapping[str, str]) -> Self:
-        """Return it with other IDs, in the file that they name."""
-        cause, of = self.cause.renamed(names), self.of and self.of.renamed(names)
+        """Return it with other IDs, given by old ones, in the file that they name."""
+
+        def new(cause: Cause) -> Cause:
+            faults = sorted(names.get(fault, fault) for fault in cause.faults)
+            return cause._replace(goal=names.get(cause.goal, cause.goal), faults=tuple(faults))
+
+        cause, of = new(self.cause), self.of and new(self.of)
         if (cause, of) == (self.cause, self.of):
             return self
-        path = cause.path(self.path.parent.parent, self.violations)
+        path = decision_file(self.path.parent.parent, cause)
         return replace(self, path=path, goal=cause.goal, faults=cause.faults, of=of)
-
-    def covers(self, cause: Cause, measure: str) -> bool:
-        """Return whether it is on these faults, by a measure at least as grave."""
-        rank = VIOLATIONS.index
-        return self.cause == cause and rank(measure) <= rank(self.violations)
 
     def has_expired(self, today: dt.date) -> bool:
         """Return whether it is no longer valid."""
@@ -141,19 +130,37 @@ class Decision:
         return cls(path, **table | {"faults": tuple(sorted(table["faults"]))})
 
 
-def read_decisions(models: Path) -> Iterator[tuple[Path, Decision | MrsfiError]]:
-    """Yield the files of decisions beside a mission's models, each with its decision or defect."""
-    first: dict[Cause, str] = {}
+def read_decisions(
+    models: Path, goals: Collection[str] | None = None, faults: Collection[str] = ()
+) -> Iterator[tuple[Path, Decision | MrsfiError]]:
+    """Yield the files of decisions beside a mission's models, each with its decision or defect.
+
+    With the IDs of the mission, a decision that names others is a defect.
+    """
+    first: dict[tuple[object, ...], str] = {}
     for path in sorted((models / "decisions").glob("*.toml")):
         try:
             found = Decision.parse(path, read_text(path, _WHAT))
-            if first.setdefault(found.cause, path.name) != path.name:
-                what = f"found a second decision on {found.cause}, beside {first[found.cause]}"
+            other = first.setdefault(found.cause[:2], path.name)
+            if other != path.name:
+                what = f"found a second decision on {found.cause}, beside {other}"
                 raise UsageError(f"{path}: {what}; expected one; remove one of the files")
+            if goals is not None:
+                _require_known(found, goals, faults)
         except MrsfiError as error:
             yield path, error
         else:
             yield path, found
+
+
+def _require_known(decision: Decision, goals: Collection[str], faults: Collection[str]) -> None:
+    for cause in filter(None, (decision.cause, decision.of)):
+        named = [("goals", cause.goal, goals), *(("faults", each, faults) for each in cause.faults)]
+        for what, found, known in named:
+            if found not in known:
+                wanted = expected(found, known, f"one of the {what} of the mission:")
+                advice = "decide again, or remove the file"
+                raise UsageError(f"{decision.path}: found '{found}'; {wanted}; {advice}")
 
 
 def decisions_of(models: Path) -> tuple[Decision, ...]:
@@ -168,8 +175,9 @@ def decisions_of(models: Path) -> tuple[Decision, ...]:
 
 def decision_on(weakness: Judged, decisions: Iterable[Decision]) -> Decision | None:
     """Return the decision on a weakness; none if the weakness is graver than what was decided."""
-    cause = Cause(weakness.goal, weakness.faults)
-    return next((each for each in decisions if each.covers(cause, weakness.measure)), None)
+    rank, cause = VIOLATIONS.index, (weakness.goal, weakness.faults)
+    found = (each for each in decisions if each.cause[:2] == cause)
+    return next((each for each in found if rank(weakness.measure) <= rank(each.violations)), None)
 
 
 def words_on(weakness: Judged, decisions: Iterable[Decision], today: dt.date) -> str:
@@ -178,15 +186,12 @@ def words_on(weakness: Judged, decisions: Iterable[Decision], today: dt.date) ->
     return "" if found is None else found.in_words(today)
 
 
-def unknown_in(decision: Decision, goals: Collection[str], faults: Collection[str]) -> str:
-    """Return what a decision names and its mission does not have; empty if it has all of it."""
-    for cause in filter(None, (decision.cause, decision.of)):
-        named = [("goals", cause.goal, goals), *(("faults", each, faults) for each in cause.faults)]
-        for what, found, known in named:
-            if found not in known:
-                wanted = expected(found, known, f"one of the {what} of the mission:")
-                return f"found '{found}'; {wanted}; decide again, or remove the file"
-    return ""
+def decision_file(models: Path, weakness: Judged) -> Path:
+    """Return the file of a decision on a weakness, beside the models of its mission."""
+    name = f"{weakness.goal}-{weakness.measure}-{'+'.join(weakness.faults)}"
+    if len(name) > _LONGEST:
+        name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
+    return models / "decisions" / f"{name}.toml"
 
 
 def _in_toml(value: object) -> str:
@@ -197,24 +202,22 @@ def _in_toml(value: object) -> str:
     return quoted(value) if isinstance(value, str) else str(value)
 
 
-def _is_text(value: Any) -> bool:
-    return (
-        isinstance(value, str) and bool(value.strip()) and not re.search("[\ud800-\udfff]", value)
-    )
+def _is_text(value: Any) -> object:
+    return isinstance(value, str) and re.fullmatch(r"(?s)(?=.*\S)[^\ud800-\udfff]+", value)
 
 
-def _are_ids(value: Any) -> bool:
+def _are_ids(value: Any) -> object:
     is_list = isinstance(value, list) and value and all(map(_is_text, value))
-    return bool(is_list) and len({*value}) == len(value)
+    return is_list and len({*value}) == len(value)
 
 
-def _is_cause(value: Any) -> bool:
+def _is_cause(value: Any) -> object:
     is_table = isinstance(value, dict) and {*value} == {"goal", "faults"}
     return is_table and _is_text(value["goal"]) and _are_ids(value["faults"])
 
 
 _MEASURES = [each for each in VIOLATIONS if each != "masked"]
-_TEXT, _DAY = ("a text", _is_text), "a day, such as 2026-11-28"
+_TEXT, _DAY = ("a text", _is_text), "a day, such as 2027-03-01"
 _RULES: Rules = {
     "goal": ("the ID of a goal", _is_text),
     "violations": (f"one of {', '.join(_MEASURES)}", lambda value: value in _MEASURES),
