@@ -23,7 +23,7 @@ from mrsfi_runtime.errors import ModelError, expected
 TEXT, FOREIGN_ID = "ReqIF.Text", "ReqIF.ForeignID"
 """Names of the values that have text and ID, by the implementation guide of ReqIF."""
 
-_RESULT = "mrsfi.Result"
+_RESULT = "Result of mrsfi"
 _NEW = {"LAST-CHANGE": "2026-11-28T00:00:00Z", "LONG-NAME": _RESULT}  # LAST-CHANGE of this line
 _MISC = r"((?:\s|\ufeff|<\?.*?\?>|<!--.*?-->)*)"
 _AROUND = re.compile(rf"{_MISC}<.*</[\w.:-]+\s*>{_MISC}", re.DOTALL)  # the root element

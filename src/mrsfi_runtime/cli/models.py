@@ -438,7 +438,7 @@ def requirements_command(
     have become _. Requirements that only the model has are kept.
 
     With --result and --output, the model stays as it is. A copy of FILE gets one more value for
-    each requirement that was read, mrsfi.Result: undetected, late, in time, none found, or not
+    each requirement that was read, Result of mrsfi: undetected, late, in time, none found, or not
     searched. It is the gravest of the goals of MISSION that name the requirement.
 
     \b
@@ -447,8 +447,8 @@ def requirements_command(
       mrsfi requirements harbour.reqif harbour --text Description --id ID
       mrsfi requirements harbour.reqif harbour --result runs/harbour-a-1 --output out.reqif
     """
-    from m2t.models.requirements import ReqifFile
     from mrsfi.folders import find_mission
+    from mrsfi.models import ReqifFile, import_requirements
 
     if (run is None) != (output is None):
         raise click.UsageError("--result and --output need each other")
@@ -460,8 +460,6 @@ def requirements_command(
         lines = [f"{result:12} {name}" for name, result in results.items()]
         lines.append(f"written      {output}")
     else:
-        from mrsfi.models import import_requirements
-
         done = import_requirements(folders.models, reqif)
         lines = [f"{what:10} {', '.join(names)}" for what, names in done.items() if names]
         if done["written"]:
