@@ -217,7 +217,7 @@ def commit_of(folders: MissionFolders) -> tuple[str, bool]:
     """
 
     def git(place: Path, *words: str) -> str:
-        line = ("git", "-C", place, "-c", "core.fsmonitor=false", *words)
+        line = ("git", "-C", str(place), "-c", "core.fsmonitor=false", *words)
         done = subprocess.run(line, capture_output=True, check=True, encoding="utf-8", timeout=30)
         return done.stdout.strip()
 
