@@ -172,7 +172,8 @@ def _as_latex(table: Table) -> bytes:
     """Return a document with a list of the cells of each failure mode."""
     parts = [_LATEX, f"\\section*{{{in_latex(table.title)}}}"]
     for number, *cells in table.rows:
-        parts.append(f"\\subsection*{{{HEADS[0].capitalize()} {number}}}\n\\begin{{description}}")
+        title = in_latex(f"Weakness {number}")
+        parts.append(f"\\subsection*{{{title}}}\n\\begin{{description}}")
         named = zip(HEADS[1:], cells, strict=True)
         parts += [f"\\item[{name}] {in_latex(in_words(cell))}" for name, cell in named]
         parts.append("\\end{description}")
