@@ -147,13 +147,18 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
     return folders
 
 
+def models_of(campaign: OpenCampaign) -> Path | None:
+    """Return the folder of the models of a campaign's mission; ``None`` if that is gone."""
+    try:
+        return mission_of(campaign).models
+    except (UsageError, ModelError):
+        return None
+
+
 def decisions_in(campaign: OpenCampaign) -> tuple[Decision, ...]:
     """Return the decisions on weaknesses of a campaign's mission; none if that is gone."""
-    try:
-        models = mission_of(campaign).models
-    except (UsageError, ModelError):
-        return ()
-    return decisions_of(models)
+    models = models_of(campaign)
+    return () if models is None else decisions_of(models)
 
 
 def find_evaluations(

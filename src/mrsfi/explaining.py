@@ -430,13 +430,19 @@ def write_map(
 
 
 def write_fmea(
-    campaign: OpenCampaign, found: Sequence[GoalWeakness], record: Record, path: Path
+    campaign: OpenCampaign,
+    found: Sequence[GoalWeakness],
+    record: Record,
+    settled: Mapping[int, Mapping[str, str]],
+    path: Path,
 ) -> None:
-    """Write failure modes and effects, flown in the campaign's mission seed."""
-    name = campaign.store.manifest.mission or campaign.mission.name
-    modes = fmea.failure_modes(
-        campaign.mission, campaign.pool, found, record, project().ratings, {}
-    )
+    """Write failure modes and effects, flown in the campaign's mission seed.
+
+    ``settled`` has what the team decided (``regressions.settled``).
+    """
+    name, mission = campaign.store.manifest.mission or campaign.mission.name, campaign.mission
+    ratings = project().ratings
+    modes = fmea.failure_modes(mission, campaign.pool, found, record, ratings, settled)
     content = fmea.FMEA[path.suffix](fmea.fmea(name, modes))
     with whole_file(path) as file:
         file.write(content)

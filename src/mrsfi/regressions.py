@@ -13,7 +13,7 @@ from pathlib import Path
 from time import monotonic
 
 from m2t.models.load import load_mission_folder, load_specification
-from mrsfi.campaign_folders import OpenCampaign, mission_of
+from mrsfi.campaign_folders import OpenCampaign, decisions_in, mission_of, models_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
@@ -329,15 +329,36 @@ def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...
     """Return the weaknesses of a campaign that are not kept, and on which no valid decision is."""
     models = mission_of(campaign).models
     valid = [each for each in decisions_of(models) if not each.has_expired(today)]
-    causes = set()
+    names, found = _names(models, campaign.pool.by_id), harvested(campaign).goal_weaknesses
+    rest = (each for each in found if (each.goal, each.faults) not in names)
+    return tuple(each for each in rest if decision_on(each, valid) is None)
+
+
+def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
+    """Return the names of kept weaknesses, but for unreadable ones, by what they limit."""
+    names: dict[Cause, str] = {}
     for each in kept(models):
         if each.defect is None:
             copies = [fault.ID for fault in load_specification(each.specification).pool]
-            faults = _faults_of(copies, campaign.pool.by_id)
-            causes |= {(goal, faults) for goal in each.limits}
-    found = harvested(campaign).goal_weaknesses
-    rest = (each for each in found if (each.goal, each.faults) not in causes)
-    return tuple(each for each in rest if decision_on(each, valid) is None)
+            names |= {Cause(goal, _faults_of(copies, known)): each.name for goal in each.limits}
+    return names
+
+
+def settled(
+    campaign: OpenCampaign, found: Iterable[GoalWeakness], today: dt.date
+) -> dict[int, dict[str, str]]:
+    """Return cells of an FMEA by weakness: what the team decided on it, and kept of it."""
+    models, decisions = models_of(campaign), decisions_in(campaign)
+    names, cells = _names(models, campaign.pool.by_id) if models else {}, {}
+    for each in found:
+        decision, name = decision_on(each, decisions), names.get(Cause(each.goal, each.faults))
+        status = [f"kept as a test ({name})"] if name else []
+        row = cells[each.number] = {"status": "; ".join(status)}
+        if decision is not None:
+            row["recommended action"] = decision.because if decision.kind == "mitigate" else ""
+            row["owner"] = decision.by
+            row["status"] = "; ".join((decision.in_words(today), *status))
+    return cells
 
 
 def _faults_of(copies: Iterable[str], known: Container[str]) -> tuple[str, ...]:

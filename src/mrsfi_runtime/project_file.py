@@ -81,26 +81,28 @@ class Ratings(NamedTuple):
         """Return what the table [fmea] of a settings file gives; a mistake is a ``UsageError``."""
         numbers = {str(number): number for number in range(1, 11)}
         rules = {
-            "occurrence": (numbers, (int, float), (0, 1), "1 to 10, each with a least likelihood"),
-            "detection": (DETECTIONS, (int,), (1, 10), "never, late, in time, each with 1 to 10"),
+            "occurrence": (
+                numbers,
+                (int, float),
+                0,
+                1,
+                "rising likelihoods 0 … 1 for numbers 1 to 10",
+            ),
+            "detection": (DETECTIONS, (int,), 1, 10, f"1 to 10 for {', '.join(DETECTIONS)}"),
         }
         for name, given in table.items():
             if name not in rules:
-                found = f"{file}: [fmea]: found '{name}'"
-                raise UsageError(f"{found}; expected {' and '.join(rules)}")
-            keys, types, (low, high), wanted = rules[name]
-            if not isinstance(given, dict) or not all(
+                raise UsageError(f"{file}: [fmea]: found '{name}'; expected {' or '.join(rules)}")
+            keys, types, low, high, wanted = rules[name]
+            is_valid = isinstance(given, dict) and all(
                 key in keys and type(each) in types and low <= each <= high
                 for key, each in given.items()
-            ):
+            )
+            values = [given[key] for key in keys if is_valid and key in given]
+            if not is_valid or (name == "occurrence" and values != sorted({*values})):
                 raise UsageError(f"{file}: [fmea]: found {name} = {given!r}; expected {wanted}")
         least = table.get("occurrence", {})
         pairs = [(least[key], number) for key, number in numbers.items() if key in least]
-        if [chance for chance, _ in pairs] != sorted({*least.values()}):
-            raise UsageError(
-                f"{file}: [fmea]: found occurrence = {least!r}; expected a higher likelihood for "
-                "each higher number"
-            )
         return cls(tuple(pairs), MappingProxyType(table.get("detection", {})))
 
 

@@ -1,6 +1,7 @@
 """The FMEA of a mission with requirements and severities, by a table of the team's."""
 
 import csv
+from datetime import date
 
 import pytest
 from python_calamine import CalamineWorkbook
@@ -68,6 +69,27 @@ def test_rows_have_the_numbers_of_model_and_team_the_most_severe_first(place, tm
         assert row["RPN"] == (str(known[0] * known[1] * known[2]) if len(known) == 3 else "")
     assert any(row["RPN"] for row in rows)
     assert {row["requirement"][:2] for row in rows} == {"R1", "R2", ""}
+
+
+def test_rows_say_what_the_team_decided_and_kept(place, tmp_path):
+    given = ("--by", "=1+1 | \\input", "--because")
+    mrsfi("decide", "runs/cover", "1", "mitigate", *given, "@SUM(1)\nof it", cwd=place)
+    mrsfi("decide", "runs/cover", "2", "accept", *given, "rare", "--until", "2999-01-01", cwd=place)
+    mrsfi("keep", "runs/cover", "--weakness", "2", "--name", "second", cwd=place)
+    mrsfi("keep", "runs/cover", "--weakness", "3", "--name", "third", cwd=place)
+
+    written(place, tmp_path / "a.csv")
+
+    rows = csv.DictReader((tmp_path / "a.csv").read_text("utf-8").splitlines())
+    columns = ("recommended action", "owner", "status")
+    of = {row["weakness"]: [row[name] for name in columns] for row in rows}
+    today, by = date.today(), "=1+1 | \\input"
+    one = f"to be mitigated, decided by {by} on {today}: @SUM(1) of it"
+    assert of["1"] == ["'@SUM(1) of it", f"'{by}", one]
+    two = f"accepted by {by} on {today} until 2999-01-01: rare; kept as a test (second)"
+    assert of["2"] == ["", f"'{by}", two]
+    assert of["3"] == ["", "", "kept as a test (third)"]
+    assert all(cells == [""] * 3 for number, cells in of.items() if number not in {*"123"})
 
 
 def test_a_requirement_has_a_fault_tree_over_its_goals(place, tmp_path):

@@ -140,16 +140,16 @@ def _listed(texts: Iterable[str]) -> str:
 
 def _served(mission: Mission, fault: Fault) -> list[str]:
     """Return the goals that name what a fault strikes, or else the robots that it touches."""
-    named: dict[str, set[str | None]] = {
-        mission.label_of(goal.id): {
-            *(*goal.members, *goal.terms.obstacles, goal.terms.sensor),
-            *(each.id for each in goal.messages),
-        }
+    named = {
+        goal.id: {*goal.members, *goal.terms.obstacles, goal.terms.sensor}.union(
+            each.id for each in goal.messages
+        )
         for goal in mission.goals
     }
-    struck = [label for label, elements in named.items() if fault.target in elements]
+    struck = [goal for goal, elements in named.items() if fault.target in elements]
     touched = elements_of(mission, fault)
-    return struck or [label for label, has in named.items() if not has.isdisjoint(touched)]
+    served = struck or [goal for goal in named if not touched.isdisjoint(named[goal])]
+    return [*map(mission.label_of, served)]
 
 
 def fmea(mission: str, modes: Iterable[Mapping[str, Cell]]) -> Table:
@@ -180,11 +180,14 @@ def _as_latex(table: Table) -> bytes:
     return "\n".join((*parts, "\\end{document}\n")).encode()
 
 
-def _as_csv(table: Table) -> bytes:
-    return as_csv(table.lines)
-
-
-FMEA = MappingProxyType({".csv": _as_csv, ".xlsx": as_xlsx, ".md": _as_markdown, ".tex": _as_latex})
+FMEA = MappingProxyType(
+    {
+        ".csv": lambda table: as_csv(table.lines),
+        ".xlsx": as_xlsx,
+        ".md": _as_markdown,
+        ".tex": _as_latex,
+    }
+)
 """Writers by suffix of the file."""
 
 _LATEX = r"""\documentclass{article}

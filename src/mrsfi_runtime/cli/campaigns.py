@@ -4,6 +4,7 @@ A command declares its options, calls ``mrsfi``, and prints. It imports what it 
 so that ``mrsfi --help`` loads no toolchain. One process at a time writes a campaign.
 """
 
+import datetime as dt
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -389,7 +390,10 @@ def _write(
         run = campaign.folder.path
         with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
             if fmea is not None:
-                of.write_fmea(flown, found, own.record, fmea)
+                from mrsfi.regressions import settled
+
+                decided = settled(flown, found, dt.date.today())
+                of.write_fmea(flown, found, own.record, decided, fmea)
             if drawn_of is not None and map_path is not None:
                 of.write_map(flown, evaluator, own.record, drawn_of, map_path)
     for path, _ in wanted:
