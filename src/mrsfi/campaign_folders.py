@@ -6,8 +6,8 @@ record bit for bit; ``require_same`` names the differences.
 """
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from m2t.models.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.analysis.fronts import top
+from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import (
@@ -32,7 +33,7 @@ from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.database import CampaignFolder, hashes
 from mrsfi_runtime.record.decisions import Decision, decisions_of
-from mrsfi_runtime.record.engine_settings import EngineSettings
+from mrsfi_runtime.record.engine_settings import EngineSettings, Manifest
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 
@@ -70,6 +71,20 @@ def free_folder(mission: str, case: str) -> Path:
             raise RecordError(f"{what}; choose a place with --out") from error
         else:
             return path
+
+
+def campaigns_of(runs: Iterable[Path] = ()) -> dict[Path, Manifest]:
+    """Return what campaigns ran on, the earliest first, those without date before all others.
+
+    By default, these are all in ``runs`` that can be read and have weaknesses.
+    """
+    found = {}
+    for path in runs or sorted(each.parent for each in project().runs.glob("*/campaign.sqlite")):
+        unread = nullcontext() if runs else suppress(RecordError)
+        with unread, CampaignStore.open(path) as store:
+            if runs or store.kept(KEPT, str) is not None:
+                found[path] = store.manifest
+    return dict(sorted(found.items(), key=lambda each: str(each[1].created)))
 
 
 def latest_folder() -> Path:

@@ -19,7 +19,6 @@ from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
 
-from m2t.models.load import MISSION_XMI
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly, tried_again
 from mrsfi.engines import Tell, own_engine, silent
 from mrsfi.engines import evaluator as evaluating
@@ -211,23 +210,19 @@ def made(
 
 
 def commit_of(folders: MissionFolders) -> tuple[str, bool]:
-    """Return the commit that has a mission, and whether models or code differ from it.
+    """Return the commit of a mission's folder, and whether models or code differ from it.
 
-    Without git, or if no commit has the mission, the commit is empty.
+    Without git the commit is empty.
     """
-
-    def git(place: Path, *words: str) -> str:
-        line = ("git", "-C", str(place), "-c", "core.fsmonitor=false", *words)
-        done = subprocess.run(line, capture_output=True, check=True, encoding="utf-8", timeout=30)
-        return done.stdout.strip()
-
-    places = folders.models, folders.generated
+    line = ["git", "-C", str(folders.models), "-c", "core.fsmonitor=false", "status"]
+    line += ["--porcelain=v2", "--branch", "--", ".", str(folders.generated.resolve())]
     try:
-        git(folders.models, "cat-file", "-e", f"HEAD:./{MISSION_XMI}")
-        commit = git(folders.models, "rev-parse", "HEAD")
-        return commit, any(git(each, "status", "--porcelain", ".") for each in places)
+        done = subprocess.run(line, capture_output=True, check=True, encoding="utf-8", timeout=30)
     except (OSError, ValueError, subprocess.SubprocessError):
         return "", False
+    head, *rest = done.stdout.splitlines()
+    commit = head.removeprefix("# branch.oid ")
+    return ("", False) if commit == "(initial)" else (commit, any(each[0] != "#" for each in rest))
 
 
 @contextmanager

@@ -9,7 +9,7 @@ a page. Flights of a campaign use its own copy of the code.
 import datetime as dt
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import islice
@@ -43,7 +43,7 @@ from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.cause_set import Flights, Prober, chosen
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
-from mrsfi_runtime.causes.harvest import Harvest, known_by
+from mrsfi_runtime.causes.harvest import Harvest, known_by, recorded_by
 from mrsfi_runtime.causes.harvest import harvest as find_weaknesses
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.weakness import Known, Weakness, detected, in_seeds
@@ -64,7 +64,7 @@ from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.decisions import words_on
-from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
+from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Manifest, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.settings import (
     COVERING,
@@ -73,7 +73,7 @@ from mrsfi_runtime.record.settings import (
     folder_of,
     following,
 )
-from mrsfi_runtime.record.store import Evaluation, Measure, RecordedFlight
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
 CAUSE_SET, SIMPLEST = "cause set", "simplest variant"
@@ -276,10 +276,10 @@ def harvested_beside(campaign: OpenCampaign, others: Iterable[Path]) -> list[Har
     ``UsageError``.
     """
     found, runs = [harvested(campaign)], {campaign.store.settings.seed: campaign.folder.path}
-    wanted, run = _flown(campaign), campaign.folder.path
+    wanted, run = same_flights(campaign), campaign.folder.path
     for path in others:
         with open_campaign(path) as other:
-            flown, seed = _flown(other), other.store.settings.seed
+            flown, seed = same_flights(other), other.store.settings.seed
             changed = [name for name in {**wanted, **flown} if wanted.get(name) != flown.get(name)]
             if changed:
                 raise UsageError(
@@ -296,7 +296,24 @@ def harvested_beside(campaign: OpenCampaign, others: Iterable[Path]) -> list[Har
     return found
 
 
-def _flown(campaign: OpenCampaign) -> dict[str, object]:
+def known_since(
+    campaign: OpenCampaign, every: Mapping[Path, Manifest]
+) -> dict[tuple[str, tuple[str, ...]], Path]:
+    """Return the first of several campaigns, in order, that found each weakness of one of them.
+
+    Weaknesses are named by goal and faults. Campaigns of other missions, and those that cannot be
+    read, do not count. ``campaigns_of`` returns those of the project.
+    """
+    first: dict[tuple[str, tuple[str, ...]], Path] = {}
+    ours, own = campaign.store.manifest, campaign.folder.path
+    for path, manifest in {**every, own: ours}.items():
+        if manifest.mission == ours.mission:
+            with suppress(RecordError), CampaignStore.open(path) as store:
+                first = dict.fromkeys(recorded_by(store), path) | first
+    return {cause: first[cause] for cause in recorded_by(campaign.store)}
+
+
+def same_flights(campaign: OpenCampaign) -> dict[str, object]:
     """Return all that decides the results of a campaign's flights, by name."""
     manifest = campaign.store.manifest
     return {

@@ -1,8 +1,10 @@
-"""Two campaigns of a mission, before and after an edit: what went, what came, what stayed."""
+"""Campaigns of a mission, before and after an edit: what went, what came, what stayed."""
+
+import re
 
 import pytest
 
-from tests.support.cli import edit, mrsfi, mrsfi_json
+from tests.support.cli import edit, execute, mrsfi, mrsfi_json
 from tests.support.rendezvous import NAME
 
 COVER = ("--case", "cover.toml", "--algorithm", "cover", "--evaluations", "60")
@@ -40,7 +42,9 @@ def test_what_an_edit_mends_went_what_it_breaks_came_and_the_rest_stayed(before_
     assert "Weaknesses: 2 went, none came, 4 stayed." in done.stdout
     text = (before_and_after / "change.md").read_text(encoding="utf-8")
     assert text.startswith("Weaknesses: 2 went, none came, 4 stayed.")
-    assert "| went | stop_a | g1 | a is stopped for 120 ticks |" in text
+    assert re.search(
+        r"\n\| went \| stop_a \| g1 \| ● – \| .* \| a is stopped for 120 ticks \|\n", text
+    )
     assert "2 went, none came" in (before_and_after / "change.html").read_text(encoding="utf-8")
 
 
@@ -55,6 +59,64 @@ def test_a_weakness_whose_fault_is_gone_from_the_pool_cannot_be_flown(before_and
     unknown = [each for each in found if each["verdict"] == "cannot be flown"]
     assert {(each["goal"], *each["faults"]) for each in unknown} >= {("g2", "stop_b")}
     assert all("stop_b" in each["remark"] or "halt_b" in each["remark"] for each in unknown)
+
+
+def test_a_history_has_each_campaign_with_date_and_commit_and_the_course_of_each_weakness(
+    before_and_after, approved
+):
+    few = ("--case", "cover.toml", "--algorithm", "cover", "--evaluations", "5", *FAST)
+    mrsfi("evolve", NAME, *few, "--seed", "2", "--out", "runs/few", cwd=before_and_after)
+    mrsfi(
+        "decide",
+        "runs/before",
+        "1",
+        "accept",
+        "--because",
+        "=1+1",
+        "--by",
+        "Li",
+        cwd=before_and_after,
+    )
+    files = ("--html", "history.html", "--output", "history.svg")
+
+    done = mrsfi("history", *FAST, *files, cwd=before_and_after)
+    (found,) = mrsfi_json("history", *FAST, cwd=before_and_after)
+
+    approved(re.sub(r"\d{4}-\d\d-\d\d", "2026-11-28", done.stdout))
+    assert [each["path"] for each in found["campaigns"]] == [
+        "runs/before",
+        "runs/after",
+        "runs/few",
+    ]
+    assert all(each["created"] and each["commit"] == "" for each in found["campaigns"])
+    assert {each["since"] for each in found["weaknesses"]} == {"runs/before"}
+    assert (before_and_after / "history.svg").is_file()
+    page = (before_and_after / "history.html").read_text(encoding="utf-8")
+    assert "g1: stop_a" in page
+
+
+def test_a_campaign_without_date_is_the_earliest_and_says_so(before_and_after):
+    forget = "UPDATE meta SET value = json_remove(value, '$.created') WHERE key = 'manifest'"
+    execute(before_and_after / "runs" / "after", forget)
+
+    words = mrsfi("history", "--all", *FAST, cwd=before_and_after).stdout
+
+    assert re.search(r"\n1 +after +not recorded +not recorded ", words)
+    assert "In all campaigns: none." in words
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "found campaigns of none with weaknesses"),
+        (("runs/none",), "runs/none"),
+        (("--output", "history.txt"), "found the ending '.txt'"),
+    ],
+)
+def test_a_history_of_nothing_or_in_an_unknown_format_is_refused(words, message, small):
+    code = 9 if words == ("runs/none",) else 2
+
+    assert message in mrsfi("history", *words, cwd=small, expected=code).stderr
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ COMMANDS = (
     "decide",
     "check",
     "compare",
+    "history",
     "bridge",
     "import",
     "requirements",
@@ -106,7 +107,17 @@ def test_help_of_every_command_has_examples(command, tmp_path):
     assert f"Examples:\n    mrsfi {command}" in text
 
 
-FLYING = ("simulate", "evolve", "weaknesses", "explain", "replay", "keep", "check", "compare")
+FLYING = (
+    "simulate",
+    "evolve",
+    "weaknesses",
+    "explain",
+    "replay",
+    "keep",
+    "check",
+    "compare",
+    "history",
+)
 
 
 @pytest.mark.parametrize("command", FLYING)

@@ -406,6 +406,21 @@ def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme, wi
     context.close()
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_of_a_history_has_no_fault_of_accessibility(chromium, campaign, scheme):
+    page, place = campaign.parent.parent / f"{scheme}.html", campaign.parent.parent
+    mrsfi("history", "--engine", "compiled", "--workers", "1", "--html", page.name, cwd=place)
+
+    size = {"width": 390 if scheme == "light" else 1280, "height": 800}
+    with opened(chromium, page, viewport=size, bypass_csp=True, color_scheme=scheme) as shown:
+        found = Axe().run(shown.shown).response["violations"]
+        marks = shown.shown.locator("#table-1 tbody td").all_inner_texts()
+
+    assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
+    assert marks[0] == "new"
+    assert {*marks[1:]} == {"●"}
+
+
 def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_path):
     write_rendezvous(tmp_path)
     mission = tmp_path / "models" / RENDEZVOUS / "mission.xmi"
@@ -420,7 +435,9 @@ def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_pat
     mrsfi("generate", RENDEZVOUS, cwd=tmp_path)
     size = ("--case", "c.toml", "--evaluations", "60", "--engine", "reference", "--workers", "1")
     mrsfi("evolve", RENDEZVOUS, *size, "--out", "runs/it", cwd=tmp_path)
-    mrsfi("compare", "runs/it", "runs/it", *size[4:], "--html", "change.html", cwd=tmp_path)
+    why = ("--because", "<img src=x onerror=alert(2)>", "--by", "</script>=1+1")
+    mrsfi("decide", "runs/it", "1", "accept", *why, cwd=tmp_path)
+    mrsfi("history", *size[4:], "--html", "change.html", cwd=tmp_path)
 
     for path in (tmp_path / "runs" / "it" / "report.html", tmp_path / "change.html"):
         with opened(chromium, path) as page:

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from itertools import accumulate
+from operator import add
 from typing import Any
 
 from matplotlib import rc_context
@@ -215,6 +216,23 @@ def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
             points = [each for each in tried if each.is_broken is is_broken]
             xs, ys = [each.ticks for each in points], [100 * each.off for each in points]
             axes.scatter(xs, ys, marker="s", color=colour, label=f"{words} ({len(points)})")
+        legend_below(figure)
+    return figure
+
+
+def found_weaknesses(
+    title: str, labels: Sequence[str], goals: Mapping[str, Sequence[int]]
+) -> Figure:
+    """Draw how many weaknesses of each goal were found by each campaign of a mission."""
+    with drawing((3.0 + 1.5 * len(labels), 4.8)) as figure:
+        axes = figure.add_subplot(title=title, ylabel="weaknesses found")
+        places, below = range(len(labels)), [0] * len(labels)
+        for place, (goal, ns) in enumerate(goals.items()):
+            axes.bar(places, ns, 0.6, below, color=SERIES[place % len(SERIES)], label=goal)
+            below = [*map(add, below, ns)]
+        axes.set_xticks(places, labels)
+        axes.yaxis.set_major_locator(whole_numbers())
+        axes.grid(visible=False, axis="x")
         legend_below(figure)
     return figure
 

@@ -314,6 +314,12 @@ class Harvest:
         return replace(self, weaknesses=tuple(replaced))
 
 
+def recorded_by(store: CampaignStore) -> frozenset[tuple[str, tuple[str, ...]]]:
+    """Return goals and faults of the recorded weaknesses of a campaign, without its models."""
+    kept = store.kept(KEPT, partial(_Kept.of, None))
+    return frozenset((each.column.goal, each.faults) for each in (kept.weaknesses if kept else ()))
+
+
 def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     """Return the recorded weaknesses of a campaign; ``None`` before a finished harvest of it.
 
@@ -425,7 +431,7 @@ class _Kept(NamedTuple):
         )
 
     @classmethod
-    def of(cls, mission: Mission, text: str) -> Self:
+    def of(cls, mission: Mission | None, text: str) -> Self:
         """Return the content of a record; a ValueError or TypeError if it is invalid."""
         content = database.object_from_text(text)
         try:
@@ -437,7 +443,7 @@ class _Kept(NamedTuple):
         except KeyError as error:
             raise ValueError(f"found {text[:60]}; expected the record of weaknesses") from error
         recorded = {*counts, *(each.column for each in found)}
-        if unknown := recorded.difference(weakness.columns(mission)):
+        if mission and (unknown := recorded.difference(weakness.columns(mission))):
             raise ValueError(
                 f"found a weakness of goal {min(unknown).goal!r}; expected a goal of the mission"
             )

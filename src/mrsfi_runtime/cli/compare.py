@@ -1,12 +1,13 @@
-"""The command ``mrsfi compare``: two campaigns, several algorithms, or a sweep of settings.
+"""The commands ``mrsfi compare``, of two campaigns, algorithms or settings, and ``mrsfi history``.
 
-``compare_command`` calls ``_compare_runs`` for two campaigns. Everything else compares searches
-over many seeds; their tables come last.
+``compare_command`` calls ``_compare_runs`` for two campaigns, a history of two. Everything else
+compares searches over many seeds; their tables come last.
 """
 
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from datetime import date
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -25,6 +26,7 @@ from mrsfi_runtime.errors import TransportError, time_left
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
 
 if TYPE_CHECKING:
+    from mrsfi.history import History
     from mrsfi_runtime.study.comparison import Comparison, RunResult, Sweep
 
 
@@ -57,7 +59,8 @@ def print_sweep(comparison: "Comparison", sweep: "Sweep", n_evaluations: int) ->
     print_words((f"Of {n_others} setups beside the paper's, {sweep.papers}: {result}", "bold"))
 
 
-_OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
+_OF_RUNS = {"targets", "lists_all", "markdown", "html", "is_json", *OF_ENGINE}
+_all_option = click.option("--all", "lists_all", is_flag=True, help="List weaknesses that stayed.")
 
 
 @options.command(name="compare")
@@ -98,6 +101,7 @@ _OF_RUNS = {"targets", "markdown", "html", "is_json", *OF_ENGINE}
 @options.folder_option(
     "--out", "Folder of the comparison, new or to continue [default: runs/compare-NAME-CASE]."
 )
+@_all_option
 @options.file_option("--markdown", "Write the comparison of two campaigns as Markdown.")
 @options.file_option("--html", "Write the comparison of two campaigns as a page.")
 @click.option("--json", "is_json", is_flag=True, help="Print the comparison as JSON.")
@@ -106,6 +110,7 @@ def compare_command(  # noqa: PLR0913 - one for each option
     /,
     *,
     targets: tuple[str, ...],
+    lists_all: bool,
     markdown: Path | None,
     html: Path | None,
     generated: Path | None,
@@ -146,8 +151,8 @@ def compare_command(  # noqa: PLR0913 - one for each option
     if len(targets) > 1:
         _compare_runs(ctx, markdown, html, engine, workers)
         return
-    if markdown or html:
-        raise click.UsageError("--markdown and --html need two campaigns: RUN_A RUN_B")
+    if markdown or html or lists_all:
+        raise click.UsageError("--all, --markdown and --html need two campaigns: RUN_A RUN_B")
     (mission,) = targets
     import mrsfi
     from mrsfi.comparing import default_folder
@@ -205,10 +210,7 @@ def _compare_runs(
     ctx: click.Context, markdown: Path | None, html: Path | None, engine: Given, workers: Workers
 ) -> None:
     """Compare the campaigns that the command was given."""
-    from mrsfi.comparing import change_table, changes, sentence
-    from mrsfi_runtime.analysis.report import document
-    from mrsfi_runtime.analysis.tables import to_markdown, to_page
-    from mrsfi_runtime.files import whole_file
+    from mrsfi.history import history
 
     targets: tuple[str, ...] = ctx.params["targets"]
     for name, value in ctx.params.items():
@@ -217,24 +219,99 @@ def _compare_runs(
             raise click.UsageError(f"--{name} {value}: is for a search, not for two campaigns")
     if len(targets) != 2:
         raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
-    before, after = map(Path, targets)
-    found = changes(before, after, engine, workers, tell)
-    said, table = f"{sentence(found)}.", change_table(found)
+    found = history(map(Path, targets), engine, workers, tell)
+    is_json = ctx.params["is_json"]
+    _show([found], ctx.params["lists_all"], is_printed=not is_json, markdown=markdown, html=html)
+    if is_json:
+        print_json([each.as_json() for each in found.courses])
+
+
+def _show(
+    found: "Sequence[History]",
+    lists_all: bool,
+    *,
+    is_printed: bool,
+    markdown: Path | None = None,
+    html: Path | None = None,
+) -> None:
+    """Print histories and write files of them; what is in all campaigns stands in one line."""
+    from mrsfi import history
+    from mrsfi_runtime.analysis.report import document
+    from mrsfi_runtime.analysis.tables import plain, to_markdown
+
+    today, text = date.today(), ""
+    for each in found:
+        some = [one for one in each.courses if lists_all or not one.is_constant]
+        rest = history.listed(one for one in each.courses if one not in some)
+        said, stayed = f"{history.sentence(each.courses)}.", f"In all campaigns: {rest or 'none'}."
+        tables = (*history.run_tables(each), history.course_table(each, some, today))
+        text += "\n\n".join((said, plain(stayed), *map(to_markdown, tables))) + "\n"
+        for table in tables if is_printed else ():
+            print_table(table)
+        if is_printed:
+            print_words(stayed)
+            print_words((said, "bold"))
     if markdown is not None:
-        text = f"{said}\n\nFrom {before} to {after}, each flown in the other's mission.\n\n"
-        with whole_file(markdown) as file:
-            file.write(f"{text}{to_markdown(table)}\n".encode())
+        _write(markdown, text.encode())
     if html is not None:
-        page = {"title": said, "tables": [to_page(table)], "record": [*enumerate(targets, 1)]}
-        with whole_file(html) as file:
-            file.write(document(page).encode())
-    for path in filter(None, (markdown, html)):
-        tell(f"written    {path}")
-    if ctx.params["is_json"]:
-        print_json([each.as_json() for each in found])
-        return
-    print_table(table)
-    print_words((said, "bold"))
+        _write(html, document(history.page(found, today)).encode())
+
+
+def _write(path: Path, content: bytes) -> None:
+    from mrsfi_runtime.files import whole_file
+
+    with whole_file(path) as file:
+        file.write(content)
+    tell(f"written    {path}")
+
+
+@options.command(name="history")
+@click.argument("runs", metavar="[RUN …]", nargs=-1, type=click.Path(path_type=Path))
+@options.worker_options
+@options.engine_options(default=AUTO, sides=(BOTH,))
+@_all_option
+@options.file_option("--output", "Draw the number of weaknesses of each goal: .png or .svg.")
+@options.file_option("--html", "Write a page: a line for each campaign, a column a weakness.")
+@click.option("--json", "is_json", is_flag=True, help="Print the history as JSON.")
+def history_command(
+    runs: tuple[Path, ...],
+    engine: Given,
+    workers: Workers,
+    lists_all: bool,
+    output: Path | None,
+    html: Path | None,
+    is_json: bool,
+) -> None:
+    """Print which weaknesses came, went and stayed over campaigns, from the earliest on.
+
+    RUN are campaign folders, by default all in runs/. Those of one mission are compared, in the
+    order of their dates. Each campaign also flies the weaknesses that it did not find, in the
+    variant of another campaign.
+
+    \b
+    Examples:
+      mrsfi history
+      mrsfi history runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --html history.html
+      mrsfi history --output history.png
+    """
+    from mrsfi import history
+    from mrsfi.campaign_folders import campaigns_of
+    from mrsfi.explaining import MAPS, require_format
+
+    by_mission: dict[str, list[Path]] = {}
+    for path, manifest in campaigns_of(runs).items():
+        by_mission.setdefault(manifest.mission, []).append(path)
+    if output is not None:
+        require_format(output, MAPS[1:])
+    if not by_mission or (output is not None and len(by_mission) > 1):
+        named = ", ".join(by_mission) or "none with weaknesses"
+        raise click.UsageError(f"found campaigns of {named}; expected some of one mission: RUN …")
+    found = [history.history(some, engine, workers, tell) for some in by_mission.values()]
+    if output is not None:
+        _write(output, history.drawn(found[0], output.suffix))
+    _show(found, lists_all, is_printed=not is_json, html=html)
+    if is_json:
+        print_json([each.as_json(date.today()) for each in found])
 
 
 @dataclass

@@ -34,6 +34,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "decide": ("regressions", "Accept a weakness, plan its repair, or call it a duplicate."),
     "check": ("regressions", "Fly every kept weakness; fail if one exceeds its limit."),
     "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
+    "history": ("compare", "Print which weaknesses came, went and stayed over campaigns."),
     "pack": ("campaigns", "Pack a campaign into one file that can be repeated elsewhere."),
     "bridge": ("flights", "Run a rosbridge server for simulators and collective intelligences."),
     "import": ("models", "Make a mission folder from a model of the paper's prototype."),

@@ -288,6 +288,9 @@ def require_address(text: str) -> None:
         )
 
 
+NOT_RECORDED = "not recorded"
+
+
 @dataclass(frozen=True, slots=True)
 class Manifest:
     """What a campaign runs on."""
@@ -304,6 +307,12 @@ class Manifest:
     created: str = ""  # date and time (UTC, ISO 8601); records from before it have none, as next
     commit: str = ""  # of the mission's folder in git, if git has the mission
     is_edited: bool = False  # whether models or code then differed from that commit
+
+    @property
+    def made(self) -> tuple[str, str]:
+        """The day (UTC) on which the campaign began, and its commit, in words."""
+        commit = f"{str(self.commit)[:12]}{', edited' if self.is_edited else ''}"
+        return str(self.created)[:10] or NOT_RECORDED, commit if self.commit else NOT_RECORDED
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""

@@ -43,6 +43,9 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     ),
     "front": lambda: plots.whole_front(FRONT, CLOUD, PICK),
     "types": types_figure,
+    "history": lambda: plots.found_weaknesses(
+        "Weaknesses of <b>$x", ["a-1\n2026-11-28\n3f2a1c9d", "a-2"], {"g1": [3, 0], "g2": [1, 2]}
+    ),
 }
 
 

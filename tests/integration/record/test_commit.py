@@ -53,13 +53,14 @@ def test_a_change_of_models_or_code_is_recorded_and_one_of_other_files_is_not(fo
     assert commit_of(folders) == (before[0], True)
 
 
-def test_without_git_or_a_commit_that_has_the_mission_no_commit_is_recorded(
+def test_a_new_mission_differs_from_the_commit_and_without_git_none_is_recorded(
     tmp_path, monkeypatch, folders
 ):
     other = tmp_path / "models" / "other"
     write_rendezvous(tmp_path / "new")
     (tmp_path / "new" / "models" / NAME).rename(other)
 
-    assert commit_of(folders_at(other)) == ("", False)
+    assert commit_of(folders_at(other)) == (commit_of(folders)[0], True)
+    assert commit_of(folders_at(tmp_path.parent)) == ("", False)
     monkeypatch.setenv("PATH", "")
     assert commit_of(folders) == ("", False)

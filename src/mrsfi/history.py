@@ -1,0 +1,391 @@
+"""The history of a mission: which weaknesses came, went and stayed from campaign to campaign.
+
+``history`` reads the weaknesses of campaigns, in the given order. A search that did not find a
+weakness proves little, so each campaign flies in its own mission those that others found: the
+variant of the last campaign before it that found the weakness, or else of the next one after it. A
+``Sight`` is what one campaign has of one weakness. A ``Course`` has its sights in all campaigns and
+says whether it went, came or stayed from the first to the last. ``mrsfi compare RUN_A RUN_B``
+prints a history of two, ``mrsfi history`` one of many.
+
+A weakness went if its variant no longer has its effect. If the campaign made less than 90 % of the
+flights of the one that found the weakness, a remark says so, because other variants may have it.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from itertools import groupby
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, decisions_in, open_campaign
+from mrsfi.engines import Given, Tell, silent
+from mrsfi.explaining import flying_again, harvested, same_flights
+from mrsfi_runtime.analysis.summary import Drawing
+from mrsfi_runtime.analysis.summary import drawn as as_files
+from mrsfi_runtime.analysis.tables import Cell, Table, to_page
+from mrsfi_runtime.analysis.weaknesses import cause_in_words
+from mrsfi_runtime.causes.mildest import GoalWeakness
+from mrsfi_runtime.causes.missing import Estimate, estimate
+from mrsfi_runtime.causes.weakness import MEASURES, Breaking, Weakness
+from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.errors import SpecificationError, UsageError, counted
+from mrsfi_runtime.model.faults import Gate
+from mrsfi_runtime.record.decisions import Decision, words_on
+from mrsfi_runtime.record.engine_settings import Manifest, Workers
+
+WENT, CAME, BRIEF, UNKNOWN, STAYED = "went", "came", "came and went", "cannot be flown", "stayed"
+_ORDER = (WENT, CAME, BRIEF, UNKNOWN, STAYED)
+
+MARKS = {
+    "●": "found",
+    "○": "not found, but a variant that another campaign found has this effect",
+    "–": "this variant does not have it",
+    "~": "likewise, in less than 90 % of the flights of the campaign that found it",
+    "?": "this variant cannot be flown",
+}
+"""What a campaign has of a weakness."""
+
+Cause: TypeAlias = tuple[str, tuple[str, ...]]
+"""ID of a goal, and of the faults that break it."""
+
+
+class Searched(NamedTuple):
+    """A campaign, how many flights it made, and the weaknesses that it found."""
+
+    path: Path
+    manifest: Manifest
+    campaign: OpenCampaign
+    n_flights: int
+    found: Mapping[Cause, GoalWeakness]
+    sample: tuple[Weakness, ...]
+
+
+class Sight(NamedTuple):
+    """What a campaign has of a weakness: found, or flown with the variant of another campaign.
+
+    ``breaks`` is whether that variant breaks the goal; ``None`` if none was flown, with a
+    ``remark`` if it cannot be.
+    """
+
+    found: GoalWeakness | None
+    breaks: bool | None = None
+    remark: str = ""
+
+    @property
+    def is_there(self) -> bool | None:
+        """Whether the weakness is there; ``None`` if that is unknown."""
+        return True if self.found else self.breaks
+
+    @property
+    def mark(self) -> str:
+        """One of ``MARKS``."""
+        if self.is_there:
+            return "●" if self.found else "○"
+        return "?" if self.is_there is None else "~" if self.remark else "–"
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A weakness, as the first campaign that found it recorded it, in several campaigns."""
+
+    goal: str
+    cause: str
+    weakness: GoalWeakness
+    sights: tuple[Sight, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Whether it went, came or stayed; one that still breaks stayed, even if not found again.
+
+        It went if only a false alarm remains, and came if it was only a false alarm before.
+        """
+        before, after = self.sights[0], self.sights[-1]
+        if before.found and after.found:
+            truly, now = _is_true(before.found), _is_true(after.found)
+            return STAYED if truly == now or after.breaks else WENT if truly else CAME
+        if before.is_there is None or after.is_there is None:
+            return UNKNOWN
+        if before.is_there:
+            return STAYED if after.is_there else WENT
+        return CAME if after.is_there else BRIEF
+
+    @property
+    def remark(self) -> str:
+        """A remark on the verdict."""
+        before, after = self.sights[0], self.sights[-1]
+        if before.found and after.found:
+            alarm = {WENT: "a false alarm remains", CAME: "was only a false alarm before"}
+            usual = "by other variants" if after.breaks is False else ""
+            return alarm.get(self.verdict, usual)
+        if self.verdict == STAYED:
+            now = "found only now, but its variant had the effect before"
+            return now if after.found else "not found again, but its variant still has this effect"
+        return before.remark or after.remark
+
+    @property
+    def since(self) -> int:
+        """The place of the first campaign that found it."""
+        return next(place for place, each in enumerate(self.sights) if each.found)
+
+    @property
+    def marks(self) -> str:
+        """One of ``MARKS`` for each campaign."""
+        return "".join(each.mark for each in self.sights)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is there in every campaign."""
+        return all(each.is_there for each in self.sights)
+
+    @property
+    def faults(self) -> str:
+        """Its faults in words."""
+        return " and ".join(self.weakness.faults)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        before, after = self.sights[0], self.sights[-1]
+        return {
+            "verdict": self.verdict,
+            "goal": self.goal,
+            "faults": list(self.weakness.faults),
+            "cause": self.cause,
+            "before": before.found and before.found.number,
+            "after": after.found and after.found.number,
+            "breaks_there": after.breaks if before.found else before.breaks,
+            "remark": self.remark,
+            "marks": self.marks,
+        }
+
+
+def _is_true(weakness: GoalWeakness) -> bool:
+    return weakness.shown.column.kind != MEASURES[0]
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """Campaigns of a mission in order, and the course of every weakness that one of them found.
+
+    ``decisions`` are those beside the mission's models of today.
+    """
+
+    mission: str
+    runs: tuple[Searched, ...]
+    courses: tuple[Course, ...]
+    decisions: tuple[Decision, ...]
+
+    def verdicts(self, place: int) -> list[str]:
+        """Return how each weakness changed to a campaign from the one before it."""
+        pair = slice(place - 1, place + 1)
+        return [replace(each, sights=each.sights[pair]).verdict for each in self.courses]
+
+    def decision(self, course: Course, today: date) -> str:
+        """Return the decision on a weakness, as the last campaign found it, in words."""
+        last = [each.found for each in course.sights if each.found][-1]
+        return words_on(last, self.decisions, today)
+
+    @property
+    def goals(self) -> dict[str, list[tuple[int, Estimate | None]]]:
+        """By goal, for each campaign: how many weaknesses it found, of how many as estimated.
+
+        An estimate takes campaigns of the same models, code and mission seed with other search
+        seeds.
+        """
+        alike = defaultdict[str, dict[int, tuple[Weakness, ...]]](dict)
+        setups = [str(same_flights(run.campaign)) for run in self.runs]
+        for setup, run in zip(setups, self.runs, strict=True):
+            alike[setup].setdefault(run.campaign.store.settings.seed, run.sample)
+        samples = [[*alike[setup].values()] for setup in setups]
+        goals = (goal for run in self.runs[::-1] for goal in run.campaign.mission.goal_ids)
+        return {
+            goal: [
+                (
+                    sum(each == goal for each, _ in run.found),
+                    estimate(some, goal) if len(some) > 1 else None,
+                )
+                for run, some in zip(self.runs, samples, strict=True)
+            ]
+            for goal in dict.fromkeys(goals)
+        }
+
+    def as_json(self, today: date) -> dict[str, Any]:
+        """Return it as plain values."""
+        paths, kept = [str(run.path) for run in self.runs], ("created", "commit", "is_edited")
+        made = [{key: getattr(run.manifest, key) for key in kept} for run in self.runs]
+        runs = [
+            {"path": path, **some, "flights": run.n_flights}
+            for path, some, run in zip(paths, made, self.runs, strict=True)
+        ]
+        goals = {
+            goal: [{"found": n, "estimate": of and of.as_json()} for n, of in counts]
+            for goal, counts in self.goals.items()
+        }
+        courses = [
+            {**each.as_json(), "since": paths[each.since], "decision": self.decision(each, today)}
+            for each in self.courses
+        ]
+        return {"mission": self.mission, "campaigns": runs, "goals": goals, "weaknesses": courses}
+
+
+def history(runs: Iterable[Path], engine: Given, workers: Workers, tell: Tell = silent) -> History:
+    """Return the history of campaigns of one mission, in the given order, by new flights."""
+    searched, names = list[Searched](), list[str]()
+    for path in runs:
+        with open_campaign(path) as campaign:
+            known, manifest = harvested(campaign), campaign.store.manifest
+            found = {(each.goal, each.faults): each for each in known.goal_weaknesses}
+            n_flights = campaign.store.n_evaluations + known.n_flights
+            run = Searched(path, manifest, campaign, n_flights, found, known.weaknesses)
+        names.append(manifest.mission or campaign.mission.name)
+        searched.append(run)
+        if names[0] != names[-1]:
+            what = f"{path}: found a campaign of mission '{names[-1]}'"
+            raise UsageError(f"{what}; expected one of '{names[0]}', as {searched[0].path} is")
+    finders = {cause: run for run in searched[::-1] for cause in run.found}
+    causes = [cause for run in searched for cause in run.found if finders[cause] is run]
+    places = range(len(searched))
+    sights = [_sights(searched, place, causes, engine, workers, tell) for place in places]
+    courses = []
+    for cause in causes:
+        weakness, first = finders[cause].found[cause], finders[cause].campaign
+        words = cause_in_words(first.mission, first.pool, weakness)
+        seen = tuple(each[cause] for each in sights)
+        courses.append(Course(first.mission.label_of(weakness.goal), words, weakness, seen))
+    ranked = sorted(courses, key=lambda each: (_ORDER.index(each.verdict), each.is_constant))
+    return History(names[0], tuple(searched), tuple(ranked), decisions_in(searched[-1].campaign))
+
+
+def _sights(
+    runs: Sequence[Searched],
+    place: int,
+    causes: Sequence[Cause],
+    engine: Given,
+    workers: Workers,
+    tell: Tell,
+) -> dict[Cause, Sight]:
+    """Return what a campaign has of each weakness; fly those that others found."""
+    here, finders = runs[place], dict[Cause, Searched]()
+    nearest = (*runs[:place][::-1], *runs[place + 1 :])
+    for cause in causes:
+        others = nearest[:place] if cause in here.found else nearest
+        if (finder := next((run for run in others if cause in run.found), None)) is not None:
+            finders[cause] = finder
+    flown: dict[Cause, tuple[bool | None, str]] = {}
+    if finders:
+        with flying_again(here.path, engine, workers, tell) as (campaign, evaluator, _):
+            wanted = {cause: run.found[cause] for cause, run in finders.items()}
+            flown = _broken(campaign, evaluator, wanted)
+    for cause, run in finders.items():
+        if flown[cause][0] is False and here.n_flights < 0.9 * run.n_flights:
+            few = f"only {here.n_flights} flights, {run.n_flights} where it was found"
+            flown[cause] = False, f"{few}: other variants may have this effect"
+    return {cause: Sight(here.found.get(cause), *flown.get(cause, ())) for cause in causes}
+
+
+def _broken(
+    campaign: FlyableCampaign, evaluator: Evaluator, weaknesses: Mapping[Cause, GoalWeakness]
+) -> dict[Cause, tuple[bool | None, str]]:
+    seed, gate = campaign.store.settings.mission_seed, Gate(campaign.mission, campaign.pool)
+    outcomes: dict[Cause, tuple[bool | None, str]] = {}
+    flyable = {}
+    for cause, weakness in weaknesses.items():
+        try:
+            form = gate.admitted(weakness.shown.witness)
+        except SpecificationError as error:
+            outcomes[cause] = None, str(error).partition(";")[0]
+            continue
+        if weakness.goal in campaign.mission.goal_ids:
+            flyable[cause, weakness.shown.column] = form
+        else:
+            outcomes[cause] = None, f"the mission has no goal {weakness.goal}"
+    breaking = Breaking(campaign.mission, evaluator.evaluate_many, [seed])
+    for (cause, column), broken in zip(flyable, breaking([*flyable.values()], seed), strict=True):
+        outcomes[cause] = column in broken, ""
+    return outcomes
+
+
+def sentence(courses: Iterable[Course]) -> str:
+    """Return in a sentence how many weaknesses went, came and stayed."""
+    verdicts = [each.verdict for each in courses]
+    counts = ", ".join(f"{verdicts.count(x) or 'none'} {x}" for x in (WENT, CAME, STAYED))
+    brief, unknown = map(verdicts.count, (BRIEF, UNKNOWN))
+    rest = f"; {brief} {BRIEF}" if brief else ""
+    rest += f"; {counted(unknown, 'weaknesses')} can no longer be flown" if unknown else ""
+    return f"Weaknesses: {counts}{rest}"
+
+
+def listed(courses: Iterable[Course]) -> str:
+    """Return goals and faults of weaknesses: ``g1: f2, f5 and f6; g2: f3``."""
+    by_goal = groupby(sorted(courses, key=attrgetter("goal")), key=attrgetter("goal"))
+    return "; ".join(f"{goal}: {', '.join(each.faults for each in some)}" for goal, some in by_goal)
+
+
+def run_tables(history: History) -> tuple[Table, Table]:
+    """Return a table of the campaigns, and one of what each found of each goal."""
+    changes = (CAME, WENT, STAYED)
+    runs, names = list[Sequence[Cell]](), dict[str, str]()
+    for place, run in enumerate(history.runs):
+        verdicts = history.verdicts(place) if place else []
+        counts = [verdicts.count(each) if place else None for each in changes]
+        runs.append((f"{place + 1}", run.path.name, *run.manifest.made, run.n_flights, *counts))
+        for goal in (mission := run.campaign.mission).goals:
+            names[goal.id] = ", ".join((mission.label_of(goal.id), *goal.requirements))
+    goals = [
+        (names[goal], *(f"{n} of {_total(each)}" for n, each in counts))
+        for goal, counts in history.goals.items()
+    ]
+    heads = ("#", "campaign", "date", "commit", "flights", *changes)
+    columns = ("goal", *(f"{place + 1}" for place in range(len(runs))))
+    what = "Weaknesses that each campaign found, of how many as estimated (95 %). No estimate (?) "
+    why = "without any, or without campaigns that differ only in the search seed"
+    return (
+        Table(f"Campaigns of {history.mission}", heads, runs, heads[:4]),
+        Table(what + why, columns, goals, columns[1:], columns[:1], spare=columns[1:-4]),
+    )
+
+
+def _total(estimate: Estimate | None) -> str:
+    if estimate is None or not estimate.total.n_found:
+        return "?"
+    _, value, low, high = estimate.total
+    return f"{value:.0f} ({low} to {high})"
+
+
+def drawn(history: History, suffix: str) -> bytes:
+    """Return a figure of how many weaknesses of each goal each campaign found."""
+    labels = ["\n".join((run.path.name, *run.manifest.made)) for run in history.runs]
+    counts = {goal: [n for n, _ in some] for goal, some in history.goals.items()}
+    figure = Drawing("found_weaknesses", (f"Weaknesses of {history.mission}", labels, counts))
+    return as_files(figure)[suffix]
+
+
+def course_table(history: History, courses: Iterable[Course], today: date) -> Table:
+    """Return a row for each weakness: what each campaign has of it, since when it is known."""
+    days, rows = [run.manifest.made[0] for run in history.runs], []
+    for each in courses:
+        words = filter(None, (each.cause, each.remark, history.decision(each, today)))
+        known = (each.weakness.goal, " ".join(each.marks), days[each.since])
+        rows.append((each.verdict, each.faults, *known, "; ".join(words)))
+    numbers = " ".join(f"{place % 10}" for place, _ in enumerate(days, 1))
+    heads = ("verdict", "faults", "goal", numbers, "known since", "cause, remark and decision")
+    title = "; ".join(f"{mark} {meaning}" for mark, meaning in MARKS.items())
+    return Table(f"Weaknesses in each campaign: {title}", heads, rows, heads[:-1], heads[-1:])
+
+
+def page(histories: Iterable[History], today: date) -> dict[str, Any]:
+    """Return the content of a page: a line for each campaign, a column for each weakness."""
+    shown, record = list[Table](), list[tuple[str, str]]()
+    for each in histories:
+        marks = zip(*(course.marks for course in each.courses), strict=True)
+        lines = [(run.path.name, *some) for run, some in zip(each.runs, marks, strict=True)]
+        heads = ("campaign", *(f"{one.weakness.goal}: {one.faults}" for one in each.courses))
+        title = (
+            f"Mission {each.mission}, from the first campaign to the last. {sentence(each.courses)}"
+        )
+        shown += Table(title, heads, lines), *run_tables(each)
+        shown.append(course_table(each, each.courses, today))
+        record += [(run.path.name, str(run.path)) for run in each.runs]
+    return {"title": "History", "tables": [*map(to_page, shown)], "record": record}
