@@ -330,7 +330,7 @@ def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...
     models = mission_of(campaign).models
     valid = [each for each in decisions_of(models) if not each.has_expired(today)]
     names, found = _names(models, campaign.pool.by_id), harvested(campaign).goal_weaknesses
-    rest = (each for each in found if (each.goal, each.faults) not in names)
+    rest = (each for each in found if Cause(each.goal, each.faults) not in names)
     return tuple(each for each in rest if decision_on(each, valid) is None)
 
 
