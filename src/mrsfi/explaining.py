@@ -66,13 +66,7 @@ from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.decisions import words_on
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Manifest, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.settings import (
-    COVERING,
-    VIOLATIONS,
-    CampaignSettings,
-    folder_of,
-    following,
-)
+from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_of, following
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -336,11 +330,9 @@ def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWe
 
 def untried(campaign: OpenCampaign, known: Harvest) -> dict[int, dict[str, set[tuple[str, ...]]]]:
     """Return the sets of faults that the campaign did not try in its mission seed."""
-    flights, store = {**known.outcomes}, campaign.store
-    if store.settings.algorithm != COVERING:
-        flights |= {each.specification: each.outcome for each in store.evaluations()}
+    searched = {each.specification: each.outcome for each in campaign.store.evaluations()}
     faults = [fault.id for fault in campaign.pool]
-    return untried_in(known.known, known.yardstick, faults, flights)
+    return untried_in(known.known, known.yardstick, faults, {**searched, **known.outcomes})
 
 
 @contextmanager

@@ -21,8 +21,8 @@ from mrsfi_runtime.causes.missing import estimate
 from mrsfi_runtime.causes.weakness import MEASURES, FaultSet, Weakness
 from mrsfi_runtime.model.faults import FaultPool
 
-Shares: TypeAlias = Mapping[FaultSet, float]
-"""Sets of faults, and for each the chance that it breaks a goal if its faults occur."""
+Share: TypeAlias = tuple[FaultSet, float]
+"""A set of faults, and the chance that it breaks a goal if its faults occur."""
 
 _TAIL = 0.025  # of a distribution, beyond one end of a 95 % interval
 _MOST_PIVOTS = 12  # faults on whose occurrence a tree is split; time doubles with each
@@ -74,13 +74,13 @@ def risk(pool: FaultPool, goal: str, campaigns: Sequence[Sequence[GoalWeakness]]
     if not known:
         return None
     likelihoods = {fault.id: fault.likelihood or 0.0 for fault in pool}
-    lower = broken({faults: shares[faults] for faults in known}, likelihoods)
+    lower = 1.0 - kept([(faults, shares[faults]) for faults in known], likelihoods)
     upper = None
     if len(campaigns) > 1:
         found = [[one for each in some for one in each.by] for some in campaigns]
         n_others = max(len(shares), estimate(found, goal, MEASURES[1:]).total.high) - len(known)
-        kept = math.prod(1.0 - each for each in known.values())
-        upper = 1.0 - kept * (1.0 - math.fsum(known.values()) / len(known)) ** n_others
+        mean = math.fsum(known.values()) / len(known)
+        upper = 1.0 - math.prod(1.0 - each for each in known.values()) * (1.0 - mean) ** n_others
     return Risk(lower, upper, len(shares), len(shares) - len(known))
 
 
@@ -110,17 +110,15 @@ def _least_share(weakness: Weakness) -> float:
     return low
 
 
-def broken(shares: Shares, likelihoods: Mapping[str, float]) -> float:
-    """Return the chance that a set breaks the goal, or a lower bound of it if many share faults."""
-    return 1.0 - _kept([*shares.items()], likelihoods, _MOST_PIVOTS)
-
-
-def _kept(
-    sets: Sequence[tuple[FaultSet, float]], likelihoods: Mapping[str, float], n_pivots: int
+def kept(
+    sets: Sequence[Share], likelihoods: Mapping[str, float], n_pivots: int = _MOST_PIVOTS
 ) -> float:
-    """Return the chance that no set breaks the goal, by a fault that several sets have."""
+    """Return the chance that no set breaks the goal, by a fault that several sets have.
 
-    def chance(each: tuple[FaultSet, float]) -> float:
+    If many sets share faults, it is an upper bound.
+    """
+
+    def chance(each: Share) -> float:
         return each[1] * math.prod(likelihoods[fault] for fault in each[0])
 
     n_times = Counter(chain.from_iterable(faults for faults, _ in sets))
@@ -129,13 +127,12 @@ def _kept(
         likelihood = likelihoods[fault]
         occurs = [(faults - {fault}, share) for faults, share in sets]
         absent = [each for each in sets if fault not in each[0]]
-        return likelihood * _kept(occurs, likelihoods, n_pivots - 1) + (1.0 - likelihood) * _kept(
-            absent, likelihoods, n_pivots - 1
-        )
+        with_it, without = (kept(some, likelihoods, n_pivots - 1) for some in (occurs, absent))
+        return likelihood * with_it + (1.0 - likelihood) * without
     taken: set[str] = set()
-    kept = 1.0
+    none = 1.0
     for each in sorted(sets, key=chance, reverse=True):
         if taken.isdisjoint(each[0]):  # sets without a common fault are independent
             taken |= each[0]
-            kept *= 1.0 - chance(each)
-    return kept
+            none *= 1.0 - chance(each)
+    return none

@@ -19,7 +19,7 @@ from itertools import combinations
 from operator import itemgetter
 from random import Random
 from types import MappingProxyType
-from typing import NamedTuple, Self, TypeAlias
+from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
@@ -29,8 +29,7 @@ from mrsfi_runtime.model.faults import (
     Gate,
     Specification,
     TimedFault,
-    robots_of,
-    touched,
+    elements_of,
     value_bounds,
 )
 from mrsfi_runtime.model.mission import Coordinates, Mission
@@ -204,8 +203,7 @@ class SearchSpace:
 
 def _kin(mission: Mission, pool: FaultPool) -> Mapping[str, tuple[str, ...]]:
     """Return for every fault the others that touch one of its robots or elements."""
-    targets = {fault.id: touched(mission, fault) for fault in pool}
-    struck = {each: {*robots_of(mission, found), *found} for each, found in targets.items()}
+    struck = {fault.id: elements_of(mission, fault) for fault in pool}
     return {
         one: tuple(other for other in struck if other != one and struck[one] & struck[other])
         for one in struck
@@ -518,12 +516,8 @@ def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Ra
     return space.timed(fault, window, values, rng)
 
 
-class Draw(NamedTuple):
-    """How ``varied_fault`` comes to a variant: by its values, its window and its trigger."""
-
-    values: str
-    is_whole: bool
-    trigger: str
+Draw: TypeAlias = tuple[str, bool, str]
+"""How ``varied_fault`` draws: the kind of values, whether the window is whole, the trigger."""
 
 
 def drawn_as(space: SearchSpace, timed: TimedFault) -> Draw:
@@ -531,7 +525,7 @@ def drawn_as(space: SearchSpace, timed: TimedFault) -> Draw:
     candidate, values = space.candidates[timed.fault], timed.values
     kind = "landmark" if values in candidate.landmarks else "random"
     is_whole = (timed.start, timed.finish) == (0, space.duration - 1)
-    return Draw("own" if values == candidate.values else kind, is_whole, timed.trigger)
+    return "own" if values == candidate.values else kind, is_whole, timed.trigger
 
 
 def draws(space: SearchSpace, fault: str) -> dict[Draw, tuple[float, float]]:
@@ -547,7 +541,7 @@ def draws(space: SearchSpace, fault: str) -> dict[Draw, tuple[float, float]]:
     }
     n_triggers = len(candidate.triggers)
     return {
-        Draw(kind, is_whole, trigger): (
+        (kind, is_whole, trigger): (
             chance / (6 * n_triggers),
             n_variants if is_whole else math.inf,
         )

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.causes.risk import broken, risk
+from mrsfi_runtime.causes.risk import kept, risk
 from mrsfi_runtime.causes.weakness import Share
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.search import PAPER_FAULTS
@@ -23,22 +23,22 @@ SETS = st.dictionaries(st.frozensets(st.sampled_from("abcdefg"), min_size=1), CH
 def test_the_chance_is_that_of_all_combinations_of_faults(shares, chances):
     likelihoods = dict(zip("abcdefg", chances, strict=True))
 
-    found = broken(shares, likelihoods)
+    found = kept([*shares.items()], likelihoods)
 
-    kept = 0.0
+    expected = 0.0
     for occurs in product([False, True], repeat=7):
         active = {fault for fault, does in zip("abcdefg", occurs, strict=True) if does}
         weight = math.prod(likelihoods[f] if f in active else 1 - likelihoods[f] for f in "abcdefg")
-        kept += weight * math.prod(1 - each for some, each in shares.items() if some <= active)
-    assert found == pytest.approx(1 - kept, abs=1e-9)
+        expected += weight * math.prod(1 - each for some, each in shares.items() if some <= active)
+    assert found == pytest.approx(expected, abs=1e-9)
 
 
 def test_many_sets_that_share_faults_have_a_lower_bound():
     names = [f"f{n}" for n in range(30)]
-    shares = {frozenset([one, names[k - 7], names[k - 12]]): 1.0 for k, one in enumerate(names)}
+    shares = [(frozenset([one, names[k - 7], names[k - 12]]), 1.0) for k, one in enumerate(names)]
     likelihoods = dict.fromkeys(names, 0.5)
 
-    assert 0.7 < broken(shares, likelihoods) < 1 - (1 - 0.5**3) ** 30
+    assert 0.7 < 1 - kept(shares, likelihoods) < 1 - (1 - 0.5**3) ** 30
 
 
 def test_risks_leave_out_false_alarms_and_unknown_likelihoods_and_need_others_for_an_upper_value():
