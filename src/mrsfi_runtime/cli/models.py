@@ -227,7 +227,7 @@ def rename_command(
     """Give elements of MISSION other IDs, in all files at once.
 
     OLD is the ID of any element. It changes in the models, in every fault specification below their
-    folder, in campaign files, in the limits of kept weaknesses, in decisions, and in generated code,
+    folder, in campaign files, limits of kept weaknesses, decisions, and generated code,
     also in its protected regions. Strings, comments and display names do not change, nor does the
     source of a kept weakness. The mission flies to the same digest.
 
