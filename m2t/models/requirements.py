@@ -20,9 +20,6 @@ from m2t.models.check import require_value
 from m2t.read import read_root
 from mrsfi_runtime.errors import ModelError, expected
 
-TEXT, FOREIGN_ID = "ReqIF.Text", "ReqIF.ForeignID"
-"""Names of the values that have text and ID, by the implementation guide of ReqIF."""
-
 _RESULT = "Result of mrsfi"
 _NEW = {"LAST-CHANGE": "2026-11-28T00:00:00Z", "LONG-NAME": _RESULT}  # LAST-CHANGE of this line
 _MISC = r"((?:\s|\ufeff|<\?.*?\?>|<!--.*?-->)*)"
@@ -52,7 +49,9 @@ class ReqifFile:
     A file that cannot be used raises a ``ModelError``.
     """
 
-    def __init__(self, path: Path, text: str = TEXT, identity: str = FOREIGN_ID) -> None:
+    def __init__(
+        self, path: Path, text: str = "ReqIF.Text", identity: str = "ReqIF.ForeignID"
+    ) -> None:
         self._path = path
         if read_root(path, Report()).tag != "REQ-IF":  # refuses document types and huge files
             raise ModelError(f"{path}: is no ReqIF file; expected <REQ-IF> as its root element")
@@ -70,10 +69,10 @@ class ReqifFile:
         known: dict[str, ReqifRequirement] = {}
         for element in self._tree.iterfind(".//{*}SPEC-OBJECTS/{*}SPEC-OBJECT"):
             of = {self._name(value): value for value in element.iterfind("{*}VALUES/{*}*")}
-            if not (words := _text(of.get(text))):
-                continue
             named = model_id(_text(of.get(identity)) or element.get("IDENTIFIER", ""))
-            found = ReqifRequirement(named, words, self._path, element)
+            found = ReqifRequirement(named, _text(of.get(text)), self._path, element)
+            if not found.text:
+                continue
             if (first := known.setdefault(named, found)) is not found:
                 raise found.error(
                     f"gets the ID '{named}', as does the one in line {first.element.sourceline}; "
@@ -87,10 +86,7 @@ class ReqifFile:
         return "" if definition is None else str(definition.get("LONG-NAME", ""))
 
     def with_results(self, results: Mapping[str, str]) -> bytes:
-        """Return the file with the results of its requirements, by ID, as one more value of each.
-
-        A result that the file has already is replaced. ``results`` is complete.
-        """
+        """Return the file with the results of all its requirements, by ID, as values of theirs."""
         try:
             for each in self.requirements:
                 self._add_result(each.element, results[each.id])
@@ -119,15 +115,14 @@ class ReqifFile:
         attributes = kind.find("{*}SPEC-ATTRIBUTES")
         for each in attributes.iterfind(f"*[@LONG-NAME='{_RESULT}']"):
             return str(each.get("IDENTIFIER"))
-        identifier, datatype = f"mrsfi-result-{kind.get('IDENTIFIER')}", "mrsfi-result"
-        named = {"IDENTIFIER": identifier, **_NEW}
+        datatype, named = "mrsfi-result", {"IDENTIFIER": "mrsfi-result", **_NEW}
+        if datatype not in self._by_id:
+            place, limited = self._tree.find(".//{*}DATATYPES"), {**named, "MAX-LENGTH": "100"}
+            self._by_id[datatype] = _added(place, "DATATYPE-DEFINITION-STRING", limited)
+        named["IDENTIFIER"] += f"-{kind.get('IDENTIFIER')}"
         own = _added(attributes, "ATTRIBUTE-DEFINITION-STRING", named)
         _added(own, "TYPE", {}, "DATATYPE-DEFINITION-STRING-REF").text = datatype
-        if datatype not in self._by_id:
-            named = {"IDENTIFIER": datatype, **_NEW, "MAX-LENGTH": "100"}
-            datatypes = self._tree.find(".//{*}DATATYPES")
-            self._by_id[datatype] = _added(datatypes, "DATATYPE-DEFINITION-STRING", named)
-        return identifier
+        return named["IDENTIFIER"]
 
 
 def _added(parent: Any, tag: str, attributes: dict[str, str], *inner: str) -> Any:

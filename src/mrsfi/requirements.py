@@ -23,19 +23,19 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.search.space import SearchSpace
 
-NOT_SEARCHED = "not searched"
-"""Result of a requirement for which no goal stands, or without a finished search."""
-
-UNRECORDED, ANYWAY, NONE_FOUND = "detection not recorded", "violated without faults", "none found"
-
-RESULTS = ("undetected", UNRECORDED, "late", "in time", ANYWAY, NONE_FOUND, NOT_SEARCHED)
+RESULTS = (
+    *("undetected", "detection not recorded", "late", "in time"),
+    *("violated without faults", "none found", "not searched"),
+)
 """Results of a requirement, the gravest first."""
+
+_UNDETECTED, _UNRECORDED, *_, _ANYWAY, _NONE_FOUND, _NOT_SEARCHED = RESULTS
 
 
 def export_results(
     folders: MissionFolders, file: ReqifFile, run: Path, output: Path
-) -> Mapping[str, str]:
-    """Write a ReqIF file with the results of its requirements, and return these by ID.
+) -> Mapping[str, tuple[str, ...]]:
+    """Write a ReqIF file with the results of its requirements; return their IDs by result.
 
     The model of the mission states which goals stand for a requirement, the campaign in ``run``
     what breaks them. If such a goal is not the one that the campaign flew, it is a ``UsageError``.
@@ -43,17 +43,18 @@ def export_results(
     models = load_mission_folder(folders.models)
     mission = mission_from_text(rendered_file("mission_loader.py", models))
     with open_campaign(run) as campaign:
-        flown = {goal.id: _task(goal) for goal in campaign.mission.goals}
+        flown = [*map(_task, campaign.mission.goals)]
         for goal in mission.goals:
-            if goal.requirements and flown.get(goal.id) != _task(goal):
+            if goal.requirements and _task(goal) not in flown:
                 what = f"goal '{goal.id}' of {folders.models} is not the one that {run} flew"
                 raise UsageError(f"{what}; expected the same goal; fly a campaign again")
         known = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
         found = {} if known is None else results(mission, campaign.pool, known)
-    shown = {each.id: found.get(each.id, NOT_SEARCHED) for each in file.requirements}
+    shown = {each.id: found.get(each.id, _NOT_SEARCHED) for each in file.requirements}
     with whole_file(output) as written:
         written.write(file.with_results(shown))
-    return shown
+    by_result = {each: tuple(own for own in shown if shown[own] == each) for each in RESULTS}
+    return {**by_result, "written": (str(output),)}
 
 
 def _task(goal: Goal) -> Goal:
@@ -64,14 +65,12 @@ def _task(goal: Goal) -> Goal:
 def results(mission: Mission, pool: FaultPool, known: Harvest) -> dict[str, str]:
     """Return the result of each requirement for which a goal of a mission stands, by its ID."""
     found: dict[str, str] = {}
-    state = {each.goal: each.state for each in verdicts(mission, pool, known)}
-    for goal in mission.goals:
-        of_goal = [ANYWAY if state[goal.id] is State.BROKEN_ANYWAY else NONE_FOUND]
+    for verdict in verdicts(mission, pool, known):
+        of_goal = [_ANYWAY if verdict.state is State.BROKEN_ANYWAY else _NONE_FOUND]
         for each in known.goal_weaknesses:
-            if each.goal == goal.id and each.measure != MEASURES[0]:
-                worst = each.shown.detection.worst if each.shown.detection else UNRECORDED
-                of_goal.append("undetected" if worst == "never" else worst)
-        for requirement in goal.requirements:
-            both = (*of_goal, found.get(requirement, NOT_SEARCHED))
-            found[requirement] = min(both, key=RESULTS.index)
+            if each.goal == verdict.goal and each.measure != MEASURES[0]:
+                worst = each.shown.detection.worst if each.shown.detection else _UNRECORDED
+                of_goal.append(_UNDETECTED if worst == "never" else worst)
+        for own in mission.goals[mission.goal_ids.index(verdict.goal)].requirements:
+            found[own] = min(*of_goal, found.get(own, _NOT_SEARCHED), key=RESULTS.index)
     return found

@@ -32,6 +32,7 @@ from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split
 
 TIGHT = MODELS.parent / "tight_margins"
+RATED = MODELS.parent / "undersea"  # requirement R2 and goal r2
 N_MIXED = 100
 N_DRAWN = 20
 _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
@@ -57,8 +58,8 @@ def test_both_find_the_same_in_valid_models(models, note):
 
     require_same_findings("valid models", valid, note)
 
-    assert len(valid) == N_DRAWN + 2
-    assert [sum(model.ours.values()) for model in valid[:2]] == [0, 0]
+    assert len(valid) == N_DRAWN + 3
+    assert [sum(model.ours.values()) for model in valid[:3]] == [0, 0, 0]
 
 
 def test_both_find_the_same_in_every_broken_model(models, note):
@@ -133,7 +134,7 @@ def test_both_reserve_the_same_names():
 
 def _valid(folder: Path) -> list[Path]:
     drawn = [_drawn(folder / str(seed), seed) for seed in range(N_DRAWN)]
-    return [MODELS, TIGHT, *drawn]
+    return [MODELS, TIGHT, RATED, *drawn]
 
 
 def _broken(folder: Path) -> list[Path]:

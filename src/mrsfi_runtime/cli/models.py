@@ -456,16 +456,14 @@ def requirements_command(
     if run is not None and output is not None:
         from mrsfi.requirements import export_results
 
-        results = export_results(folders, reqif, run, output)
-        lines = [f"{result:12} {name}" for name, result in results.items()]
-        lines.append(f"written      {output}")
+        done = export_results(folders, reqif, run, output)
     else:
         done = import_requirements(folders.models, reqif)
-        lines = [f"{what:10} {', '.join(names)}" for what, names in done.items() if names]
-        if done["written"]:
-            lines.append(f"next       name them in goals, then mrsfi generate {mission}")
     if is_json:
-        print_json(done if run is None else results)
+        print_json(done)
         return
-    for line in lines:
-        click.echo(line)
+    for what, names in done.items():
+        if names:
+            click.echo(f"{what:12} {', '.join(names)}")
+    if run is None and done["written"]:
+        click.echo(f"next         name them in goals, then mrsfi generate {mission}")
