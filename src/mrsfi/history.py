@@ -11,14 +11,14 @@ A weakness went if its variant no longer has its effect. If the campaign made le
 flights of the one that found the weakness, a remark says so, because other variants may have it.
 """
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, decisions_in, open_campaign
 from mrsfi.engines import Given, Tell, silent
@@ -32,8 +32,9 @@ from mrsfi_runtime.causes.missing import Estimate, estimate
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking, Weakness
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
+from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import Gate
-from mrsfi_runtime.record.decisions import Decision, words_on
+from mrsfi_runtime.record.decisions import Cause, Decision, words_on
 from mrsfi_runtime.record.engine_settings import Manifest, Workers
 
 WENT, CAME, BRIEF, UNKNOWN, STAYED = "went", "came", "came and went", "cannot be flown", "stayed"
@@ -48,9 +49,6 @@ MARKS = {
 }
 """What a campaign has of a weakness."""
 
-Cause: TypeAlias = tuple[str, tuple[str, ...]]
-"""ID of a goal, and of the faults that break it."""
-
 
 class Searched(NamedTuple):
     """A campaign, how many flights it made, and the weaknesses that it found."""
@@ -58,6 +56,7 @@ class Searched(NamedTuple):
     path: Path
     manifest: Manifest
     campaign: OpenCampaign
+    setup: str  # all that decides its flights, but the search seed
     n_flights: int
     found: Mapping[Cause, GoalWeakness]
     sample: tuple[Weakness, ...]
@@ -195,36 +194,30 @@ class History:
         seeds.
         """
         alike = defaultdict[str, dict[int, tuple[Weakness, ...]]](dict)
-        setups = [str(same_flights(run.campaign)) for run in self.runs]
-        for setup, run in zip(setups, self.runs, strict=True):
-            alike[setup].setdefault(run.campaign.store.settings.seed, run.sample)
-        samples = [[*alike[setup].values()] for setup in setups]
+        for run in self.runs:
+            alike[run.setup].setdefault(run.campaign.store.settings.seed, run.sample)
+
+        def count(run: Searched, goal: str) -> tuple[int, Estimate | None]:
+            samples, n_found = [*alike[run.setup].values()], Counter(each for each, *_ in run.found)
+            return n_found[goal], estimate(samples, goal) if len(samples) > 1 else None
+
         goals = (goal for run in self.runs[::-1] for goal in run.campaign.mission.goal_ids)
-        return {
-            goal: [
-                (
-                    sum(each == goal for each, _ in run.found),
-                    estimate(some, goal) if len(some) > 1 else None,
-                )
-                for run, some in zip(self.runs, samples, strict=True)
-            ]
-            for goal in dict.fromkeys(goals)
-        }
+        return {goal: [count(run, goal) for run in self.runs] for goal in dict.fromkeys(goals)}
 
     def as_json(self, today: date) -> dict[str, Any]:
         """Return it as plain values."""
-        paths, kept = [str(run.path) for run in self.runs], ("created", "commit", "is_edited")
-        made = [{key: getattr(run.manifest, key) for key in kept} for run in self.runs]
+        kept = ("created", "commit", "is_edited")
         runs = [
-            {"path": path, **some, "flights": run.n_flights}
-            for path, some, run in zip(paths, made, self.runs, strict=True)
+            {key: getattr(run.manifest, key) for key in kept}
+            | {"path": str(run.path), "flights": run.n_flights}
+            for run in self.runs
         ]
         goals = {
             goal: [{"found": n, "estimate": of and of.as_json()} for n, of in counts]
             for goal, counts in self.goals.items()
         }
         courses = [
-            {**each.as_json(), "since": paths[each.since], "decision": self.decision(each, today)}
+            {**each.as_json(), "since": each.since + 1, "decision": self.decision(each, today)}
             for each in self.courses
         ]
         return {"mission": self.mission, "campaigns": runs, "goals": goals, "weaknesses": courses}
@@ -235,12 +228,11 @@ def history(runs: Iterable[Path], engine: Given, workers: Workers, tell: Tell = 
     searched, names = list[Searched](), list[str]()
     for path in runs:
         with open_campaign(path) as campaign:
-            known, manifest = harvested(campaign), campaign.store.manifest
-            found = {(each.goal, each.faults): each for each in known.goal_weaknesses}
-            n_flights = campaign.store.n_evaluations + known.n_flights
-            run = Searched(path, manifest, campaign, n_flights, found, known.weaknesses)
-        names.append(manifest.mission or campaign.mission.name)
-        searched.append(run)
+            known, made = harvested(campaign), campaign.store.manifest
+            n, setup = campaign.store.n_evaluations + known.n_flights, str(same_flights(campaign))
+            found = {Cause(each.goal, each.faults): each for each in known.goal_weaknesses}
+        searched.append(Searched(path, made, campaign, setup, n, found, known.weaknesses))
+        names.append(made.mission or campaign.mission.name)
         if names[0] != names[-1]:
             what = f"{path}: found a campaign of mission '{names[-1]}'"
             raise UsageError(f"{what}; expected one of '{names[0]}', as {searched[0].path} is")
@@ -271,10 +263,12 @@ def _sights(
     nearest = (*runs[:place][::-1], *runs[place + 1 :])
     for cause in causes:
         others = nearest[:place] if cause in here.found else nearest
-        if (finder := next((run for run in others if cause in run.found), None)) is not None:
-            finders[cause] = finder
+        for run in [each for each in others if cause in each.found][:1]:
+            finders[cause] = run
     flown: dict[Cause, tuple[bool | None, str]] = {}
-    if finders:
+    if here.manifest.semantics != SEMANTICS:
+        flown = dict.fromkeys(finders, (None, difference(here.manifest.semantics)))
+    elif finders:
         with flying_again(here.path, engine, workers, tell) as (campaign, evaluator, _):
             wanted = {cause: run.found[cause] for cause, run in finders.items()}
             flown = _broken(campaign, evaluator, wanted)
@@ -333,10 +327,7 @@ def run_tables(history: History) -> tuple[Table, Table]:
         runs.append((f"{place + 1}", run.path.name, *run.manifest.made, run.n_flights, *counts))
         for goal in (mission := run.campaign.mission).goals:
             names[goal.id] = ", ".join((mission.label_of(goal.id), *goal.requirements))
-    goals = [
-        (names[goal], *(f"{n} of {_total(each)}" for n, each in counts))
-        for goal, counts in history.goals.items()
-    ]
+    goals = [(names[goal], *map(_of, counts)) for goal, counts in history.goals.items()]
     heads = ("#", "campaign", "date", "commit", "flights", *changes)
     columns = ("goal", *(f"{place + 1}" for place in range(len(runs))))
     what = "Weaknesses that each campaign found, of how many as estimated (95 %). No estimate (?) "
@@ -347,11 +338,11 @@ def run_tables(history: History) -> tuple[Table, Table]:
     )
 
 
-def _total(estimate: Estimate | None) -> str:
-    if estimate is None or not estimate.total.n_found:
-        return "?"
-    _, value, low, high = estimate.total
-    return f"{value:.0f} ({low} to {high})"
+def _of(count: tuple[int, Estimate | None]) -> str:
+    n_found, of = count
+    if of is None or not of.total.n_found:
+        return f"{n_found} of ?"
+    return f"{n_found} of {of.total.value:.0f} ({of.total.low} to {of.total.high})"
 
 
 def drawn(history: History, suffix: str) -> bytes:
@@ -379,8 +370,10 @@ def page(histories: Iterable[History], today: date) -> dict[str, Any]:
     """Return the content of a page: a line for each campaign, a column for each weakness."""
     shown, record = list[Table](), list[tuple[str, str]]()
     for each in histories:
-        marks = zip(*(course.marks for course in each.courses), strict=True)
-        lines = [(run.path.name, *some) for run, some in zip(each.runs, marks, strict=True)]
+        lines = [
+            (run.path.name, *(course.marks[place] for course in each.courses))
+            for place, run in enumerate(each.runs)
+        ]
         heads = ("campaign", *(f"{one.weakness.goal}: {one.faults}" for one in each.courses))
         title = (
             f"Mission {each.mission}, from the first campaign to the last. {sentence(each.courses)}"

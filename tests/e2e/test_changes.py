@@ -89,19 +89,25 @@ def test_a_history_has_each_campaign_with_date_and_commit_and_the_course_of_each
         "runs/few",
     ]
     assert all(each["created"] and each["commit"] == "" for each in found["campaigns"])
-    assert {each["since"] for each in found["weaknesses"]} == {"runs/before"}
+    assert {each["since"] for each in found["weaknesses"]} == {1}
     assert (before_and_after / "history.svg").is_file()
     page = (before_and_after / "history.html").read_text(encoding="utf-8")
     assert "g1: stop_a" in page
 
 
-def test_a_campaign_without_date_is_the_earliest_and_says_so(before_and_after):
-    forget = "UPDATE meta SET value = json_remove(value, '$.created') WHERE key = 'manifest'"
-    execute(before_and_after / "runs" / "after", forget)
+def test_a_campaign_of_an_earlier_mrsfi_is_without_date_the_earliest_and_is_not_flown(
+    before_and_after,
+):
+    old = "json_set(json_remove(value, '$.created'), '$.semantics', 1)"
+    execute(
+        before_and_after / "runs" / "after", f"UPDATE meta SET value = {old} WHERE key = 'manifest'"
+    )
 
     words = mrsfi("history", "--all", *FAST, cwd=before_and_after).stdout
 
     assert re.search(r"\n1 +after +not recorded +not recorded ", words)
+    assert re.search(r"\ncannot be flown +stop_a +g1 +\? ● +2\d{3}", words)
+    assert "found semantics 1" in words
     assert "In all campaigns: none." in words
 
 
