@@ -209,11 +209,10 @@ def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
             is_named = own is files[0] and not is_kind(element.eClass, "Requirement")
             for defect in defects_of_id(new, becomes_name=is_named) if old in names else ():
                 raise UsageError(f"{old}={new}: {defect.finding}")
-            name = identifier(new) if is_named else new
-            other = taken.setdefault(name, old)
-            if other != old:
-                what = f"{other} and {old} would both be named {name}"
-                raise UsageError(f"{what}; expected an ID that no other element has")
+            for name in (new, f"{identifier(new)} in Python")[: 1 + is_named]:
+                if (other := taken.setdefault(name, old)) != old:
+                    what = f"{other} and {old} would both be named {name}"
+                    raise UsageError(f"{what}; expected an ID that no other element has")
 
 
 def _rewritten(

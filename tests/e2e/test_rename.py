@@ -116,6 +116,17 @@ def test_ids_that_cannot_be_are_refused(name, place, approved):
     approved(_refused(place, name))
 
 
+def test_a_requirement_keeps_its_id_apart_from_others_but_not_its_name_in_python(tmp_path):
+    shutil.copytree(ROOT / "models" / "undersea", tmp_path / "models" / "undersea")
+
+    taken = mrsfi("rename", "undersea", "r2=R2", "--diff", cwd=tmp_path, expected=2).stderr
+    free = mrsfi("rename", "undersea", "R2=SURVEY", "--diff", cwd=tmp_path).stdout
+
+    assert "R2 and r2 would both be named R2" in taken
+    assert '+  <requirements ID="SURVEY"' in free
+    assert ' requirements="SURVEY" ' in free
+
+
 def test_a_name_that_a_region_uses_is_refused_with_its_line(place, approved):
     line = write_body(place / COLLECTIVE, "g1.check", BODY.replace("r1", "LEADER"))
 
