@@ -1,9 +1,12 @@
 """Campaigns of a mission, before and after an edit: what went, what came, what stayed."""
 
 import re
+from pathlib import Path
 
 import pytest
 
+from mrsfi.campaign_folders import campaigns_of, open_campaign
+from mrsfi.explaining import known_since
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json
 from tests.support.rendezvous import NAME
 
@@ -109,6 +112,22 @@ def test_a_campaign_of_an_earlier_mrsfi_is_without_date_the_earliest_and_is_not_
     assert re.search(r"\ncannot be flown +stop_a +g1 +\? ● +2\d{3}", words)
     assert "found semantics 1" in words
     assert "In all campaigns: none." in words
+
+
+def test_the_first_campaign_that_found_a_weakness_is_known_without_flights(
+    before_and_after, monkeypatch
+):
+    monkeypatch.chdir(before_and_after)
+    (before_and_after / "runs" / "broken").mkdir()
+    (before_and_after / "runs" / "broken" / "campaign.sqlite").touch()
+
+    with open_campaign(Path("runs/after")) as campaign:
+        found = known_since(campaign, campaigns_of())
+        alone = known_since(campaign, {})
+
+    assert {*found.values()} == {Path("runs/before")}
+    assert {*alone.values()} == {Path("runs/after")}
+    assert ("g2", ("stop_b",)) in found
 
 
 @pytest.mark.parametrize(
