@@ -328,11 +328,11 @@ def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWe
     raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
 
 
-def untried(campaign: OpenCampaign, known: Harvest) -> dict[int, dict[str, set[tuple[str, ...]]]]:
-    """Return the sets of faults that the campaign did not try in its mission seed."""
+def untried(campaign: OpenCampaign, known: Harvest, goals: Collection[str]) -> dict[int, int]:
+    """Return how many sets of faults the campaign did not try in its mission seed, by size."""
     searched = {each.specification: each.outcome for each in campaign.store.evaluations()}
-    faults = [fault.id for fault in campaign.pool]
-    return untried_in(known.known, known.yardstick, faults, {**searched, **known.outcomes})
+    faults, flights = [fault.id for fault in campaign.pool], {**searched, **known.outcomes}
+    return untried_in(known.known, known.yardstick, faults, flights, goals)
 
 
 @contextmanager

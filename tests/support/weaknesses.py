@@ -67,16 +67,13 @@ def untried_by_hand(
                     is_open = not any(known <= {*some} for known in sets)
                     if is_open and not any(trial.issuperset(some) for trial in trials):
                         left[goal].add(some)
-    worst = max(left, key=lambda goal: len(left[goal]))
     names = ("faults", "pairs", "triples")
     every = [len([*combinations(pool, n)]) for n in (1, 2, 3)]
     union = zip(
         _by_size({some for each in left.values() for some in each}), every, names, strict=True
     )
     rows = ", ".join(f"{n:,} of {of:,} {name[: -1 if of == 1 else None]}" for n, of, name in union)
-    most_of = ", ".join(f"{n:,}" for n in _by_size(left[worst]))
-    most_words = f"; most for {worst} ({most_of})" if left[worst] else ""
-    return f"Not tried yet for at least one goal: {rows}{most_words}"
+    return f"Not tried yet for at least one goal: {rows}"
 
 
 def _by_size(sets: Iterable[tuple[str, ...]]) -> list[int]:

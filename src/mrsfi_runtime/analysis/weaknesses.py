@@ -10,7 +10,7 @@ evidence. ``deed`` describes a fault. Failure modes (FMEA) are in ``failure_mode
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import accumulate
@@ -92,24 +92,14 @@ def harmless(pool: FaultPool, known: Harvest) -> str:
     return f"{len(rest)} of {faults} {are} part of no known weakness: {', '.join(listed)}"
 
 
-def untried_in_words(
-    n_faults: int, untried: Mapping[int, Mapping[str, Set[tuple[str, ...]]]], goals: Sequence[str]
-) -> str:
+def untried_in_words(n_faults: int, untried: Mapping[int, int], goals: Sequence[str]) -> str:
     """Return in a sentence how many sets of faults were not tried for some goals, by size."""
-    names = {1: "faults", 2: "pairs", 3: "triples"}
-    n_left = {goal: [len(by_goal[goal]) for by_goal in untried.values()] for goal in goals}
-    worst = max(goals, key=lambda goal: sum(n_left[goal]))
-    rows = []
-    for n, by_goal in untried.items():
-        n_some = len({some for goal in goals for some in by_goal[goal]})
+    names, rows = {1: "fault", 2: "pair", 3: "triple"}, []
+    for n, n_untried in untried.items():
         n_all = math.comb(n_faults, n)
-        rows.append(f"{n_some:,} of {n_all:,} {names[n].removesuffix('s' if n_all == 1 else '')}")
-    some, most = worst, ""
-    if len(goals) > 1:
-        some = "at least one goal"
-        if any(n_left[worst]):
-            most = f"; most for {worst} ({', '.join(map('{:,}'.format, n_left[worst]))})"
-    return f"Not tried yet for {some}: {', '.join(rows)}{most}"
+        rows.append(f"{n_untried:,} of {n_all:,} {names[n]}{'s' * (n_all > 1)}")
+    some = goals[0] if len(goals) == 1 else "at least one goal"
+    return f"Not tried yet for {some}: {', '.join(rows)}"
 
 
 def weakness_table(

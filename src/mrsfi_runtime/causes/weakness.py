@@ -11,7 +11,7 @@ functions after it add mission seeds, first ticks and detection.
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import reduce
 from itertools import chain, combinations
@@ -509,12 +509,13 @@ def untried(
     yardstick: Yardstick | None,
     faults: Sequence[str],
     flights: Mapping[Specification, Outcome],
-) -> dict[int, dict[str, set[tuple[str, ...]]]]:
-    """Return the faults, pairs and triples that were not tried, by size and goal.
+    goals: Collection[str],
+) -> dict[int, int]:
+    """Return how many faults, pairs and triples were not tried, by size.
 
     A set is *tried* for a column in a flight that contains no known set of the column and does not
     break it, and in which each of its faults changes a value. Sets that contain a known set need no
-    trial. Those that are untried for a column are listed for its goal.
+    trial. Those that are untried for a column of any of the goals count.
     """
     contained, acting = (defaultdict[str, int](int) for _ in range(2))  # a bit for each flight
     broken = dict.fromkeys(known.sets, 0)
@@ -524,21 +525,22 @@ def untried(
             acting[timed.fault] |= (n_changed > 0) << place
         for column in yardstick.broken(outcome) if yardstick else ():
             broken[column] |= 1 << place
-    sizes = [n for n in (1, 2, 3) if 0 < math.comb(len(faults), n) <= MOST_SETS]
-    found = {n: {column.goal: set[tuple[str, ...]]() for column in broken} for n in sizes}
-    for column, sets in known.sets.items():
+    acted = {}
+    for column in (each for each in broken if each.goal in goals):
         judged = ~broken[column]
-        for each in sets:
+        for each in known.sets[column]:
             judged &= ~reduce(and_, (contained[fault] for fault in each))
-        acted = {fault: acting[fault] & judged for fault in faults}
-        for n, by_goal in found.items():
-            by_goal[column.goal].update(
-                some
-                for some in combinations(faults, n)
-                if not reduce(and_, map(acted.__getitem__, some))
-                and not known.has_part_of(column, frozenset(some))
-            )
-    return found
+        acted[column] = {fault: acting[fault] & judged for fault in faults}
+
+    def is_untried(some: tuple[str, ...]) -> bool:
+        return any(
+            not reduce(and_, map(by_fault.__getitem__, some))
+            and not known.has_part_of(column, frozenset(some))
+            for column, by_fault in acted.items()
+        )
+
+    sizes = [n for n in (1, 2, 3) if 0 < math.comb(len(faults), n) <= MOST_SETS]
+    return {n: sum(map(is_untried, combinations(faults, n))) for n in sizes}
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

@@ -84,7 +84,7 @@ def print_all(
         print_words(weaknesses.not_found(known.known, each))
     click.echo()
     print_words(weaknesses.harmless(pool, known))
-    print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known), goals))
+    print_words(weaknesses.untried_in_words(len(pool), untried(campaign, known, goals), goals))
     _print_estimates(campaign, goals, [each.weaknesses for each in (known, *others)])
     at_risk = risks(pool, goals, [each.goal_weaknesses for each in (known, *others)])
     if at_risk:
