@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
-from mrsfi_runtime.project_file import SETTINGS, Ratings, project_metamodels, root, settings
+from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
     BOTH,
@@ -58,7 +58,7 @@ class Project:
     """The folders of a project, each as short as a user would write it.
 
     ``metamodels`` is ``None`` if the project has none of its own. ``ros`` is the ROS version of its
-    rosbridge server, ``node`` the table of its external node, ``ratings`` those of its FMEA.
+    rosbridge server, ``node`` the table of its external node, ``fmea`` the team's numbers.
     """
 
     models: Path
@@ -67,7 +67,7 @@ class Project:
     metamodels: Path | None
     ros: int
     node: Mapping[str, Any] | None
-    ratings: Ratings
+    fmea: Mapping[str, Mapping[str, Any]]
 
 
 def project() -> Project:
@@ -76,14 +76,14 @@ def project() -> Project:
     Settings that cannot be read, or have no meaning, are a ``UsageError``.
     """
     file = root() / SETTINGS
-    given, node, ratings = settings(file) if file.is_file() else ({}, None, Ratings())
+    given, node, fmea = settings(file) if file.is_file() else ({}, None, {})
     ros, own = given.get("ros", 1), project_metamodels()
     if type(ros) is not int or ros not in ROS_VERSIONS:
         raise UsageError(f"{file}: found ros = {ros!r}; expected 1 or 2")
     models, generated, runs = (
         from_here(file.parent / given.get(name, name)) for name in ("models", "generated", "runs")
     )
-    return Project(models, generated, runs, own and from_here(own), ros, node, ratings)
+    return Project(models, generated, runs, own and from_here(own), ros, node, fmea)
 
 
 def from_here(path: Path) -> Path:

@@ -450,8 +450,7 @@ def write_fmea(
     ``settled`` has what the team decided (``regressions.settled``).
     """
     name, mission = campaign.store.manifest.mission or campaign.mission.name, campaign.mission
-    ratings = project().ratings
-    modes = fmea.failure_modes(mission, campaign.pool, found, record, ratings, settled)
+    modes = fmea.failure_modes(mission, campaign.pool, found, record, project().fmea, settled)
     content = fmea.FMEA[path.suffix](fmea.fmea(name, modes))
     with whole_file(path) as file:
         file.write(content)

@@ -2,11 +2,10 @@
 
 import os
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, NamedTuple, Self
+from typing import Any
 
 from mrsfi_runtime.errors import UsageError
 
@@ -62,51 +61,25 @@ def metamodels_chosen() -> Iterator[None]:
             del os.environ[_CHOSEN]
 
 
-class Ratings(NamedTuple):
-    """The numbers 1 to 10 of a team's FMEA: of likelihoods, and of detections by ``DETECTIONS``.
-
-    ``occurrence`` has pairs of the least likelihood for a number, and the number.
-    """
-
-    occurrence: tuple[tuple[float, int], ...] = ()
-    detection: Mapping[str, int] = MappingProxyType({})
-
-    def of_likelihood(self, chance: float | None) -> int | None:
-        """Return the number of a likelihood; ``None`` if it is unknown, or below all of these."""
-        known = (each for each in self.occurrence if chance is not None and each[0] <= chance)
-        return max(known, default=(0.0, None))[1]
-
-    @classmethod
-    def of(cls, file: Path, table: Mapping[str, Any]) -> Self:
-        """Return what the table [fmea] of a settings file gives; a mistake is a ``UsageError``."""
-        numbers = {str(number): number for number in range(1, 11)}
-        rules = {
-            "occurrence": (
-                numbers,
-                (int, float),
-                0,
-                1,
-                "rising likelihoods 0 … 1 for numbers 1 to 10",
-            ),
-            "detection": (DETECTIONS, (int,), 1, 10, f"1 to 10 for {', '.join(DETECTIONS)}"),
-        }
-        for name, given in table.items():
-            if name not in rules:
-                raise UsageError(f"{file}: [fmea]: found '{name}'; expected {' or '.join(rules)}")
-            keys, types, low, high, wanted = rules[name]
-            is_valid = isinstance(given, dict) and all(
-                key in keys and type(each) in types and low <= each <= high
-                for key, each in given.items()
-            )
-            values = [given[key] for key in keys if is_valid and key in given]
-            if not is_valid or (name == "occurrence" and values != sorted({*values})):
-                raise UsageError(f"{file}: [fmea]: found {name} = {given!r}; expected {wanted}")
-        least = table.get("occurrence", {})
-        pairs = [(least[key], number) for key, number in numbers.items() if key in least]
-        return cls(tuple(pairs), MappingProxyType(table.get("detection", {})))
+def _require_numbers(file: Path, table: dict[str, Any]) -> None:
+    """Refuse a table [fmea] that gives other numbers than those of likelihoods and detections."""
+    numbers, real = [str(number) for number in range(1, 11)], {int, float}
+    rules: dict[str, tuple[Any, ...]] = {
+        "occurrence": (numbers, real, 0, 1, "rising likelihoods 0 … 1 for numbers 1 to 10"),
+        "detection": (DETECTIONS, {int}, 1, 10, f"1 to 10 for {', '.join(DETECTIONS)}"),
+    }
+    for name, given in table.items():
+        if name not in rules:
+            raise UsageError(f"{file}: [fmea]: found '{name}'; expected {' or '.join(rules)}")
+        keys, kinds, low, high, wanted = rules[name]
+        is_known = isinstance(given, dict) and {*given} <= {*keys}
+        values: list[Any] = [given[key] for key in keys if key in given] if is_known else [None]
+        is_valid = all(type(each) in kinds and low <= each <= high for each in values)
+        if not is_valid or (keys is numbers and values != sorted({*values})):
+            raise UsageError(f"{file}: [fmea]: found {name} = {given!r}; expected {wanted}")
 
 
-def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None, Ratings]:
+def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None, dict[str, Any]]:
     """Return the tables [project], [node] and [fmea] of a settings file."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -123,7 +96,8 @@ def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None, Ratings
             raise UsageError(f"{file}: found '{name}'; expected one of {known}")
         if name in FOLDERS and (not isinstance(value, str) or not value):
             raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
-    return dict(table), node, Ratings.of(file, document.get("fmea", {}))
+    _require_numbers(file, document.get("fmea", {}))
+    return dict(table), node, document.get("fmea", {})
 
 
 def installed_version(name: str) -> str:

@@ -73,7 +73,7 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
     (place / "mrsfi.toml").write_text(shown, encoding="utf-8")
 
     assert project() == left_out
-    known = {field.name for field in fields(left_out)} - {"node", "ratings"}
+    known = {field.name for field in fields(left_out)} - {"node", "fmea"}
     assert set(tomllib.loads(shown)["project"]) == known
 
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from mrsfi_runtime.analysis.documents import _HEAD, in_latex, to_latex
+from mrsfi_runtime.analysis.documents import LATEX_HEAD, in_latex, to_latex
 from mrsfi_runtime.analysis.failure_modes import FMEA, HEADS, fmea
 from mrsfi_runtime.analysis.tables import Table
 from tests.integration.analysis.test_page import HOSTILE
@@ -55,7 +55,7 @@ def test_a_report_is_set_with_all_its_figures(tmp_path):
 def test_any_text_is_set(texts, tmp_path):
     table = Table(in_latex("title"), ("a", "b"), [(text, 1.0) for text in texts], ("a",))
     (tmp_path / "all.tex").write_text(
-        f"{_HEAD}{to_latex(table)}\\end{{document}}\n", encoding="utf-8"
+        f"{LATEX_HEAD}{to_latex(table)}\\end{{document}}\n", encoding="utf-8"
     )
 
     set_by_latex(tmp_path, "all.tex")

@@ -171,7 +171,7 @@ def _linked(captions: Mapping[str, str], part: str) -> list[str]:
     ]
 
 
-_HEAD = r"""\documentclass[twocolumn]{article}
+LATEX_HEAD = r"""\documentclass[twocolumn]{article}
 \usepackage[T1]{fontenc}
 \usepackage{booktabs,graphicx,textcomp}
 \begin{document}
@@ -228,7 +228,7 @@ def to_latex(table: Table) -> str:
 
 def report_latex(summary: Summary, shown: Iterable[Illustration]) -> str:
     """Return ``report.tex``; its figures are the PDFs in ``figures/``."""
-    return "\n\n".join((_HEAD, *_parts(summary, shown), "\\end{document}\n"))
+    return "\n\n".join((LATEX_HEAD, *_parts(summary, shown), "\\end{document}\n"))
 
 
 def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:

@@ -21,10 +21,10 @@ from itertools import chain, count
 from operator import itemgetter
 from textwrap import fill
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from mrsfi_runtime.analysis.documents import in_latex
+from mrsfi_runtime.analysis.documents import LATEX_HEAD, in_latex
 from mrsfi_runtime.analysis.tables import (
     Cell,
     Table,
@@ -43,7 +43,7 @@ from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, elements_of
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.project_file import DETECTIONS, Ratings
+from mrsfi_runtime.project_file import DETECTIONS
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE
 
@@ -61,7 +61,7 @@ def failure_modes(
     pool: FaultPool,
     weaknesses: Iterable[GoalWeakness],
     record: Record,
-    ratings: Ratings,
+    ratings: Mapping[str, Mapping[str, Any]],
     settled: Mapping[int, Mapping[str, str]],
 ) -> list[dict[str, Cell]]:
     """Return the failure modes of weaknesses: the most severe first, then undetected ones.
@@ -70,14 +70,13 @@ def failure_modes(
     A cell is by its column; it describes the mildest known variant, and detection is about all.
     ``settled`` has cells that the team fills, by the numbers of weaknesses.
     """
-    fly, units = lru_cache(4)(record), mission.units
+    fly, units, rated = lru_cache(4)(record), mission.units, ratings.get("occurrence", {})
 
     @cache
     def flown(variant: Specification) -> tuple[str, str, list[tuple[int, ...]]]:
-        found = (effects(mission, chain) for chain in chains(fly, mission, variant))
-        local, following = (
-            "; ".join(each or NONE for each in some) for some in zip(*found, strict=True)
-        )
+        by_fault = (effects(mission, each) for each in chains(fly, mission, variant))
+        found = zip(*by_fault, strict=True)
+        local, following = ("; ".join(each or NONE for each in some) for some in found)
         counts = (fly(variant)[kind][-1].tolist() for kind in MEASURES)
         return local, following, [*zip(*counts, strict=True)]
 
@@ -89,11 +88,12 @@ def failure_modes(
         shown, place = weakness.at_least.shown, mission.goal_ids.index(weakness.goal)
         goal, faults = mission.goals[place], named_faults(mission, pool, shown.witness)
         local_effect, next_effect, counts = flown(shown.witness)
-        chance = occurrence(pool, weakness.faults)
-        found = weakness.shown.detection
-        worst = found.worst if found else ""
+        n_ticks = max(counts[place])
+        chance, found = occurrence(pool, weakness.faults), weakness.shown.detection
+        likely, worst = 1.0 if chance is None else -chance, found.worst if found else ""
         s = None if shown.column.kind == MEASURES[0] else goal.severity or None
-        o, d = ratings.of_likelihood(chance), ratings.detection.get(worst)
+        o = max((int(n) for n, least in rated.items() if least <= -likely), default=None)
+        d = ratings.get("detection", {}).get(worst)
         required = (each for each in mission.requirements if each.id in goal.requirements)
         measured = map("{} {}".format, ("believed", "true", "failed"), counts[place])
         row: dict[str, Cell] = {
@@ -119,17 +119,10 @@ def failure_modes(
             "faults": " ".join(weakness.faults),
             "likelihood": chance,
             "ticks by measure": ", ".join(measured),
-            "most ticks": max(counts[place]),
+            "most ticks": n_ticks,
         }
         late = DETECTIONS.index(worst) if worst else len(DETECTIONS)
-        likely = 1.0 if chance is None else -chance
-        return (
-            -(s or 0),
-            late,
-            likely,
-            shown.column.kind != MEASURES[-1],
-            -max(counts[place]),
-        ), row
+        return (-(s or 0), late, likely, shown.column.kind != MEASURES[-1], -n_ticks), row
 
     return [row for _, row in sorted(map(mode, weaknesses), key=itemgetter(0))]
 
@@ -170,7 +163,7 @@ def _as_markdown(table: Table) -> bytes:
 
 def _as_latex(table: Table) -> bytes:
     """Return a document with a list of the cells of each failure mode."""
-    parts = [_LATEX, f"\\section*{{{in_latex(table.title)}}}"]
+    parts = [LATEX_HEAD, f"\\section*{{{in_latex(table.title)}}}"]
     for number, *cells in table.rows:
         title = in_latex(f"Weakness {number}")
         parts.append(f"\\subsection*{{{title}}}\n\\begin{{description}}")
@@ -189,12 +182,6 @@ FMEA = MappingProxyType(
     }
 )
 """Writers by suffix of the file."""
-
-_LATEX = r"""\documentclass{article}
-\usepackage[T1]{fontenc}
-\usepackage{textcomp}
-\sloppy
-\begin{document}"""
 
 _COMMENT = (
     "Known minimal sets of faults that truly violate a goal of the mission or make it fail. For a "

@@ -171,14 +171,11 @@ def as_xlsx(table: Table) -> bytes:
 
     Texts are printable. Excel reads the letter of a number in ``_x0041_``, so ``_x`` is escaped.
     """
-    from openpyxl import Workbook  # noqa: PLC0415 - as the next two, only for this format
-    from openpyxl.packaging.core import DocumentProperties  # noqa: PLC0415
+    from openpyxl import Workbook  # noqa: PLC0415 - as the next, only for this format
     from openpyxl.writer.excel import ExcelWriter  # noqa: PLC0415
 
-    workbook, begin = Workbook(), datetime(1980, 1, 1, tzinfo=None)
-    workbook.properties = DocumentProperties(
-        creator="mrsfi", title=table.title, created=begin, modified=begin
-    )
+    workbook = Workbook()
+    workbook.properties.created = workbook.properties.modified = datetime(1980, 1, 1, tzinfo=None)
     sheet = workbook.worksheets[0]
     for row, line in enumerate(table.lines, 1):
         for column, value in enumerate(line, 1):

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import MappingProxyType
 
 import pytest
 
@@ -11,7 +12,6 @@ from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Requirement
-from mrsfi_runtime.project_file import Ratings
 from tests.support.weaknesses import weakness
 from tests.support.world import paper_code
 
@@ -22,8 +22,11 @@ STOP, BLIND = (
 )
 
 
-UNRATED = Ratings()
-RATINGS = Ratings(((0.0, 1), (0.1, 4), (0.5, 8)), {"never": 10, "late": 6})
+RATINGS = {
+    "occurrence": {"1": 0, "4": 0.1, "8": 0.5},
+    "detection": {"never": 10, "late": 6},
+}
+UNRATED = MappingProxyType({})
 
 
 def modes(found, chances=(), code=CODE, ratings=UNRATED, settled=()):
@@ -141,8 +144,10 @@ def test_a_row_has_what_model_and_team_say():
     assert row["evidence"].startswith("Of ")
 
 
-def test_a_likelihood_has_the_number_of_the_highest_threshold_that_it_reaches():
-    chances = (None, 0.0, 0.0999, 0.1, 0.7, 1.0)
+@pytest.mark.parametrize(
+    ("chance", "number"), [(None, None), (0.0, 1), (0.0999, 1), (0.1, 4), (0.7, 8), (1.0, 8)]
+)
+def test_a_likelihood_has_the_number_of_the_highest_threshold_that_it_reaches(chance, number):
+    (row,) = modes([weakness("g1", "true", STOP)], {STOP: chance}.items(), ratings=RATINGS)
 
-    assert [*map(RATINGS.of_likelihood, chances)] == [None, 1, 1, 4, 8, 8]
-    assert Ratings(((0.5, 3),)).of_likelihood(0.4) is None
+    assert row["O"] == number
