@@ -491,6 +491,7 @@ def report(
             show=show,
             latex=latex,
             decided=lambda each: words_on(each, known, today or dt.date.min),
+            since=lambda _: campaign.store.manifest.created[:10] if today else "",
         )
 
 

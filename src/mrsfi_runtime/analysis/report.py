@@ -147,7 +147,7 @@ def _first_screen(
         "headline": headline,
         "about": " · ".join(about),
         "facts": facts,
-        "goals": [*map(_goal, summary.verdicts)],
+        "goals": [_goal(summary, each) for each in summary.verdicts],
         "ways": [
             {
                 "number": weakness.number,
@@ -157,7 +157,7 @@ def _first_screen(
                 "sure": weaknesses.evidence(weakness),
                 "mildest": weakness.mildest and weakness.mildest.sentence,
                 "class": _class_of(weakness),
-                "decision": summary.decided.get(weakness.number, ""),
+                "status": _status(summary, weakness),
                 "share": weakness.shown.share,
                 "joint": len(weakness.faults) > 1,
                 "next": [(what, shlex.join(words)) for what, words in next_of(weakness).items()],
@@ -176,7 +176,31 @@ def _class_of(weakness: GoalWeakness) -> str:
     return "unknown" if detected is None else detected.worst.replace(" ", "-")
 
 
-def _goal(verdict: GoalVerdict) -> dict[str, Any]:
+def _status(summary: Summary, weakness: GoalWeakness) -> str:
+    """Return since when a weakness is known, and the decision on it."""
+    since = summary.since.get(weakness.number)
+    known = f"known since {since}, " if since else ""
+    return known + summary.decided.get(weakness.number, "no decision")
+
+
+def _known(summary: Summary, verdict: GoalVerdict) -> Sequence[str]:
+    """Return the single faults that break a goal undetected, or its main weakness, by status."""
+    if verdict.weakness is None or verdict.state > State.VIOLATED:
+        return ()
+    by_status: dict[str, list[str]] = {}
+    for each in summary.weaknesses:
+        if each.goal == verdict.goal and len(each.faults) == 1 and each.is_undetected:
+            (_, owner), what = weaknesses.owner_of(summary.mission, summary.pool[each.faults[0]])
+            fault = f"{owner} {what} ({each.faults[0]})"
+            by_status.setdefault(_status(summary, each), []).append(fault)
+    found = by_status.items() or [(_status(summary, verdict.weakness), ())]
+    lines = (
+        f"undetected under {' or '.join(faults)}: " * bool(faults) + how for how, faults in found
+    )
+    return [f"{line[:1].upper()}{line[1:]}." for line in lines]
+
+
+def _goal(summary: Summary, verdict: GoalVerdict) -> dict[str, Any]:
     weakness = verdict.weakness
     return {
         "id": verdict.goal,
@@ -187,6 +211,7 @@ def _goal(verdict: GoalVerdict) -> dict[str, Any]:
         "cause": verdict.cause,
         "detection": verdict.detection,
         "stakes": verdict.stakes,
+        "known": _known(summary, verdict),
         "evidence": " · ".join(verdict.evidence),
         "number": None if weakness is None else weakness.number,
     }
@@ -197,8 +222,11 @@ def _matrix(summary: Summary, known: Harvest) -> dict[str, Any]:
     guilty = {fault for each in summary.weaknesses for fault in each.faults}
     owned = [(*weaknesses.owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
-    fewest = sorted(summary.weaknesses, key=lambda each: -len(each.faults))  # smallest last
-    cells = {(each.goal, fault): each.number for each in fewest for fault in each.faults}
+    last = sorted(
+        summary.weaknesses,  # the gravest last, of these the smallest
+        key=lambda each: (each.shown.column.kind != MEASURES[0], -len(each.faults)),
+    )
+    cells = {(each.goal, fault): each.number for each in last for fault in each.faults}
     owners = groupby(owned, key=lambda each: each[0])
     return {
         "owners": [{"name": name, "n": len([*some])} for (_, name), some in owners],
@@ -394,19 +422,22 @@ def write_report(  # noqa: PLR0913 - most have a default
     show: Callable[[Summary], None] = lambda _: None,
     latex: bool = False,
     decided: Callable[[GoalWeakness], str] = lambda _: "",
+    since: Callable[[GoalWeakness], str] = lambda _: "",
 ) -> Summary:
     """Write all files of a report on a campaign, finished or interrupted.
 
     Files of an earlier report are removed. ``record`` simulates the flights of the page; if it
     fails, the page gives the reason. ``show`` gets the summary when all files but the page and the
     figures are written; the figures are finished even if it fails. ``ratio`` is one to pick by.
-    ``decided`` returns the decision on a weakness in words.
+    ``decided`` returns the decision on a weakness in words, ``since`` the day since when it is
+    known.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, mission, pool, ratio)
         words = {each.number: decided(each) for each in summary.weaknesses}
         summary = replace(summary, decided={number: each for number, each in words.items() if each})
+        summary = replace(summary, since={each.number: since(each) for each in summary.weaknesses})
         with _writing(folder, "report"):
             shown = tuple(illustrate(summary, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
@@ -546,6 +577,10 @@ def _next(
         ),
         "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
+        "Decide on it": (
+            *("mrsfi", "decide", run, number, "accept"),
+            *("--because", "REASON", "--by", "NAME"),
+        ),
         "Check after a fix": ("mrsfi", "check", summary.place),
     }
 

@@ -57,7 +57,8 @@ class Summary:
     ``sentences`` describe by number what the faults of some weaknesses did. ``front`` is ``None``
     if it has fewer than two aims. ``patterns`` are fault types in the top, ``guilty`` those in the
     weaknesses. ``unrepeated`` describes how an external simulation or node gave different results
-    for the same faults, if it did. ``decided`` has the decisions on weaknesses by number, in words.
+    for the same faults, if it did. ``decided`` has the decisions on weaknesses by number, in words;
+    ``since`` the days since when these are known.
     """
 
     folder: Path
@@ -89,6 +90,7 @@ class Summary:
     guilty: tuple[TypePattern, ...]
     sentences: Mapping[int, Sequence[str]] = field(default_factory=dict)
     decided: Mapping[int, str] = field(default_factory=dict)
+    since: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def counted(self) -> str:

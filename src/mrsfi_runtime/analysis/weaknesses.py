@@ -508,7 +508,8 @@ def facts(
 
     Risks count what other campaigns found, too.
     """
-    undetected = [each.label for each in goals if each.weakness and each.weakness.is_undetected]
+    masked = {each.goal for each in known.goal_weaknesses if each.is_undetected}
+    undetected = [each.label for each in goals if each.goal in masked]
     if undetected:
         yield f"Undetected in at least one variant: {', '.join(undetected)}"
     alarms = [each.label for each in goals if each.state is State.FALSE_ALARM]

@@ -35,7 +35,8 @@ class Screen {
         const chosen = goal.number ? this.choosing(goal.number, bdi(goal.name)) : make("b", {}, bdi(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection), "."] : "")),
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, bdi(`(${goal.id})`)), " ", make("b", { class: "verdict" }, bdi(goal.state)), goal.cause ? [" ", bdi(goal.cause)] : "", ". ", goal.detection ? [bdi(goal.detection), "."] : ""),
+            goal.known.map((line) => make("div", { class: "known" }, bdi(line)))),
           make("td", {}, goal.stakes ? make("div", {}, bdi(`${goal.stakes}.`)) : null, bdi(goal.evidence)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
         return row;
@@ -77,7 +78,7 @@ class Screen {
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight, because it is less grave than the others. The first two commands below show it.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
       make("p", {}, bdi(`${way.said}.`)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`)),
-      way.decision ? make("p", { class: "decision" }, make("b", {}, "Decision: "), bdi(`${way.decision}.`)) : "",
+      make("p", { class: "decision" }, make("b", {}, "Status: "), bdi(`${way.status}.`)),
       ...(way.mildest ? [make("p", { class: "note" }, bdi(`Mildest variant: ${way.mildest}.`))] : []));
     withTerms(this.panel);
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map((each) => commandOf(...each)));
