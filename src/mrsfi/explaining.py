@@ -19,6 +19,7 @@ from time import monotonic
 from mrsfi.campaign_folders import (
     FlyableCampaign,
     OpenCampaign,
+    campaigns_of,
     decisions_in,
     find_evaluations,
     open_campaign,
@@ -475,9 +476,16 @@ def report(
 
     ``show`` gets the results before the figures are drawn, by ``draw`` or a process of its own.
     With ``latex``, the report is written for a paper, too. ``today`` is the day for which the
-    report has the decisions on weaknesses; without it, there are none.
+    report has the decisions on weaknesses, and since when these are known; without it, neither.
     """
     known = () if today is None else decisions_in(campaign)
+    every = {} if today is None else campaigns_of()
+    first = known_since(campaign, every) if today else {}
+
+    def since(weakness: GoalWeakness) -> str:
+        path = first.get((weakness.goal, weakness.faults), campaign.folder.path)
+        return str(every.get(path, campaign.store.manifest).created)[:10] if today else ""
+
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
         write_report(
@@ -491,7 +499,7 @@ def report(
             show=show,
             latex=latex,
             decided=lambda each: words_on(each, known, today or dt.date.min),
-            since=lambda _: campaign.store.manifest.created[:10] if today else "",
+            since=since,
         )
 
 

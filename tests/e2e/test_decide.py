@@ -69,7 +69,7 @@ def test_hostile_text_is_one_line_of_text_wherever_a_decision_is_printed(place):
         mrsfi("check", "--github", "--junit", "found.xml", *REFERENCE, cwd=place).stdout,
         ET.parse(place / "found.xml").findtext(".//system-out"),
         (place / "runs/it/report.md").read_text().replace("&lt;", "<").replace(r"\|", "|"),
-        json.loads(re.search('id="data">(.*?)</script>', page)[1])["first"]["ways"][1]["decision"],
+        json.loads(re.search('id="data">(.*?)</script>', page)[1])["first"]["ways"][1]["status"],
     )
 
     words = f"to be mitigated, decided by {SHOWN} on {date.today()}: {SHOWN}"

@@ -2,9 +2,13 @@
 
 import json
 import re
+import shutil
 import zlib
 from base64 import b64decode
+from dataclasses import replace
+from datetime import date
 
+from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
 
@@ -89,6 +93,32 @@ def test_a_page_has_the_faults_of_each_evaluation(flown):
             assert row[0] == each.index
             assert named == [(t.fault, t.start, t.finish) for t in each.specification]
     assert found["command"].startswith("mrsfi replay ")
+
+
+def test_a_broken_goal_says_what_breaks_it_undetected_since_when_and_who_decided(found, tmp_path):
+    place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
+    run = place / "runs" / "it"
+    shutil.copytree(run, place / "runs" / "later")
+    for name, day in (("it", "2026-03-01"), ("later", "2026-04-01")):
+        with CampaignStore.open(place / "runs" / name) as store:
+            manifest = replace(store.manifest, created=f"{day}T09:00:00+00:00")
+            store.keep("manifest", canonical(manifest.as_json()))
+    mrsfi("report", "runs/later", cwd=place)
+    before = data_of(place / "runs" / "later" / "report.html")["first"]
+    number = before["goals"][0]["number"]
+    words = ("accept", "--because", "<b>it floats</b>", "--by", "A. Rivera")
+    mrsfi("decide", "runs/later", str(number), *words, cwd=place)
+    mrsfi("report", "runs/later", cwd=place)
+
+    after = data_of(place / "runs" / "later" / "report.html")["first"]
+
+    assert all(
+        "nown since 2026-03-01, no decision." in each["known"][0] for each in before["goals"]
+    )
+    (way,) = (each for each in after["ways"] if each["number"] == number)
+    accepted = f"accepted by A. Rivera on {date.today()}: <b>it floats</b>"
+    assert way["status"] == f"known since 2026-03-01, {accepted}"
+    assert any(f"{accepted}." in line for line in after["goals"][0]["known"])
 
 
 def test_what_flies_many_times_writes_no_file_of_a_flight(flown, tmp_path):

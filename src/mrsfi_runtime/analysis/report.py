@@ -184,18 +184,20 @@ def _status(summary: Summary, weakness: GoalWeakness) -> str:
 
 
 def _known(summary: Summary, verdict: GoalVerdict) -> Sequence[str]:
-    """Return the single faults that break a goal undetected, or its main weakness, by status."""
+    """Return the status of a broken goal's main weakness, and of the single undetected faults."""
     if verdict.weakness is None or verdict.state > State.VIOLATED:
         return ()
     by_status: dict[str, list[str]] = {}
+    if not (verdict.weakness.is_undetected and len(verdict.weakness.faults) == 1):
+        by_status[_status(summary, verdict.weakness)] = []
     for each in summary.weaknesses:
         if each.goal == verdict.goal and len(each.faults) == 1 and each.is_undetected:
             (_, owner), what = weaknesses.owner_of(summary.mission, summary.pool[each.faults[0]])
             fault = f"{owner} {what} ({each.faults[0]})"
             by_status.setdefault(_status(summary, each), []).append(fault)
-    found = by_status.items() or [(_status(summary, verdict.weakness), ())]
     lines = (
-        f"undetected under {' or '.join(faults)}: " * bool(faults) + how for how, faults in found
+        f"undetected under {' or '.join(faults)}: " * bool(faults) + status
+        for status, faults in by_status.items()
     )
     return [f"{line[:1].upper()}{line[1:]}." for line in lines]
 
