@@ -184,22 +184,19 @@ def _status(summary: Summary, weakness: GoalWeakness) -> str:
 
 
 def _known(summary: Summary, verdict: GoalVerdict) -> Sequence[str]:
-    """Return the status of a broken goal's main weakness, and of the single undetected faults."""
+    """Return the status of a broken goal's main weakness, and of other single undetected faults."""
     if verdict.weakness is None or verdict.state > State.VIOLATED:
         return ()
-    by_status: dict[str, list[str]] = {}
-    if not (verdict.weakness.is_undetected and len(verdict.weakness.faults) == 1):
-        by_status[_status(summary, verdict.weakness)] = []
+    main, by_status = verdict.weakness, dict[str, list[str]]()
     for each in summary.weaknesses:
-        if each.goal == verdict.goal and len(each.faults) == 1 and each.is_undetected:
+        is_other = each.goal == main.goal and each.number != main.number
+        if is_other and len(each.faults) == 1 and each.is_undetected:
             (_, owner), what = weaknesses.owner_of(summary.mission, summary.pool[each.faults[0]])
             fault = f"{owner} {what} ({each.faults[0]})"
             by_status.setdefault(_status(summary, each), []).append(fault)
-    lines = (
-        f"undetected under {' or '.join(faults)}: " * bool(faults) + status
-        for status, faults in by_status.items()
-    )
-    return [f"{line[:1].upper()}{line[1:]}." for line in lines]
+    status, also = _status(summary, main), "Also undetected" if main.is_undetected else "Undetected"
+    others = (f"{also} under {' or '.join(some)}: {how}." for how, some in by_status.items())
+    return [f"{status[:1].upper()}{status[1:]}.", *others]
 
 
 def _goal(summary: Summary, verdict: GoalVerdict) -> dict[str, Any]:
