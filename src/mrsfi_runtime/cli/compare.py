@@ -236,7 +236,7 @@ def _show(
 ) -> None:
     """Print histories and write files of them; what is in all campaigns stands in one line."""
     from mrsfi import history
-    from mrsfi_runtime.analysis.report import document
+    from mrsfi_runtime.analysis.page import document
     from mrsfi_runtime.analysis.tables import plain, to_markdown
 
     today, text = date.today(), ""

@@ -147,7 +147,7 @@ def _page(
     outcome: Outcome,
     recording: "Recording",
 ) -> bytes:
-    from mrsfi_runtime.analysis.report import PageEntry, document, flight_page
+    from mrsfi_runtime.analysis.page import PageEntry, document, flight_page
 
     mission = engine.code.mission
     told = PageEntry(subject.title, faults, (), outcome, subject.command, subject.xmi)

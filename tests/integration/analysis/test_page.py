@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from mrsfi_runtime.analysis.report import PageEntry, document, flight_page, meanings
+from mrsfi_runtime.analysis.page import PageEntry, document, flight_page, meanings
 from mrsfi_runtime.analysis.story import (
     MOST_VALUES,
     Flown,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.documents import report_text
-from mrsfi_runtime.analysis.report import campaign_page
+from mrsfi_runtime.analysis.page import campaign_page
 from mrsfi_runtime.analysis.summary import (
     DrawingProcess,
     Drawings,
