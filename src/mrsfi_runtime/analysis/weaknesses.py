@@ -153,6 +153,9 @@ def estimated(goal: str, estimate: Estimate, run: Path) -> str:
     )
 
 
+_ASSUMED = "if no fault undoes another and variants break goals as often as those tried"
+
+
 def risk_in_words(goal: str, found: Risk) -> str:
     """Return in a sentence how likely a goal is to break, with what is left out."""
     unknown = f", without {found.n_unknown} that have a fault of unknown likelihood"
@@ -165,7 +168,7 @@ def risk_in_words(goal: str, found: Risk) -> str:
         )
     return (
         f"Risk of {goal}: it is truly violated or fails in at least {100 * found.lower:.2g} % of "
-        f"missions if no fault undoes another, a lower bound from {sets}; {upper}"
+        f"missions {_ASSUMED}, a lower bound from {sets}; {upper}"
     )
 
 
@@ -520,7 +523,7 @@ def facts(
     shares = [f"{labels[goal]} {100 * each.lower:.2g} %" for goal, each in found.items()]
     if shares:
         least = "Truly violated or failed in at least this share of missions"
-        yield f"{least}, if no fault undoes another: {', '.join(shares)}"
+        yield f"{least}, {_ASSUMED}: {', '.join(shares)}"
     yield from _protect_first(mission, pool, known)
 
 
