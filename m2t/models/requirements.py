@@ -22,8 +22,6 @@ from mrsfi_runtime.errors import ModelError, expected
 
 _RESULT = "Result of mrsfi"
 _NEW = {"LAST-CHANGE": "2026-11-28T00:00:00Z", "LONG-NAME": _RESULT}  # LAST-CHANGE of this line
-_MISC = r"((?:\s|\ufeff|<\?.*?\?>|<!--.*?-->)*)"
-_AROUND = re.compile(rf"{_MISC}<.*</[\w.:-]+\s*>{_MISC}", re.DOTALL)  # the root element
 _INLINE = {"a", "abbr", "b", "big", "cite", "code", "em", "i", "q", "small", "span", "strong"}
 _INLINE |= {"sub", "sup", "tt", "u"}
 
@@ -94,21 +92,17 @@ class ReqifFile:
             what = f"{self._path}: lacks the type of a requirement or its definitions"
             raise ModelError(f"{what}; expected a file that ReqIF's schema allows") from error
         encoding = self._tree.docinfo.encoding or "UTF-8"
-        text = self._path.read_bytes().decode(encoding)
-        root = str(etree.tostring(self._tree.getroot(), encoding="unicode", with_tail=False))
-        root = root.replace("\n", "\r\n") if "\r\n" in text else root
-        before, after = _AROUND.fullmatch(text).groups()  # type: ignore[union-attr]
-        return f"{before}{root}{after}".encode(encoding, "xmlcharrefreplace")
+        return bytes(etree.tostring(self._tree, encoding=encoding, xml_declaration=True))
 
     def _add_result(self, element: Any, result: str) -> None:
         for value in element.iterfind("{*}VALUES/{*}*"):
             if self._name(value) == _RESULT:
                 value.set("THE-VALUE", result)
                 return
-        value = _added(element.find("{*}VALUES"), "ATTRIBUTE-VALUE-STRING", {"THE-VALUE": result})
-        refers = _added(value, "DEFINITION", {}, "ATTRIBUTE-DEFINITION-STRING-REF")
         kind = self._by_id.get(element.findtext("{*}TYPE/*", "").strip())
-        refers.text = self._definition(kind)
+        value = _added(element.find("{*}VALUES"), "ATTRIBUTE-VALUE-STRING", {"THE-VALUE": result})
+        definition = _added(value, "DEFINITION", {})
+        _added(definition, "ATTRIBUTE-DEFINITION-STRING-REF", {}).text = self._definition(kind)
 
     def _definition(self, kind: Any) -> str:
         """Return the identifier of the result's definition in a type, and add it if it is new."""
@@ -121,18 +115,13 @@ class ReqifFile:
             self._by_id[datatype] = _added(place, "DATATYPE-DEFINITION-STRING", limited)
         named["IDENTIFIER"] += f"-{kind.get('IDENTIFIER')}"
         own = _added(attributes, "ATTRIBUTE-DEFINITION-STRING", named)
-        _added(own, "TYPE", {}, "DATATYPE-DEFINITION-STRING-REF").text = datatype
+        _added(_added(own, "TYPE", {}), "DATATYPE-DEFINITION-STRING-REF", {}).text = datatype
         return named["IDENTIFIER"]
 
 
-def _added(parent: Any, tag: str, attributes: dict[str, str], *inner: str) -> Any:
-    """Return an element that is added to the end of another one, or the innermost of several."""
-    for name in (tag, *inner):
-        last = parent[-1] if len(parent) else None
-        parent = etree.SubElement(parent, f"{{{etree.QName(parent).namespace}}}{name}", attributes)
-        if last is not None:  # on a line of its own
-            parent.tail, last.tail = last.tail, parent.getparent().text
-    return parent
+def _added(parent: Any, tag: str, attributes: dict[str, str]) -> Any:
+    """Return an element of ReqIF that is added to the end of another one."""
+    return etree.SubElement(parent, etree.QName(etree.QName(parent).namespace, tag), attributes)
 
 
 def _text(value: Any) -> str:

@@ -5,22 +5,16 @@ of the campaign's weaknesses. ``mrsfi.models`` reads requirements into a model.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
-from m2t.generate import rendered_file
-from m2t.models.load import load_mission_folder
 from m2t.models.requirements import ReqifFile
 from mrsfi.campaign_folders import open_campaign
-from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.weaknesses import State, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.weakness import MEASURES
-from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.generated_code import mission_from_text
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Goal, Mission
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.search.space import SearchSpace
 
 RESULTS = (
@@ -32,34 +26,19 @@ RESULTS = (
 _UNDETECTED, _UNRECORDED, *_, _ANYWAY, _NONE_FOUND, _NOT_SEARCHED = RESULTS
 
 
-def export_results(
-    folders: MissionFolders, file: ReqifFile, run: Path, output: Path
-) -> Mapping[str, tuple[str, ...]]:
+def export_results(file: ReqifFile, run: Path, output: Path) -> Mapping[str, tuple[str, ...]]:
     """Write a ReqIF file with the results of its requirements; return their IDs by result.
 
-    The model of the mission states which goals stand for a requirement, the campaign in ``run``
-    what breaks them. If such a goal is not the one that the campaign flew, it is a ``UsageError``.
+    The campaign in ``run`` has what breaks goals, and its mission which requirements these have.
     """
-    models = load_mission_folder(folders.models)
-    mission = mission_from_text(rendered_file("mission_loader.py", models))
     with open_campaign(run) as campaign:
-        flown = [*map(_task, campaign.mission.goals)]
-        for goal in mission.goals:
-            if goal.requirements and _task(goal) not in flown:
-                what = f"goal '{goal.id}' of {folders.models} is not the one that {run} flew"
-                raise UsageError(f"{what}; expected the same goal; fly a campaign again")
         known = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
-        found = {} if known is None else results(mission, campaign.pool, known)
+        found = {} if known is None else results(campaign.mission, campaign.pool, known)
     shown = {each.id: found.get(each.id, _NOT_SEARCHED) for each in file.requirements}
     with whole_file(output) as written:
         written.write(file.with_results(shown))
     by_result = {each: tuple(own for own in shown if shown[own] == each) for each in RESULTS}
     return {**by_result, "written": (str(output),)}
-
-
-def _task(goal: Goal) -> Goal:
-    """Return a goal without what no flight depends on."""
-    return replace(goal, name="", requirements=(), severity=0, integrity_level="", rationale="")
 
 
 def results(mission: Mission, pool: FaultPool, known: Harvest) -> dict[str, str]:

@@ -13,7 +13,6 @@ from tests.support.rendezvous import NAME, write_rendezvous
 from tests.support.tree import ROOT
 
 EXAMPLE = ROOT / "models" / "undersea" / "requirements.reqif"
-OUT = ("--result", "runs/it", "--output", "out.reqif")
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,9 @@ def place(tmp_path_factory):
 def test_results_are_valid_by_the_schema_and_read_by_another_program(place):
     from reqif.parser import ReqIFParser
 
-    told = mrsfi_json("requirements", EXAMPLE, NAME, *OUT, cwd=place)
+    words = ("requirements", EXAMPLE, "runs/it", "--output", "out.reqif")
+    lines = mrsfi(*words, cwd=place).stdout.splitlines()
+    told = {line[:12].strip(): line[12:].strip().split(", ") for line in lines}
 
     words = [sys.executable, "-c", "from reqif.cli.main import main; main()", "validate"]
     words += ["--use-reqif-schema", str(place / "out.reqif")]
@@ -56,15 +57,3 @@ def test_results_are_valid_by_the_schema_and_read_by_another_program(place):
     gravest = "undetected" if "never" in worst else "late" if "late" in worst else "in time"
     assert worst
     assert read == {"R1": gravest, "R2": "not searched", "R3": "not searched"}
-
-
-def test_results_of_a_goal_that_was_not_flown_are_refused(place):
-    mission = place / "models" / NAME / "mission.xmi"
-    edit(mission, 'deadline="70"', 'deadline="80"')
-    (place / "out.reqif").unlink(missing_ok=True)
-
-    done = mrsfi("requirements", EXAMPLE, NAME, *OUT, cwd=place, expected=2)
-
-    edit(mission, 'deadline="80"', 'deadline="70"')
-    assert "goal 'g1' of models/rendezvous is not the one that runs/it flew" in done.stderr
-    assert not (place / "out.reqif").exists()

@@ -404,66 +404,38 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
 
 @click.command(name="requirements")
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
-@mission_argument
-@click.option(
-    "--text",
-    metavar="NAME",
-    default="ReqIF.Text",
-    help="The value with the text.",
-    show_default=True,
-)
-@click.option(
-    *("--id", "identity"),
-    metavar="NAME",
-    default="ReqIF.ForeignID",
-    help="The value with the ID.",
-    show_default=True,
-)
-@click.option("--result", "run", type=click.Path(path_type=Path), metavar="RUN", help="Campaign.")
-@file_option("--output", "Where FILE is written with the results of RUN.")
-@click.option("--json", "is_json", is_flag=True, help="Print what was done as JSON.")
-def requirements_command(
-    file: Path,
-    mission: str,
-    text: str,
-    identity: str,
-    run: Path | None,
-    output: Path | None,
-    is_json: bool,
-) -> None:
+@click.argument("target", metavar="MISSION|CAMPAIGN")
+@click.option("--text", metavar="NAME", default="ReqIF.Text", help="Name of the value with a text.")
+@click.option("--id", metavar="NAME", default="ReqIF.ForeignID", help="Name of the one with an ID.")
+@file_option("--output", "Where FILE is written with the results of CAMPAIGN.")
+def requirements_command(file: Path, target: str, text: str, id: str, output: Path | None) -> None:
     """Read the requirements of FILE, in ReqIF, into the model of MISSION, or write their results.
 
     Each SPEC-OBJECT of FILE that has a text becomes a Requirement. --text and --id name the values
-    that have text and ID; without such an ID, its identifier is used. Characters that no ID may
-    have become _. Requirements that only the model has are kept.
+    that have text and ID [default: ReqIF.Text, ReqIF.ForeignID]; without such an ID, its identifier
+    is used. Characters that no ID may have become _. Requirements that only the model has are kept.
 
-    With --result and --output, the model stays as it is. A copy of FILE gets one more value for
-    each requirement that was read, Result of mrsfi: undetected, late, in time, none found, or not
-    searched. It is the gravest of the goals of MISSION that name the requirement.
+    With --output, a copy of FILE gets one more value for each requirement that was read, Result of
+    mrsfi: undetected, late, in time, none found, or not searched. It is the gravest of the goals of
+    CAMPAIGN that name the requirement.
 
     \b
     Examples:
       mrsfi requirements models/undersea/requirements.reqif undersea
       mrsfi requirements harbour.reqif harbour --text Description --id ID
-      mrsfi requirements harbour.reqif harbour --result runs/harbour-a-1 --output out.reqif
+      mrsfi requirements harbour.reqif runs/harbour-a-1 --output out.reqif
     """
     from mrsfi.folders import find_mission
     from mrsfi.models import ReqifFile, import_requirements
 
-    if (run is None) != (output is None):
-        raise click.UsageError("--result and --output need each other")
-    folders, reqif = find_mission(mission), ReqifFile(file, text, identity)
-    if run is not None and output is not None:
+    if output is None:
+        done = import_requirements(find_mission(target).models, ReqifFile(file, text, id))
+    else:
         from mrsfi.requirements import export_results
 
-        done = export_results(folders, reqif, run, output)
-    else:
-        done = import_requirements(folders.models, reqif)
-    if is_json:
-        print_json(done)
-        return
+        done = export_results(ReqifFile(file, text, id), Path(target), output)
     for what, names in done.items():
         if names:
             click.echo(f"{what:12} {', '.join(names)}")
-    if run is None and done["written"]:
-        click.echo(f"next         name them in goals, then mrsfi generate {mission}")
+    if output is None and done["written"]:
+        click.echo(f"next         name them in goals, then mrsfi generate {target}")
