@@ -23,6 +23,7 @@ from tests.support.models import builder
 from tests.support.nodes import PYTHON, SERVICE, yard
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
+from tests.support.report_page import data_of
 from tests.tiers import seeds
 
 CASE = '[search]\nalgorithm = "random"\nfaults = 2\npopulation = 20\n'
@@ -239,8 +240,7 @@ def failure_modes(run):
 
 def on_page(run):
     """Return what the page says of each weakness, and whether its cell is undetected."""
-    page = (run / "report.html").read_text(encoding="utf-8")
-    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)<', page)[1])
+    data = data_of(run / "report.html")
     ways = {each["number"]: each for each in data["first"]["ways"]}
     for goal in data["first"]["goals"]:
         if goal["detection"]:
@@ -250,7 +250,9 @@ def on_page(run):
         is_alarm = "(a false alarm)" in said
         return "It is a false alarm of the CI" if is_alarm else said.rpartition(". ")[2]
 
-    return {number: (detection(each["said"]), each["undetected"]) for number, each in ways.items()}
+    return {
+        number: (detection(each["said"]), each["class"] == "never") for number, each in ways.items()
+    }
 
 
 def stars(printed):

@@ -18,6 +18,7 @@ from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi
 from tests.support.external_world import OTHER, SAME, external_world
 from tests.support.rendezvous import NAME
+from tests.support.report_page import data_of, unpacked
 from tests.tiers import night, slow
 
 RUN = "runs/it"
@@ -101,10 +102,12 @@ def require_same(told, code, sentence):
 
 
 def report_of(place):
-    """Write the report of the campaign, and return its page."""
+    """Write the report of the campaign, and return why its page has no flights."""
     with chdir(place):
         Campaign(RUN).report()
-    return (place / RUN / "report.html").read_text(encoding="utf-8")
+    shown = data_of(place / RUN / "report.html")["shown"].values()
+    (reason,) = {unpacked(each)["no_flight"] for each in shown}
+    return reason
 
 
 @contextmanager

@@ -1,27 +1,14 @@
 """Pages that commands write: of one flight, and of a campaign."""
 
 import json
-import re
 import shutil
-import zlib
-from base64 import b64decode
 from dataclasses import replace
 from datetime import date
 
 from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
-
-
-def data_of(path):
-    """Return what a page shows, as its script reads it."""
-    found = re.search('<script type="application/json" id="data">(.*?)</script>', path.read_text())
-    return json.loads(found[1])
-
-
-def unpacked(text):
-    """Return values that the script reads when they are shown."""
-    return json.loads(zlib.decompress(b64decode(text)))
+from tests.support.report_page import data_of, unpacked
 
 
 def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):

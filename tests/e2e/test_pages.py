@@ -30,6 +30,7 @@ RUN = (
     "docs/bus.md",
     "examples/nodes/README.md",
     "docs/find-weaknesses.md",
+    "docs/requirements.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
 
