@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from lxml import etree
 
@@ -92,7 +92,8 @@ class ReqifFile:
             what = f"{self._path}: lacks the type of a requirement or its definitions"
             raise ModelError(f"{what}; expected a file that ReqIF's schema allows") from error
         encoding = self._tree.docinfo.encoding or "UTF-8"
-        return bytes(etree.tostring(self._tree, encoding=encoding, xml_declaration=True))
+        written = etree.tostring(self._tree, encoding=encoding, xml_declaration=True)
+        return cast("bytes", written)
 
     def _add_result(self, element: Any, result: str) -> None:
         for value in element.iterfind("{*}VALUES/{*}*"):

@@ -5,8 +5,9 @@ its copy of the code, and refuses it if it changed since the campaign began. A r
 record bit for bit; ``require_same`` names the differences.
 """
 
+import datetime as dt
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.causes.harvest import KEPT
+from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import (
@@ -32,7 +34,7 @@ from mrsfi_runtime.model.faults import FaultPool, unprotected
 from mrsfi_runtime.model.mission import Mission, Outcome
 from mrsfi_runtime.project_file import root
 from mrsfi_runtime.record.database import CampaignFolder, hashes
-from mrsfi_runtime.record.decisions import Decision, decisions_of
+from mrsfi_runtime.record.decisions import Cause, decision_on, decisions_of
 from mrsfi_runtime.record.engine_settings import EngineSettings, Manifest
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
@@ -170,10 +172,17 @@ def models_of(campaign: OpenCampaign) -> Path | None:
         return None
 
 
-def decisions_in(campaign: OpenCampaign) -> tuple[Decision, ...]:
-    """Return the decisions on weaknesses of a campaign's mission; none if that is gone."""
+def deciding(campaign: OpenCampaign, today: dt.date) -> Callable[[GoalWeakness], str]:
+    """Return a function that returns the decision on a weakness in words, or an empty text."""
     models = models_of(campaign)
-    return () if models is None else decisions_of(models)
+    decisions = decisions_of(models) if models else ()
+
+    def decided(weakness: GoalWeakness) -> str:
+        cause = Cause(weakness.goal, weakness.faults)
+        found = decision_on(cause, weakness.measure, decisions)
+        return found.in_words(today) if found else ""
+
+    return decided
 
 
 def find_evaluations(

@@ -20,7 +20,7 @@ from mrsfi.campaign_folders import (
     FlyableCampaign,
     OpenCampaign,
     campaigns_of,
-    decisions_in,
+    deciding,
     find_evaluations,
     open_campaign,
     open_to_fly,
@@ -64,8 +64,7 @@ from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
-from mrsfi_runtime.record.decisions import words_on
-from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Manifest, Workers
+from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_of, following
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure, RecordedFlight
@@ -291,21 +290,17 @@ def harvested_beside(campaign: OpenCampaign, others: Iterable[Path]) -> list[Har
     return found
 
 
-def known_since(
-    campaign: OpenCampaign, every: Mapping[Path, Manifest]
-) -> dict[tuple[str, tuple[str, ...]], Path]:
-    """Return the first of several campaigns, in order, that found each weakness of one of them.
+def known_since(campaign: OpenCampaign) -> Callable[[GoalWeakness], str]:
+    """Return a function that returns the day on which a weakness was found first, if recorded.
 
-    Weaknesses are named by goal and faults. Campaigns of other missions, and those that cannot be
-    read, do not count. ``campaigns_of`` returns those of the project.
+    Campaigns of the same mission in the project's ``runs`` count.
     """
-    first: dict[tuple[str, tuple[str, ...]], Path] = {}
-    ours, own = campaign.store.manifest, campaign.folder.path
-    for path, manifest in {**every, own: ours}.items():
+    first, ours = dict[tuple[str, tuple[str, ...]], str](), campaign.store.manifest
+    for path, manifest in campaigns_of().items():
         if manifest.mission == ours.mission:
             with suppress(RecordError), CampaignStore.open(path) as store:
-                first = dict.fromkeys(recorded_by(store), path) | first
-    return {cause: first[cause] for cause in recorded_by(campaign.store)}
+                first = dict.fromkeys(recorded_by(store), str(manifest.created)[:10]) | first
+    return lambda each: first.get((each.goal, each.faults), str(ours.created)[:10])
 
 
 def same_flights(campaign: OpenCampaign) -> dict[str, object]:
@@ -478,14 +473,6 @@ def report(
     With ``latex``, the report is written for a paper, too. ``today`` is the day for which the
     report has the decisions on weaknesses, and since when these are known; without it, neither.
     """
-    known = () if today is None else decisions_in(campaign)
-    every = {} if today is None else campaigns_of()
-    first = known_since(campaign, every) if today else {}
-
-    def since(weakness: GoalWeakness) -> str:
-        path = first.get((weakness.goal, weakness.faults), campaign.folder.path)
-        return str(every.get(path, campaign.store.manifest).created)[:10] if today else ""
-
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
         write_report(
@@ -498,8 +485,8 @@ def report(
             draw=draw or stack.enter_context(DrawingProcess()).draw,
             show=show,
             latex=latex,
-            decided=lambda each: words_on(each, known, today or dt.date.min),
-            since=since,
+            decided=deciding(campaign, today) if today else lambda _: "",
+            since=known_since(campaign) if today else lambda _: "",
         )
 
 

@@ -7,8 +7,7 @@ variant of the last campaign before it that found the weakness, or else of the n
 says whether it went, came or stayed from the first to the last. ``mrsfi compare RUN_A RUN_B``
 prints a history of two, ``mrsfi history`` one of many.
 
-A weakness went if its variant no longer has its effect. If the campaign made less than 90 % of the
-flights of the one that found the weakness, a remark says so, because other variants may have it.
+A weakness went if its variant no longer has its effect; other variants may still have it.
 """
 
 from collections import Counter, defaultdict
@@ -20,7 +19,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, decisions_in, open_campaign
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, deciding, open_campaign
 from mrsfi.engines import Given, Tell, silent
 from mrsfi.explaining import flying_again, harvested, same_flights
 from mrsfi_runtime.analysis.summary import Drawing
@@ -34,7 +33,7 @@ from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import Gate
-from mrsfi_runtime.record.decisions import Cause, Decision, words_on
+from mrsfi_runtime.record.decisions import Cause
 from mrsfi_runtime.record.engine_settings import Manifest, Workers
 
 WENT, CAME, BRIEF, UNKNOWN, STAYED = "went", "came", "came and went", "cannot be flown", "stayed"
@@ -43,8 +42,7 @@ _ORDER = (WENT, CAME, BRIEF, UNKNOWN, STAYED)
 MARKS = {
     "●": "found",
     "○": "not found, but a variant that another campaign found has this effect",
-    "–": "this variant does not have it",
-    "~": "likewise, in less than 90 % of the flights of the campaign that found it",
+    "–": "this variant does not have it; others may",
     "?": "this variant cannot be flown",
 }
 """What a campaign has of a weakness."""
@@ -83,17 +81,21 @@ class Sight(NamedTuple):
         """One of ``MARKS``."""
         if self.is_there:
             return "●" if self.found else "○"
-        return "?" if self.is_there is None else "~" if self.remark else "–"
+        return "?" if self.is_there is None else "–"
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A weakness, as the first campaign that found it recorded it, in several campaigns."""
+    """A weakness, as the first campaign that found it recorded it, in several campaigns.
+
+    ``decision`` is the one beside the mission's models of today on it, as found last, in words.
+    """
 
     goal: str
     cause: str
     weakness: GoalWeakness
     sights: tuple[Sight, ...]
+    decision: str = ""
 
     @property
     def verdict(self) -> str:
@@ -157,6 +159,7 @@ class Course:
             "breaks_there": after.breaks if before.found else before.breaks,
             "remark": self.remark,
             "marks": self.marks,
+            "decision": self.decision,
         }
 
 
@@ -166,25 +169,16 @@ def _is_true(weakness: GoalWeakness) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """Campaigns of a mission in order, and the course of every weakness that one of them found.
-
-    ``decisions`` are those beside the mission's models of today.
-    """
+    """Campaigns of a mission in order, and the course of every weakness that one of them found."""
 
     mission: str
     runs: tuple[Searched, ...]
     courses: tuple[Course, ...]
-    decisions: tuple[Decision, ...]
 
     def verdicts(self, place: int) -> list[str]:
         """Return how each weakness changed to a campaign from the one before it."""
         pair = slice(place - 1, place + 1)
         return [replace(each, sights=each.sights[pair]).verdict for each in self.courses]
-
-    def decision(self, course: Course, today: date) -> str:
-        """Return the decision on a weakness, as the last campaign found it, in words."""
-        last = [each.found for each in course.sights if each.found][-1]
-        return words_on(last, self.decisions, today)
 
     @property
     def goals(self) -> dict[str, list[tuple[int, Estimate | None]]]:
@@ -204,26 +198,10 @@ class History:
         goals = (goal for run in self.runs[::-1] for goal in run.campaign.mission.goal_ids)
         return {goal: [count(run, goal) for run in self.runs] for goal in dict.fromkeys(goals)}
 
-    def as_json(self, today: date) -> dict[str, Any]:
-        """Return it as plain values."""
-        kept = ("created", "commit", "is_edited")
-        runs = [
-            {key: getattr(run.manifest, key) for key in kept}
-            | {"path": str(run.path), "flights": run.n_flights}
-            for run in self.runs
-        ]
-        goals = {
-            goal: [{"found": n, "estimate": of and of.as_json()} for n, of in counts]
-            for goal, counts in self.goals.items()
-        }
-        courses = [
-            {**each.as_json(), "since": each.since + 1, "decision": self.decision(each, today)}
-            for each in self.courses
-        ]
-        return {"mission": self.mission, "campaigns": runs, "goals": goals, "weaknesses": courses}
 
-
-def history(runs: Iterable[Path], engine: Given, workers: Workers, tell: Tell = silent) -> History:
+def history(
+    runs: Iterable[Path], engine: Given, workers: Workers, today: date, tell: Tell = silent
+) -> History:
     """Return the history of campaigns of one mission, in the given order, by new flights."""
     searched, names = list[Searched](), list[str]()
     for path in runs:
@@ -237,17 +215,18 @@ def history(runs: Iterable[Path], engine: Given, workers: Workers, tell: Tell = 
             what = f"{path}: found a campaign of mission '{names[-1]}'"
             raise UsageError(f"{what}; expected one of '{names[0]}', as {searched[0].path} is")
     finders = {cause: run for run in searched[::-1] for cause in run.found}
+    last = {cause: weakness for run in searched for cause, weakness in run.found.items()}
     causes = [cause for run in searched for cause in run.found if finders[cause] is run]
     places = range(len(searched))
     sights = [_sights(searched, place, causes, engine, workers, tell) for place in places]
-    courses = []
+    courses, decided = [], deciding(searched[-1].campaign, today)
     for cause in causes:
         weakness, first = finders[cause].found[cause], finders[cause].campaign
         words = cause_in_words(first.mission, first.pool, weakness)
-        seen = tuple(each[cause] for each in sights)
-        courses.append(Course(first.mission.label_of(weakness.goal), words, weakness, seen))
+        seen, goal = tuple(each[cause] for each in sights), first.mission.label_of(weakness.goal)
+        courses.append(Course(goal, words, weakness, seen, decided(last[cause])))
     ranked = sorted(courses, key=lambda each: (_ORDER.index(each.verdict), each.is_constant))
-    return History(names[0], tuple(searched), tuple(ranked), decisions_in(searched[-1].campaign))
+    return History(names[0], tuple(searched), tuple(ranked))
 
 
 def _sights(
@@ -259,23 +238,18 @@ def _sights(
     tell: Tell,
 ) -> dict[Cause, Sight]:
     """Return what a campaign has of each weakness; fly those that others found."""
-    here, finders = runs[place], dict[Cause, Searched]()
+    here, wanted = runs[place], dict[Cause, GoalWeakness]()
     nearest = (*runs[:place][::-1], *runs[place + 1 :])
     for cause in causes:
         others = nearest[:place] if cause in here.found else nearest
         for run in [each for each in others if cause in each.found][:1]:
-            finders[cause] = run
+            wanted[cause] = run.found[cause]
     flown: dict[Cause, tuple[bool | None, str]] = {}
     if here.manifest.semantics != SEMANTICS:
-        flown = dict.fromkeys(finders, (None, difference(here.manifest.semantics)))
-    elif finders:
+        flown = dict.fromkeys(wanted, (None, difference(here.manifest.semantics)))
+    elif wanted:
         with flying_again(here.path, engine, workers, tell) as (campaign, evaluator, _):
-            wanted = {cause: run.found[cause] for cause, run in finders.items()}
             flown = _broken(campaign, evaluator, wanted)
-    for cause, run in finders.items():
-        if flown[cause][0] is False and here.n_flights < 0.9 * run.n_flights:
-            few = f"only {here.n_flights} flights, {run.n_flights} where it was found"
-            flown[cause] = False, f"{few}: other variants may have this effect"
     return {cause: Sight(here.found.get(cause), *flown.get(cause, ())) for cause in causes}
 
 
@@ -353,11 +327,11 @@ def drawn(history: History, suffix: str) -> bytes:
     return as_files(figure)[suffix]
 
 
-def course_table(history: History, courses: Iterable[Course], today: date) -> Table:
+def course_table(history: History, courses: Iterable[Course]) -> Table:
     """Return a row for each weakness: what each campaign has of it, since when it is known."""
     days, rows = [run.manifest.made[0] for run in history.runs], []
     for each in courses:
-        words = filter(None, (each.cause, each.remark, history.decision(each, today)))
+        words = filter(None, (each.cause, each.remark, each.decision))
         known = (each.weakness.goal, " ".join(each.marks), days[each.since])
         rows.append((each.verdict, each.faults, *known, "; ".join(words)))
     numbers = " ".join(f"{place % 10}" for place, _ in enumerate(days, 1))
@@ -366,7 +340,7 @@ def course_table(history: History, courses: Iterable[Course], today: date) -> Ta
     return Table(f"Weaknesses in each campaign: {title}", heads, rows, heads[:-1], heads[-1:])
 
 
-def page(histories: Iterable[History], today: date) -> dict[str, Any]:
+def page(histories: Iterable[History]) -> dict[str, Any]:
     """Return the content of a page: a line for each campaign, a column for each weakness."""
     shown, record = list[Table](), list[tuple[str, str]]()
     for each in histories:
@@ -379,6 +353,6 @@ def page(histories: Iterable[History], today: date) -> dict[str, Any]:
             f"Mission {each.mission}, from the first campaign to the last. {sentence(each.courses)}"
         )
         shown += Table(title, heads, lines), *run_tables(each)
-        shown.append(course_table(each, each.courses, today))
+        shown.append(course_table(each, each.courses))
         record += [(run.path.name, str(run.path)) for run in each.runs]
     return {"title": "History", "tables": [*map(to_page, shown)], "record": record}

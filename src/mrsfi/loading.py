@@ -38,7 +38,6 @@ from mrsfi_runtime.files import changing, write_atomically
 from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 from mrsfi_runtime.model.mission import starvation
-from mrsfi_runtime.record.decisions import Decision, read_decisions
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -171,18 +170,6 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     if n_errors(models):
         return Validated(folders.name, models, regions)
     loaded = inspection.require_models()
-    models += tuple(
-        Diagnostic(
-            path,
-            1,
-            f"decision '{path.stem}'",
-            "DecisionFits",
-            "error",
-            str(found).removeprefix(f"{path}: "),
-        )
-        for path, found in decisions_beside(folders.models, loaded)
-        if isinstance(found, MrsfiError)
-    )
     flown = () if n_errors(regions) else _flown(folders, loaded, tell)
     counts = {
         "robots": len(loaded.mission.robots),
@@ -192,14 +179,6 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
         "faults": len(loaded.pool),
     }
     return Validated(folders.name, models, (*flown, *regions), counts)
-
-
-def decisions_beside(
-    folder: Path, loaded: LoadedModels
-) -> Iterator[tuple[Path, Decision | MrsfiError]]:
-    """Yield the decisions on weaknesses beside models, or why one cannot be used."""
-    goals, faults = ([each.ID for each in some] for some in (loaded.mission.goals, loaded.pool))
-    return read_decisions(folder, goals, faults)
 
 
 def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:

@@ -9,20 +9,16 @@ writes what a team decided on a weakness.
 import datetime as dt
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from time import monotonic
 
 from m2t.models.load import load_mission_folder, load_specification
-from mrsfi.campaign_folders import OpenCampaign, decisions_in, mission_of, models_of
+from mrsfi.campaign_folders import OpenCampaign, mission_of, models_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at
-from mrsfi.loading import (
-    decisions_beside,
-    load_fresh,
-    read_specification,
-    specification_writer,
-)
+from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights
@@ -44,9 +40,10 @@ from mrsfi_runtime.record.decisions import (
     Cause,
     Decision,
     decision_file,
+    decision_files,
     decision_on,
     decisions_of,
-    read_decisions,
+    read_decision,
 )
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
 from mrsfi_runtime.record.observers import named_faults
@@ -206,8 +203,9 @@ def decide(
     original = None if of is None else weakness_of(path, known, of)
     if original == weakness:
         raise UsageError(f"--of: found {of}, the weakness itself; expected another weakness")
+    cause = Cause(weakness.goal, weakness.faults)
     decision = Decision(
-        decision_file(models, weakness),
+        decision_file(models, cause, weakness.measure),
         weakness.goal,
         weakness.measure,
         weakness.faults,
@@ -221,9 +219,7 @@ def decide(
     )
     Decision.parse(decision.path, decision.text())  # refuses what a file may not have
     with changing(models) as change:
-        replaced = tuple(
-            each for each in decisions_of(models) if each.cause[:2] == decision.cause[:2]
-        )
+        replaced = tuple(each for each in decisions_of(models) if each.cause == cause)
         gone = dict.fromkeys(each.path for each in replaced)
         change.replace({**gone, decision.path: decision.text().encode()})
     return decision, replaced
@@ -280,7 +276,7 @@ def missions_with_kept() -> Iterator[MissionFolders]:
     models = project().models
     named = ("*/regressions", "*/decisions", "**/regressions", "**/decisions")  # * follows links
     for folder in sorted({path.parent for each in named for path in models.glob(each)}):
-        if kept(folder) or any(read_decisions(folder)):
+        if kept(folder) or decision_files(folder):
             name = folder.relative_to(models).as_posix()
             yield replace(folders_at(folder), name=name)
 
@@ -298,31 +294,28 @@ def check_mission(
 
     One of both is needed. If the check is strict, an expired decision is an error.
     """
-    models, found = folders.models, [*read_decisions(folders.models)]
-    checked = [*check_all(folders, engine, tell, n_seeds)] if kept(models) or not found else []
-    try:
-        found = found and [*decisions_beside(models, load_mission_folder(models))]
-    except MrsfiError as error:
-        found = [(path, error) for path, _ in found]
-    decided = [each for _, each in found if isinstance(each, Decision)]
+    models, files, decided = folders.models, decision_files(folders.models), list[Decision]()
+    checked = [*check_all(folders, engine, tell, n_seeds)] if kept(models) or not files else []
+    rows, load = [], cache(load_mission_folder)
+    for path in files:
+        row = Checked(Regression(path, "", "", (), {}), (), places=((path, 1),), is_decision=True)
+        try:
+            decided.append(decision := read_decision(path))
+            loaded = load(models)
+            decision.require_known([each.ID for each in (*loaded.mission.goals, *loaded.pool)])
+        except MrsfiError as error:
+            rows.append(replace(row, error=error))
+            continue
+        about = decision.sentence(today)
+        warning = f"{path}: {about} Decide again" if decision.has_expired(today) else ""
+        expired = UndecidedWeakness(warning) if warning and is_strict else None
+        rows.append(replace(row, error=expired, about=(about,), warning=warning))
     for place, each in enumerate(checked):
         kind, goals = each.regression.violations, each.regression.limits
-        some = {decision_on(Cause(goal, each.faults, kind), decided) for goal in goals}
+        some = {decision_on(Cause(goal, each.faults), kind, decided) for goal in goals}
         sentences = sorted(one.sentence(today) for one in some if one)
         checked[place] = replace(each, about=(*each.about, *sentences))
-    return checked + [_compared(*each, today, is_strict=is_strict) for each in found]
-
-
-def _compared(
-    path: Path, found: Decision | MrsfiError, today: dt.date, *, is_strict: bool
-) -> Checked:
-    row = Checked(Regression(path, "", "", (), {}), (), places=((path, 1),), is_decision=True)
-    if isinstance(found, MrsfiError):
-        return replace(row, error=found)
-    about = found.sentence(today)
-    warning = f"{path}: {about} Decide again" if found.has_expired(today) else ""
-    error = UndecidedWeakness(warning) if warning and is_strict else None
-    return replace(row, error=error, about=(about,), warning=warning)
+    return checked + rows
 
 
 def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...]:
@@ -330,8 +323,12 @@ def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...
     models = mission_of(campaign).models
     valid = [each for each in decisions_of(models) if not each.has_expired(today)]
     names, found = _names(models, campaign.pool.by_id), harvested(campaign).goal_weaknesses
-    rest = (each for each in found if Cause(each.goal, each.faults) not in names)
-    return tuple(each for each in rest if decision_on(each, valid) is None)
+    causes = ((each, Cause(each.goal, each.faults)) for each in found)
+    return tuple(
+        each
+        for each, cause in causes
+        if cause not in names and decision_on(cause, each.measure, valid) is None
+    )
 
 
 def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
@@ -348,10 +345,13 @@ def settled(
     campaign: OpenCampaign, found: Iterable[GoalWeakness], today: dt.date
 ) -> dict[int, dict[str, str]]:
     """Return cells of an FMEA by weakness: what the team decided on it, and kept of it."""
-    models, decisions = models_of(campaign), decisions_in(campaign)
-    names, cells = _names(models, campaign.pool.by_id) if models else {}, {}
+    models, cells = models_of(campaign), dict[int, dict[str, str]]()
+    if models is None:
+        return cells
+    names, decisions = _names(models, campaign.pool.by_id), decisions_of(models)
     for each in found:
-        decision, name = decision_on(each, decisions), names.get(Cause(each.goal, each.faults))
+        cause = Cause(each.goal, each.faults)
+        decision, name = decision_on(cause, each.measure, decisions), names.get(cause)
         status = [f"kept as a test ({name})"] if name else []
         row = cells[each.number] = {"status": "; ".join(status)}
         if decision is not None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from mrsfi.campaign_folders import OpenCampaign, decisions_in
+from mrsfi.campaign_folders import OpenCampaign, deciding
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
 from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis import tables, weaknesses
@@ -30,7 +30,7 @@ from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tel
 from mrsfi_runtime.errors import UndecidedWeakness, counted
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.record.decisions import KINDS, decision_on, words_on
+from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import NONE, Measure, ticks
 
@@ -94,12 +94,11 @@ def print_all(
 
 
 def _print_decisions(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
-    known, today = decisions_in(campaign), dt.date.today()
-    words = {each.number: words_on(each, known, today) for each in found}
+    decided = deciding(campaign, dt.date.today())
+    words = {each.number: decision for each in found if (decision := decided(each))}
     for number, decision in words.items():
-        if decision:
-            print_words((f"Weakness {number}: ", "bold"), decision)
-    if any(words.values()):
+        print_words((f"Weakness {number}: ", "bold"), decision)
+    if words:
         click.echo()
 
 
@@ -162,13 +161,16 @@ def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harv
 
 def print_found(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
     """Print weaknesses as JSON, with a row for each measure."""
-    known, today, rows = decisions_in(campaign), dt.date.today(), list[dict[str, Any]]()
-    for weakness in found:
-        decision = decision_on(weakness, known)
-        more = {"decision": decision and decision.as_json(today)}
-        by = weaknesses.as_json(campaign.mission, campaign.pool, weakness)
-        rows += [each | more for each in by]
-    print_json(rows)
+    decided, (mission, pool) = (
+        deciding(campaign, dt.date.today()),
+        (campaign.mission, campaign.pool),
+    )
+    rows = (
+        row | {"decision": decided(each)}
+        for each in found
+        for row in weaknesses.as_json(mission, pool, each)
+    )
+    print_json([*rows])
 
 
 def print_mildest(campaign: OpenCampaign, found: Sequence[GoalWeakness], *, is_json: bool) -> None:

@@ -219,42 +219,41 @@ def _compare_runs(
             raise click.UsageError(f"--{name} {value}: is for a search, not for two campaigns")
     if len(targets) != 2:
         raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
-    found = history(map(Path, targets), engine, workers, tell)
-    is_json = ctx.params["is_json"]
-    _show([found], ctx.params["lists_all"], is_printed=not is_json, markdown=markdown, html=html)
-    if is_json:
-        print_json([each.as_json() for each in found.courses])
+    found = history(map(Path, targets), engine, workers, date.today(), tell)
+    _show([found], markdown, html, **{name: ctx.params[name] for name in ("lists_all", "is_json")})
 
 
 def _show(
     found: "Sequence[History]",
-    lists_all: bool,
+    markdown: Path | None,
+    html: Path | None,
     *,
-    is_printed: bool,
-    markdown: Path | None = None,
-    html: Path | None = None,
+    lists_all: bool,
+    is_json: bool = False,
 ) -> None:
     """Print histories and write files of them; what is in all campaigns stands in one line."""
     from mrsfi import history
     from mrsfi_runtime.analysis.page import document
     from mrsfi_runtime.analysis.tables import plain, to_markdown
 
-    today, text = date.today(), ""
+    text = ""
     for each in found:
         some = [one for one in each.courses if lists_all or not one.is_constant]
         rest = history.listed(one for one in each.courses if one not in some)
         said, stayed = f"{history.sentence(each.courses)}.", f"In all campaigns: {rest or 'none'}."
-        tables = (*history.run_tables(each), history.course_table(each, some, today))
+        tables = (*history.run_tables(each), history.course_table(each, some))
         text += "\n\n".join((said, plain(stayed), *map(to_markdown, tables))) + "\n"
-        for table in tables if is_printed else ():
+        if is_json:
+            print_json([one.as_json() for one in each.courses])
+            continue
+        for table in tables:
             print_table(table)
-        if is_printed:
-            print_words(stayed)
-            print_words((said, "bold"))
+        print_words(stayed)
+        print_words((said, "bold"))
     if markdown is not None:
         _write(markdown, text.encode())
     if html is not None:
-        _write(html, document(history.page(found, today)).encode())
+        _write(html, document(history.page(found)).encode())
 
 
 def _write(path: Path, content: bytes) -> None:
@@ -272,7 +271,6 @@ def _write(path: Path, content: bytes) -> None:
 @_all_option
 @options.file_option("--output", "Draw the number of weaknesses of each goal: .png or .svg.")
 @options.file_option("--html", "Write a page: a line for each campaign, a column a weakness.")
-@click.option("--json", "is_json", is_flag=True, help="Print the history as JSON.")
 def history_command(
     runs: tuple[Path, ...],
     engine: Given,
@@ -280,7 +278,6 @@ def history_command(
     lists_all: bool,
     output: Path | None,
     html: Path | None,
-    is_json: bool,
 ) -> None:
     """Print which weaknesses came, went and stayed over campaigns, from the earliest on.
 
@@ -306,12 +303,11 @@ def history_command(
     if not by_mission or (output is not None and len(by_mission) > 1):
         named = ", ".join(by_mission) or "none with weaknesses"
         raise click.UsageError(f"found campaigns of {named}; expected some of one mission: RUN …")
-    found = [history.history(some, engine, workers, tell) for some in by_mission.values()]
+    today, some = date.today(), by_mission.values()
+    found = [history.history(each, engine, workers, today, tell) for each in some]
     if output is not None:
         _write(output, history.drawn(found[0], output.suffix))
-    _show(found, lists_all, is_printed=not is_json, html=html)
-    if is_json:
-        print_json([each.as_json(date.today()) for each in found])
+    _show(found, None, html, lists_all=lists_all)
 
 
 @dataclass

@@ -2,18 +2,17 @@
 
 A ``Decision`` is a TOML file in ``models/<mission>/decisions/``, whose changes are reviewed as a
 diff. Numbers of weaknesses change from campaign to campaign, so it names goal, measure and faults.
-There is at most one on a goal and a set of faults. The keys of a file are the fields of the class.
+The keys of a file are the fields of the class.
 """
 
 import datetime as dt
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Self
 
-from mrsfi_runtime.errors import MrsfiError, UsageError, expected, printable
+from mrsfi_runtime.errors import UsageError, printable
 from mrsfi_runtime.record.settings import VIOLATIONS, Rules, parse_table, quoted, read_text
 
 _KINDS = {
@@ -23,26 +22,13 @@ _KINDS = {
 }
 KINDS = tuple(_KINDS)
 _WHAT = "a decision on a weakness"
-_LONGEST = 200  # characters of a file's name, of which file systems take 255
-
-
-class Judged(Protocol):
-    """What can be decided on: faults, by sorted IDs, that break a goal, at worst by ``measure``."""
-
-    @property
-    def goal(self) -> str: ...  # noqa: D102 - as the next, in the docstring of the class
-    @property
-    def faults(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def measure(self) -> str: ...  # noqa: D102
 
 
 class Cause(NamedTuple):
-    """A goal, the faults that break it, by their sorted IDs, and a measure or none."""
+    """A goal, and the faults that break it, by their sorted IDs."""
 
     goal: str
     faults: tuple[str, ...]
-    measure: str = ""
 
     def __str__(self) -> str:
         """Return ``g2 by f3 and f7``."""
@@ -72,19 +58,19 @@ class Decision:
     @property
     def cause(self) -> Cause:
         """The weakness on which it decides."""
-        return Cause(self.goal, self.faults, self.violations)
+        return Cause(self.goal, self.faults)
 
     def renamed(self, names: Mapping[str, str]) -> Self:
         """Return it with other IDs, given by old ones, in the file that they name."""
 
         def new(cause: Cause) -> Cause:
             faults = sorted(names.get(fault, fault) for fault in cause.faults)
-            return cause._replace(goal=names.get(cause.goal, cause.goal), faults=tuple(faults))
+            return Cause(names.get(cause.goal, cause.goal), tuple(faults))
 
         cause, of = new(self.cause), self.of and new(self.of)
         if (cause, of) == (self.cause, self.of):
             return self
-        path = decision_file(self.path.parent.parent, cause)
+        path = decision_file(self.path.parent.parent, cause, self.violations)
         return replace(self, path=path, goal=cause.goal, faults=cause.faults, of=of)
 
     def has_expired(self, today: dt.date) -> bool:
@@ -102,17 +88,18 @@ class Decision:
         """Return the decision in a sentence that names the weakness."""
         return f"Decision on {self.cause}: {self.in_words(today)}."
 
-    def as_json(self, today: dt.date) -> dict[str, Any]:
-        """Return it as plain values, without the weakness."""
-        names = ("kind", "because", "by", "date", "until", "of", "path")
-        values = {name: getattr(self, name) for name in names}
-        plain = {name: None if each is None else str(each) for name, each in values.items()}
-        return plain | {"expired": self.has_expired(today)}
-
     def text(self) -> str:
         """Return the text of the file, as ``parse`` reads it."""
         values = {each.name: getattr(self, each.name) for each in fields(self)[1:]}
         return "".join(f"{key} = {_in_toml(each)}\n" for key, each in values.items() if each)
+
+    def require_known(self, ids: Collection[str]) -> None:
+        """Refuse the decision unless all goals and faults that it names are among ``ids``."""
+        for cause in filter(None, (self.cause, self.of)):
+            for found in (cause.goal, *cause.faults):
+                if found not in ids:
+                    what = f"{self.path}: found '{found}', which the mission does not have"
+                    raise UsageError(f"{what}; decide again, or remove the file")
 
     @classmethod
     def parse(cls, path: Path, text: str) -> Self:
@@ -130,68 +117,31 @@ class Decision:
         return cls(path, **table | {"faults": tuple(sorted(table["faults"]))})
 
 
-def read_decisions(
-    models: Path, goals: Collection[str] | None = None, faults: Collection[str] = ()
-) -> Iterator[tuple[Path, Decision | MrsfiError]]:
-    """Yield the files of decisions beside a mission's models, each with its decision or defect.
-
-    With the IDs of the mission, a decision that names others is a defect.
-    """
-    first: dict[tuple[object, ...], str] = {}
-    for path in sorted((models / "decisions").glob("*.toml")):
-        try:
-            found = Decision.parse(path, read_text(path, _WHAT))
-            other = first.setdefault(found.cause[:2], path.name)
-            if other != path.name:
-                what = f"found a second decision on {found.cause}, beside {other}"
-                raise UsageError(f"{path}: {what}; expected one; remove one of the files")
-            if goals is not None:
-                _require_known(found, goals, faults)
-        except MrsfiError as error:
-            yield path, error
-        else:
-            yield path, found
+def decision_files(models: Path) -> list[Path]:
+    """Return the files of decisions beside a mission's models."""
+    return sorted((models / "decisions").glob("*.toml"))
 
 
-def _require_known(decision: Decision, goals: Collection[str], faults: Collection[str]) -> None:
-    for cause in filter(None, (decision.cause, decision.of)):
-        named = [("goals", cause.goal, goals), *(("faults", each, faults) for each in cause.faults)]
-        for what, found, known in named:
-            if found not in known:
-                wanted = expected(found, known, f"one of the {what} of the mission:")
-                advice = "decide again, or remove the file"
-                raise UsageError(f"{decision.path}: found '{found}'; {wanted}; {advice}")
+def read_decision(path: Path) -> Decision:
+    """Return the decision in a file."""
+    return Decision.parse(path, read_text(path, _WHAT))
 
 
 def decisions_of(models: Path) -> tuple[Decision, ...]:
-    """Return the decisions beside a mission's models; one that cannot be read is an error."""
-    decisions = []
-    for _, found in read_decisions(models):
-        if isinstance(found, MrsfiError):
-            raise found
-        decisions.append(found)
-    return tuple(decisions)
+    """Return the decisions beside a mission's models."""
+    return tuple(map(read_decision, decision_files(models)))
 
 
-def decision_on(weakness: Judged, decisions: Iterable[Decision]) -> Decision | None:
-    """Return the decision on a weakness; none if the weakness is graver than what was decided."""
-    rank, cause = VIOLATIONS.index, (weakness.goal, weakness.faults)
-    found = (each for each in decisions if each.cause[:2] == cause)
-    return next((each for each in found if rank(weakness.measure) <= rank(each.violations)), None)
+def decision_on(cause: Cause, measure: str, decisions: Iterable[Decision]) -> Decision | None:
+    """Return the decision on a weakness; none if its measure is graver than what was decided."""
+    rank = VIOLATIONS.index
+    found = (each for each in decisions if each.cause == cause)
+    return next((each for each in found if rank(measure) <= rank(each.violations)), None)
 
 
-def words_on(weakness: Judged, decisions: Iterable[Decision], today: dt.date) -> str:
-    """Return the decision on a weakness in words; empty if there is none."""
-    found = decision_on(weakness, decisions)
-    return "" if found is None else found.in_words(today)
-
-
-def decision_file(models: Path, weakness: Judged) -> Path:
+def decision_file(models: Path, cause: Cause, measure: str) -> Path:
     """Return the file of a decision on a weakness, beside the models of its mission."""
-    name = f"{weakness.goal}-{weakness.measure}-{'+'.join(weakness.faults)}"
-    if len(name) > _LONGEST:
-        name = f"{name[:_LONGEST]}-{sha256(name.encode()).hexdigest()[:8]}"
-    return models / "decisions" / f"{name}.toml"
+    return models / "decisions" / f"{cause.goal}-{measure}-{'+'.join(cause.faults)}.toml"
 
 
 def _in_toml(value: object) -> str:
