@@ -30,7 +30,7 @@ from mrsfi.campaign_folders import (
 from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, project, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
-from mrsfi_runtime.analysis import failure_modes as fmea
+from mrsfi_runtime.analysis import documents
 from mrsfi_runtime.analysis.report import (
     Shown,
     SpecificationWriter,
@@ -446,8 +446,8 @@ def write_fmea(
     ``settled`` has what the team decided (``regressions.settled``).
     """
     name, mission = campaign.store.manifest.mission or campaign.mission.name, campaign.mission
-    modes = fmea.failure_modes(mission, campaign.pool, found, record, project().fmea, settled)
-    content = fmea.FMEA[path.suffix](fmea.fmea(name, modes))
+    modes = documents.failure_modes(mission, campaign.pool, found, record, project().fmea, settled)
+    content = documents.FMEA[path.suffix](documents.fmea(name, modes))
     with whole_file(path) as file:
         file.write(content)
 
@@ -455,7 +455,7 @@ def write_fmea(
 def write_fault_trees(campaign: OpenCampaign, found: Sequence[GoalWeakness], path: Path) -> None:
     """Write the fault tree of each goal, as one of their formats."""
     with whole_file(path) as file:
-        file.write(fmea.FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
+        file.write(documents.FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
 
 
 def report(

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from mrsfi_runtime.analysis.failure_modes import FMEA, HEADS, fmea
+from mrsfi_runtime.analysis.documents import FMEA, HEADS, fmea
 from mrsfi_runtime.errors import printable
 from tests.unit.analysis.test_failure_modes import ALL, EMPTY
 

@@ -5,8 +5,7 @@ import subprocess
 
 import pytest
 
-from mrsfi_runtime.analysis.documents import LATEX_HEAD, in_latex, to_latex
-from mrsfi_runtime.analysis.failure_modes import FMEA, HEADS, fmea
+from mrsfi_runtime.analysis.documents import FMEA, HEADS, LATEX_HEAD, fmea, in_latex, to_latex
 from mrsfi_runtime.analysis.tables import Table
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import mrsfi

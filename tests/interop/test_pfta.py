@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.failure_modes import as_pfta
+from mrsfi_runtime.analysis.documents import as_pfta
 from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Requirement

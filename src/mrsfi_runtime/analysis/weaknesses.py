@@ -4,7 +4,7 @@ Names come before IDs. A goal *fails* when it can no longer be met. It is *viola
 truth. It has a *false alarm* if only the belief of the collective intelligence shows a violation.
 
 The tables come first. ``verdicts`` returns a ``GoalVerdict`` for each goal: a sentence with its
-evidence. ``deed`` describes a fault. Failure modes (FMEA) are in ``failure_modes.py``.
+evidence. ``deed`` describes a fault. Failure modes (FMEA) are in ``documents.py``.
 """
 
 import math

@@ -376,7 +376,7 @@ def _write(
     fault_tree: Path | None = None,
 ) -> None:
     from mrsfi import explaining as of
-    from mrsfi_runtime.analysis.failure_modes import FAULT_TREES, FMEA
+    from mrsfi_runtime.analysis.documents import FAULT_TREES, FMEA
 
     number, map_path = drawn or (0, None)
     files = ((fmea, FMEA), (fault_tree, FAULT_TREES), (map_path, of.MAPS))

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import pytest
 
-from mrsfi_runtime.analysis.failure_modes import HEADS, failure_modes
+from mrsfi_runtime.analysis.documents import HEADS, failure_modes
 from mrsfi_runtime.causes.mildest import goal_weaknesses
 from mrsfi_runtime.causes.weakness import Detection
 from mrsfi_runtime.engine.flights import ReferenceEngine

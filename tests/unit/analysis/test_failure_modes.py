@@ -11,7 +11,7 @@ from lxml import etree
 from openpyxl import load_workbook
 from python_calamine import CalamineWorkbook
 
-from mrsfi_runtime.analysis.failure_modes import (
+from mrsfi_runtime.analysis.documents import (
     FMEA,
     HEADS,
     as_open_psa,
