@@ -7,7 +7,8 @@ variant of the last campaign before it that found the weakness, or else of the n
 says whether it went, came or stayed from the first to the last. ``mrsfi compare RUN_A RUN_B``
 prints a history of two, ``mrsfi history`` one of many.
 
-A weakness went if its variant no longer has its effect; other variants may still have it.
+A weakness went if its variant no longer has its effect; other variants may still have it. Where a
+campaign found a true violation, one that found only a false alarm did not find the weakness.
 """
 
 from collections import Counter, defaultdict
@@ -99,37 +100,18 @@ class Course:
 
     @property
     def verdict(self) -> str:
-        """Whether it went, came or stayed; one that still breaks stayed, even if not found again.
-
-        It went if only a false alarm remains, and came if it was only a false alarm before.
-        """
-        before, after = self.sights[0], self.sights[-1]
-        if before.found and after.found:
-            truly, now = _is_true(before.found), _is_true(after.found)
-            return STAYED if truly == now or after.breaks else WENT if truly else CAME
-        if before.is_there is None or after.is_there is None:
+        """Whether it went, came or stayed from the first campaign to the last."""
+        before, after = self.sights[0].is_there, self.sights[-1].is_there
+        if before is None or after is None:
             return UNKNOWN
-        if before.is_there:
-            return STAYED if after.is_there else WENT
-        return CAME if after.is_there else BRIEF
+        if before:
+            return STAYED if after else WENT
+        return CAME if after else BRIEF
 
     @property
     def remark(self) -> str:
         """A remark on the verdict."""
-        before, after = self.sights[0], self.sights[-1]
-        if before.found and after.found:
-            alarm = {WENT: "a false alarm remains", CAME: "was only a false alarm before"}
-            usual = "by other variants" if after.breaks is False else ""
-            return alarm.get(self.verdict, usual)
-        if self.verdict == STAYED:
-            now = "found only now, but its variant had the effect before"
-            return now if after.found else "not found again, but its variant still has this effect"
-        return before.remark or after.remark
-
-    @property
-    def since(self) -> int:
-        """The place of the first campaign that found it."""
-        return next(place for place, each in enumerate(self.sights) if each.found)
+        return self.sights[0].remark or self.sights[-1].remark
 
     @property
     def marks(self) -> str:
@@ -156,15 +138,10 @@ class Course:
             "cause": self.cause,
             "before": before.found and before.found.number,
             "after": after.found and after.found.number,
-            "breaks_there": after.breaks if before.found else before.breaks,
             "remark": self.remark,
             "marks": self.marks,
             "decision": self.decision,
         }
-
-
-def _is_true(weakness: GoalWeakness) -> bool:
-    return weakness.shown.column.kind != MEASURES[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,43 +191,59 @@ def history(
         if names[0] != names[-1]:
             what = f"{path}: found a campaign of mission '{names[-1]}'"
             raise UsageError(f"{what}; expected one of '{names[0]}', as {searched[0].path} is")
-    finders = {cause: run for run in searched[::-1] for cause in run.found}
-    last = {cause: weakness for run in searched for cause, weakness in run.found.items()}
-    causes = [cause for run in searched for cause in run.found if finders[cause] is run]
-    places = range(len(searched))
-    sights = [_sights(searched, place, causes, engine, workers, tell) for place in places]
+    finds = counting([run.found for run in searched])
+    sights = [
+        _sights(run, finds, place, engine, workers, tell) for place, run in enumerate(searched)
+    ]
+    first, last = dict[Cause, tuple[Searched, GoalWeakness]](), dict[Cause, GoalWeakness]()
+    for run, found in zip(searched, finds, strict=True):
+        first = {cause: (run, each) for cause, each in found.items()} | first
+        last |= found
     courses, decided = [], deciding(searched[-1].campaign, today)
-    for cause in causes:
-        weakness, first = finders[cause].found[cause], finders[cause].campaign
-        words = cause_in_words(first.mission, first.pool, weakness)
-        seen, goal = tuple(each[cause] for each in sights), first.mission.label_of(weakness.goal)
+    for cause, (run, weakness) in first.items():
+        mission, pool = run.campaign.mission, run.campaign.pool
+        words, goal = cause_in_words(mission, pool, weakness), mission.label_of(weakness.goal)
+        seen = tuple(each[cause] for each in sights)
         courses.append(Course(goal, words, weakness, seen, decided(last[cause])))
     ranked = sorted(courses, key=lambda each: (_ORDER.index(each.verdict), each.is_constant))
     return History(names[0], tuple(searched), tuple(ranked))
 
 
+def counting(finds: Sequence[Mapping[Cause, GoalWeakness]]) -> list[dict[Cause, GoalWeakness]]:
+    """Return weaknesses by campaign, without false alarms of what another one found truly."""
+    alarms = [{cause for cause in found if found[cause].measure == MEASURES[0]} for found in finds]
+    truly = {
+        cause for found, false in zip(finds, alarms, strict=True) for cause in {*found} - false
+    }
+    return [
+        {cause: found[cause] for cause in found if cause not in false & truly}
+        for found, false in zip(finds, alarms, strict=True)
+    ]
+
+
 def _sights(
-    runs: Sequence[Searched],
+    run: Searched,
+    finds: Sequence[Mapping[Cause, GoalWeakness]],
     place: int,
-    causes: Sequence[Cause],
     engine: Given,
     workers: Workers,
     tell: Tell,
 ) -> dict[Cause, Sight]:
     """Return what a campaign has of each weakness; fly those that others found."""
-    here, wanted = runs[place], dict[Cause, GoalWeakness]()
-    nearest = (*runs[:place][::-1], *runs[place + 1 :])
-    for cause in causes:
-        others = nearest[:place] if cause in here.found else nearest
-        for run in [each for each in others if cause in each.found][:1]:
-            wanted[cause] = run.found[cause]
+    nearest = (*finds[:place:-1], *finds[:place])  # the nearest one before comes last
+    others = {cause: each for found in nearest for cause, each in found.items()}
+    wanted = {cause: each for cause, each in others.items() if cause not in finds[place]}
     flown: dict[Cause, tuple[bool | None, str]] = {}
-    if here.manifest.semantics != SEMANTICS:
-        flown = dict.fromkeys(wanted, (None, difference(here.manifest.semantics)))
+    if run.manifest.semantics != SEMANTICS:
+        flown = dict.fromkeys(wanted, (None, difference(run.manifest.semantics)))
     elif wanted:
-        with flying_again(here.path, engine, workers, tell) as (campaign, evaluator, _):
+        with flying_again(run.path, engine, workers, tell) as (campaign, evaluator, _):
             flown = _broken(campaign, evaluator, wanted)
-    return {cause: Sight(here.found.get(cause), *flown.get(cause, ())) for cause in causes}
+    sights = {cause: Sight(each) for cause, each in finds[place].items()}
+    for cause, (breaks, remark) in flown.items():
+        alarm = f"only a false alarm in {run.path.name}" if cause in run.found else ""
+        sights[cause] = Sight(None, breaks, remark or alarm)
+    return sights
 
 
 def _broken(
@@ -332,7 +325,8 @@ def course_table(history: History, courses: Iterable[Course]) -> Table:
     days, rows = [run.manifest.made[0] for run in history.runs], []
     for each in courses:
         words = filter(None, (each.cause, each.remark, each.decision))
-        known = (each.weakness.goal, " ".join(each.marks), days[each.since])
+        since = next(day for day, sight in zip(days, each.sights, strict=True) if sight.found)
+        known = (each.weakness.goal, " ".join(each.marks), since)
         rows.append((each.verdict, each.faults, *known, "; ".join(words)))
     numbers = " ".join(f"{place % 10}" for place, _ in enumerate(days, 1))
     heads = ("verdict", "faults", "goal", numbers, "known since", "cause, remark and decision")
@@ -340,19 +334,12 @@ def course_table(history: History, courses: Iterable[Course]) -> Table:
     return Table(f"Weaknesses in each campaign: {title}", heads, rows, heads[:-1], heads[-1:])
 
 
-def page(histories: Iterable[History]) -> dict[str, Any]:
+def page(history: History) -> dict[str, Any]:
     """Return the content of a page: a line for each campaign, a column for each weakness."""
-    shown, record = list[Table](), list[tuple[str, str]]()
-    for each in histories:
-        lines = [
-            (run.path.name, *(course.marks[place] for course in each.courses))
-            for place, run in enumerate(each.runs)
-        ]
-        heads = ("campaign", *(f"{one.weakness.goal}: {one.faults}" for one in each.courses))
-        title = (
-            f"Mission {each.mission}, from the first campaign to the last. {sentence(each.courses)}"
-        )
-        shown += Table(title, heads, lines), *run_tables(each)
-        shown.append(course_table(each, each.courses))
-        record += [(run.path.name, str(run.path)) for run in each.runs]
-    return {"title": "History", "tables": [*map(to_page, shown)], "record": record}
+    courses, runs = history.courses, history.runs
+    lines = [(run.path.name, *(each.marks[n] for each in courses)) for n, run in enumerate(runs)]
+    heads = ("campaign", *(f"{each.weakness.goal}: {each.faults}" for each in courses))
+    what = f"Mission {history.mission}, from the first campaign to the last. {sentence(courses)}"
+    tables = (Table(what, heads, lines), *run_tables(history), course_table(history, courses))
+    record = [(run.path.name, str(run.path)) for run in runs]
+    return {"title": "History", "tables": [*map(to_page, tables)], "record": record}

@@ -220,38 +220,36 @@ def _compare_runs(
     if len(targets) != 2:
         raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
     found = history(map(Path, targets), engine, workers, date.today(), tell)
-    _show([found], markdown, html, **{name: ctx.params[name] for name in ("lists_all", "is_json")})
+    _show(found, markdown, html, **{name: ctx.params[name] for name in ("lists_all", "is_json")})
 
 
 def _show(
-    found: "Sequence[History]",
+    found: "History",
     markdown: Path | None,
     html: Path | None,
     *,
     lists_all: bool,
     is_json: bool = False,
 ) -> None:
-    """Print histories and write files of them; what is in all campaigns stands in one line."""
+    """Print a history and write files of it; what is in all campaigns stands in one line."""
     from mrsfi import history
     from mrsfi_runtime.analysis.page import document
     from mrsfi_runtime.analysis.tables import plain, to_markdown
 
-    text = ""
-    for each in found:
-        some = [one for one in each.courses if lists_all or not one.is_constant]
-        rest = history.listed(one for one in each.courses if one not in some)
-        said, stayed = f"{history.sentence(each.courses)}.", f"In all campaigns: {rest or 'none'}."
-        tables = (*history.run_tables(each), history.course_table(each, some))
-        text += "\n\n".join((said, plain(stayed), *map(to_markdown, tables))) + "\n"
-        if is_json:
-            print_json([one.as_json() for one in each.courses])
-            continue
+    courses = [each for each in found.courses if lists_all or not each.is_constant]
+    rest = history.listed(each for each in found.courses if each not in courses)
+    said, stayed = f"{history.sentence(found.courses)}.", f"In all campaigns: {rest or 'none'}."
+    tables = (*history.run_tables(found), history.course_table(found, courses))
+    if is_json:
+        print_json([each.as_json() for each in found.courses])
+    else:
         for table in tables:
             print_table(table)
         print_words(stayed)
         print_words((said, "bold"))
     if markdown is not None:
-        _write(markdown, text.encode())
+        text = "\n\n".join((said, plain(stayed), *map(to_markdown, tables)))
+        _write(markdown, f"{text}\n".encode())
     if html is not None:
         _write(html, document(history.page(found)).encode())
 
@@ -281,32 +279,27 @@ def history_command(
 ) -> None:
     """Print which weaknesses came, went and stayed over campaigns, from the earliest on.
 
-    RUN are campaign folders, by default all in runs/. Those of one mission are compared, in the
-    order of their dates. Each campaign also flies the weaknesses that it did not find, in the
-    variant of another campaign.
+    RUN are campaign folders of one mission, by default all in runs/, in the order of their dates.
+    Each campaign also flies the weaknesses that it did not find, in the variant of another one.
 
     \b
     Examples:
       mrsfi history
-      mrsfi history runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --html history.html
+      mrsfi history runs/uuv_sampling-a-* --html history.html
       mrsfi history --output history.png
     """
     from mrsfi import history
     from mrsfi.campaign_folders import campaigns_of
     from mrsfi.explaining import MAPS, require_format
 
-    by_mission: dict[str, list[Path]] = {}
-    for path, manifest in campaigns_of(runs).items():
-        by_mission.setdefault(manifest.mission, []).append(path)
     if output is not None:
         require_format(output, MAPS[1:])
-    if not by_mission or (output is not None and len(by_mission) > 1):
-        named = ", ".join(by_mission) or "none with weaknesses"
-        raise click.UsageError(f"found campaigns of {named}; expected some of one mission: RUN …")
-    today, some = date.today(), by_mission.values()
-    found = [history.history(each, engine, workers, today, tell) for each in some]
+    paths = campaigns_of(runs)
+    if not paths:
+        raise click.UsageError("found no campaign with weaknesses in runs/; expected one: RUN …")
+    found = history.history(paths, engine, workers, date.today(), tell)
     if output is not None:
-        _write(output, history.drawn(found[0], output.suffix))
+        _write(output, history.drawn(found, output.suffix))
     _show(found, None, html, lists_all=lists_all)
 
 
