@@ -128,7 +128,7 @@ def risk_cells(
 def main() -> None:
     """Print a row for each mission, search, number of campaigns, and kind of sets; then risks."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("missions", nargs="*", metavar="MISSION", default=MISSIONS)
+    parser.add_argument("missions", nargs="*", metavar="MISSION", default=(*MISSIONS, "undersea"))
     for name in parser.parse_args().missions:
         with project_of(name) as (models, generated):
             code = load_code(generated)

@@ -113,7 +113,7 @@ def form(specification: Specification) -> Specification:
     return tuple(sorted(specification))
 
 
-_Z = 2.58  # standard deviations: 1.96 contained nine of ten fresh shares, 2.58 contained 95 %
+_Z = 2.58  # standard deviations: 1.96 contained nine of ten fresh shares, 2.58 contained 93 %
 
 
 class Share(NamedTuple):
