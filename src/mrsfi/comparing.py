@@ -2,8 +2,7 @@
 
 ``compared`` makes a run of each setup with each seed, all on one mission with the same number of
 evaluations. Each run is a campaign, so a finished run is not repeated. A run that was made with
-other models, code or settings is refused. ``changes`` simulates the weaknesses of each of two
-campaigns in the mission of the other, and reports which went, came and stayed.
+other models, code or settings is refused.
 """
 
 import hashlib

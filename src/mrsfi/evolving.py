@@ -116,6 +116,8 @@ def repetition_checked(
     return replace(engine, node_repeats=N_LOOKS), doubt
 
 
+_NOW = partial(datetime.now, UTC)
+
 Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Receives the progress of a search after each generation."""
 
@@ -167,10 +169,6 @@ def begun(
         yield campaign, flown_by
 
 
-def _now() -> datetime:
-    return datetime.now(UTC)
-
-
 @contextmanager
 def made(
     path: Path,
@@ -178,7 +176,7 @@ def made(
     settings: CampaignSettings,
     case: str,
     engine: EngineSettings,
-    clock: Callable[[], datetime] = _now,
+    clock: Callable[[], datetime] = _NOW,
 ) -> Iterator[None]:
     """Make a campaign without evaluations, and be its only writer while the body runs.
 

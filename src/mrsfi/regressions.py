@@ -193,8 +193,8 @@ def decide(
     *,
     until: dt.date | None = None,
     of: int | None = None,
-) -> tuple[Decision, tuple[Decision, ...]]:
-    """Decide on a weakness by its number; return the decision, and those that it replaces.
+) -> Decision:
+    """Decide on a weakness by its number, in place of an earlier decision on it.
 
     ``kind`` is one of ``KINDS``; a duplicate is one of the weakness with the number ``of``.
     """
@@ -219,10 +219,9 @@ def decide(
     )
     Decision.parse(decision.path, decision.text())  # refuses what a file may not have
     with changing(models) as change:
-        replaced = tuple(each for each in decisions_of(models) if each.cause == cause)
-        gone = dict.fromkeys(each.path for each in replaced)
+        gone = {each.path: None for each in decisions_of(models) if each.cause == cause}
         change.replace({**gone, decision.path: decision.text().encode()})
-    return decision, replaced
+    return decision
 
 
 def _require_new(regression: Regression, folders: MissionFolders) -> None:
@@ -318,19 +317,6 @@ def check_mission(
     return checked + rows
 
 
-def undecided(campaign: OpenCampaign, today: dt.date) -> tuple[GoalWeakness, ...]:
-    """Return the weaknesses of a campaign that are not kept, and on which no valid decision is."""
-    models = mission_of(campaign).models
-    valid = [each for each in decisions_of(models) if not each.has_expired(today)]
-    names, found = _names(models, campaign.pool.by_id), harvested(campaign).goal_weaknesses
-    causes = ((each, Cause(each.goal, each.faults)) for each in found)
-    return tuple(
-        each
-        for each, cause in causes
-        if cause not in names and decision_on(cause, each.measure, valid) is None
-    )
-
-
 def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
     """Return the names of kept weaknesses, but for unreadable ones, by what they limit."""
     names: dict[Cause, str] = {}
@@ -342,9 +328,12 @@ def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
 
 
 def settled(
-    campaign: OpenCampaign, found: Iterable[GoalWeakness], today: dt.date
+    campaign: OpenCampaign, found: Iterable[GoalWeakness], today: dt.date, *, is_valid: bool = False
 ) -> dict[int, dict[str, str]]:
-    """Return cells of an FMEA by weakness: what the team decided on it, and kept of it."""
+    """Return cells of an FMEA by weakness: what the team decided on it, and kept of it.
+
+    Others have none. With ``is_valid``, neither has a weakness whose decision has expired.
+    """
     models, cells = models_of(campaign), dict[int, dict[str, str]]()
     if models is None:
         return cells
@@ -352,12 +341,13 @@ def settled(
     for each in found:
         cause = Cause(each.goal, each.faults)
         decision, name = decision_on(cause, each.measure, decisions), names.get(cause)
-        status = [f"kept as a test ({name})"] if name else []
-        row = cells[each.number] = {"status": "; ".join(status)}
-        if decision is not None:
+        row, status = dict[str, str](), [f"kept as a test ({name})"] if name else []
+        if decision is not None and not (is_valid and decision.has_expired(today)):
             row["recommended action"] = decision.because if decision.kind == "mitigate" else ""
             row["owner"] = decision.by
-            row["status"] = "; ".join((decision.in_words(today), *status))
+            status.insert(0, decision.in_words(today))
+        if status:
+            cells[each.number] = {**row, "status": "; ".join(status)}
     return cells
 
 

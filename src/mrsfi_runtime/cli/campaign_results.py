@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from mrsfi.campaign_folders import OpenCampaign, deciding
-from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal, untried
+from mrsfi.explaining import CAUSE_SET, SIMPLEST, harvested, of_goal, untried
 from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis import tables, weaknesses
 from mrsfi_runtime.analysis.summary import Draw, Summary, as_json
@@ -104,9 +104,11 @@ def _print_decisions(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> N
 
 def require_decided(campaign: OpenCampaign) -> None:
     """Refuse a campaign with weaknesses that are neither kept nor decided on, and report these."""
-    from mrsfi.regressions import undecided
+    from mrsfi.regressions import settled
 
-    found, run = undecided(campaign, dt.date.today()), campaign.folder.path
+    every, run = harvested(campaign).goal_weaknesses, campaign.folder.path
+    done = settled(campaign, every, dt.date.today(), is_valid=True)
+    found = [each for each in every if each.number not in done]
     for each in found:
         words = weaknesses.sentence(campaign.mission, campaign.pool, each)
         tell(f"undecided  weakness {each.number} ({' and '.join(each.faults)}): {words}")

@@ -133,8 +133,7 @@ def evolve_command(
     if is_nightly:
         if explain is False or given["algorithm"] not in {None, COVERING}:
             raise click.UsageError(f"--nightly needs --algorithm {COVERING} and --explain")
-        given["algorithm"] = ctx.params["algorithm"] = COVERING
-        ctx.set_parameter_source("algorithm", ParameterSource.COMMANDLINE)
+        given["algorithm"] = COVERING
     if resume is None:
         opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
     else:

@@ -175,8 +175,7 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
             elif each.failure is not None:
                 ET.SubElement(case, "error", message=str(each.failure))
             if each.about:
-                warning = "Warning: " * bool(each.warning)
-                ET.SubElement(case, "system-out").text = f"{warning}{' '.join(each.about)}"
+                ET.SubElement(case, "system-out").text = " ".join(each.about)
     for element in root.iter():
         element.text = element.text and _legal(element.text)
         element.attrib.update({key: _legal(value) for key, value in element.attrib.items()})
@@ -316,9 +315,7 @@ def decide_command(run: Path, number: int, until: "datetime | None", **given: An
 
     day = until and until.date()
     with open_campaign(run) as campaign:
-        decision, replaced = decide(campaign, number, today=date.today(), until=day, **given)
-    for each in replaced:
-        tell(f"replaced   {each.path}: {each.in_words(decision.date)}")
+        decision = decide(campaign, number, today=date.today(), until=day, **given)
     tell(f"decided    {decision.path}: {decision.in_words(decision.date)}")
 
 
