@@ -5,6 +5,7 @@ import shutil
 from dataclasses import replace
 from datetime import date
 
+from mrsfi_runtime.analysis import report
 from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
@@ -63,6 +64,19 @@ def test_a_campaign_has_a_page_with_the_flight_of_each_weakness(found):
         is_there = ["packed" in each for each in flights]
         assert is_there == [True, *[len(kept) > 1] * len(kept)]
     assert unpacked(data["fault_free"])["packed"].keys() == flights[0]["packed"].keys()
+
+
+def test_a_page_without_room_has_the_flight_of_the_main_weakness_of_each_goal(
+    found, tmp_path, monkeypatch
+):
+    run = shutil.copytree(found, tmp_path, dirs_exist_ok=True) / "runs" / "it"
+    monkeypatch.setattr(report, "MOST_BYTES", 0)
+
+    mrsfi("report", run, cwd=tmp_path)
+
+    data = data_of(run / "report.html")
+    assert {*map(int, data["shown"])} == {goal["number"] for goal in data["first"]["goals"]}
+    assert len(data["shown"]) < len(data["first"]["ways"])
 
 
 def test_a_page_has_the_faults_of_each_evaluation(flown):

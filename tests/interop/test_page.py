@@ -335,7 +335,53 @@ def test_the_first_screen_says_what_breaks_which_goal(
     assert (any_campaign / "report.html").stat().st_size < 3_000_000
 
 
-def _shot(place: Path, campaign: Path, width: int) -> Path:
+@pytest.fixture(scope="module")
+def decided(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a campaign of a mission with requirements, one weakness of which is accepted."""
+    place = workspace(tmp_path_factory.mktemp("decided"), "undersea")
+    mrsfi("evolve", "undersea", "--workers", "1", "--out", "runs/new", cwd=place)
+    content = (place / "runs" / "new" / "summary.json").read_text(encoding="utf-8")
+    found = [each for each in json.loads(content)["weaknesses"]["found"] if each["requirements"]]
+    undetected = (each for each in found if (each["detection"] or {}).get("n_never"))
+    number = next(each["number"] for each in undetected if len(each["faults"]) == 1)
+    words = (
+        "accept",
+        "--because",
+        "the boat is near",
+        "--by",
+        "A. Rivera",
+        "--until",
+        "2999-03-01",
+    )
+    mrsfi("decide", "runs/new", str(number), *words, cwd=place)
+    mrsfi("report", "runs/new", cwd=place)
+    return place / "runs" / "new"
+
+
+@pytest.mark.parametrize("width", [1280, 390, "print"])
+def test_one_screen_says_which_requirement_fails_undetected_and_who_accepted_it(
+    chromium, decided, tmp_path, width
+):
+    size = {"width": 700 if width == "print" else width, "height": 844}
+    with opened(chromium, decided / "report.html", viewport=size) as page:
+        if width == "print":
+            page.shown.emulate_media(media="print")
+        line = page.shown.locator(".known", has_text="accepted by A. Rivera").first
+        row = line.locator("xpath=ancestor::tr")
+        row.scroll_into_view_if_needed()
+        box = row.bounding_box()
+        page.shown.screenshot(path=_shot(tmp_path, decided, width))
+
+        for words in (
+            r"requirement R1 \(In 10 s, the vehicle takes at least 20 measurements\.\), severity",
+            r"ndetected under nautilus .* \(f\d+\)|does not detect it",
+            r"nown since 20\d\d-\d\d-\d\d, accepted by A. Rivera on 20.* until 2999-03-01",
+        ):
+            assert re.search(words, row.inner_text())
+        assert 0 <= box["y"] <= box["y"] + box["height"] <= size["height"]
+
+
+def _shot(place: Path, campaign: Path, width: int | str) -> Path:
     """Return where a picture of a page goes: into docs/images, where that is asked for."""
     wanted = os.environ.get("MRSFI_SCREENSHOTS")
     mission = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))["mission"]
@@ -357,8 +403,8 @@ def test_a_click_on_a_cell_shows_its_weakness_and_what_to_do_next(chromium, camp
         assert any(command.startswith("mrsfi keep ") for command in commands)
 
 
-def test_on_paper_stand_goals_matrix_and_flight_with_its_cursor(chromium, campaign):
-    with opened(chromium, campaign / "report.html") as page:
+def test_on_paper_stand_goals_matrix_and_flight_with_its_cursor(chromium, campaign, tmp_path):
+    with opened(chromium, campaign / "report.html", viewport={"width": 700, "height": 990}) as page:
         page.shown.emulate_media(media="print")
 
         assert all(row.is_visible() for row in page.shown.locator("#goals tbody tr button").all())
@@ -366,6 +412,7 @@ def test_on_paper_stand_goals_matrix_and_flight_with_its_cursor(chromium, campai
         for name in ("canvas", ".cursor", ".row > :first-child", "#next code"):
             assert page.shown.locator(name).first.is_visible()
         assert not page.shown.locator("#play").is_visible()
+        page.shown.screenshot(path=_shot(tmp_path, campaign, "print"))
 
 
 def test_a_term_shows_its_meaning_when_it_has_the_focus(chromium, campaign):

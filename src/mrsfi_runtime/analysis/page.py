@@ -167,6 +167,9 @@ def _status(summary: Summary, weakness: GoalWeakness) -> str:
     return known + summary.decided.get(weakness.number, "no decision")
 
 
+_N_NAMED = 4  # faults in a sentence
+
+
 def _known(summary: Summary, verdict: GoalVerdict) -> Sequence[str]:
     """Return the status of a broken goal's main weakness, and of other single undetected faults."""
     if verdict.weakness is None or verdict.state > State.VIOLATED:
@@ -179,6 +182,8 @@ def _known(summary: Summary, verdict: GoalVerdict) -> Sequence[str]:
             fault = f"{owner} {what} ({each.faults[0]})"
             by_status.setdefault(_status(summary, each), []).append(fault)
     status, also = _status(summary, main), "Also undetected" if main.is_undetected else "Undetected"
+    for some in by_status.values():
+        some[_N_NAMED:] = [f"{len(some) - _N_NAMED} others"] * (len(some) > _N_NAMED)
     others = (f"{also} under {' or '.join(some)}: {how}." for how, some in by_status.items())
     return [f"{status[:1].upper()}{status[1:]}.", *others]
 
