@@ -48,6 +48,8 @@ MARKS = {
 }
 """What a campaign has of a weakness."""
 
+_FLOWN = {True: "○", False: "–", None: "?"}  # by whether the variant has this effect
+
 
 class Searched(NamedTuple):
     """A campaign, how many flights it made, and the weaknesses that it found."""
@@ -62,27 +64,16 @@ class Searched(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """What a campaign has of a weakness: found, or flown with the variant of another campaign.
+    """What a campaign has of a weakness: one of ``MARKS``, its number there, and a remark."""
 
-    ``breaks`` is whether that variant breaks the goal; ``None`` if none was flown, with a
-    ``remark`` if it cannot be.
-    """
-
-    found: GoalWeakness | None
-    breaks: bool | None = None
+    mark: str
+    number: int | None = None
     remark: str = ""
 
     @property
-    def is_there(self) -> bool | None:
-        """Whether the weakness is there; ``None`` if that is unknown."""
-        return True if self.found else self.breaks
-
-    @property
-    def mark(self) -> str:
-        """One of ``MARKS``."""
-        if self.is_there:
-            return "●" if self.found else "○"
-        return "?" if self.is_there is None else "–"
+    def is_there(self) -> bool:
+        """Whether the weakness is there."""
+        return self.mark in "●○"
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,12 +92,12 @@ class Course:
     @property
     def verdict(self) -> str:
         """Whether it went, came or stayed from the first campaign to the last."""
-        before, after = self.sights[0].is_there, self.sights[-1].is_there
-        if before is None or after is None:
+        before, after = self.sights[0], self.sights[-1]
+        if "?" in {before.mark, after.mark}:
             return UNKNOWN
-        if before:
-            return STAYED if after else WENT
-        return CAME if after else BRIEF
+        if before.is_there:
+            return STAYED if after.is_there else WENT
+        return CAME if after.is_there else BRIEF
 
     @property
     def remark(self) -> str:
@@ -136,8 +127,8 @@ class Course:
             "goal": self.goal,
             "faults": list(self.weakness.faults),
             "cause": self.cause,
-            "before": before.found and before.found.number,
-            "after": after.found and after.found.number,
+            "before": before.number,
+            "after": after.number,
             "remark": self.remark,
             "marks": self.marks,
             "decision": self.decision,
@@ -151,11 +142,6 @@ class History:
     mission: str
     runs: tuple[Searched, ...]
     courses: tuple[Course, ...]
-
-    def verdicts(self, place: int) -> list[str]:
-        """Return how each weakness changed to a campaign from the one before it."""
-        pair = slice(place - 1, place + 1)
-        return [replace(each, sights=each.sights[pair]).verdict for each in self.courses]
 
     @property
     def goals(self) -> dict[str, list[tuple[int, Estimate | None]]]:
@@ -239,10 +225,10 @@ def _sights(
     elif wanted:
         with flying_again(run.path, engine, workers, tell) as (campaign, evaluator, _):
             flown = _broken(campaign, evaluator, wanted)
-    sights = {cause: Sight(each) for cause, each in finds[place].items()}
+    sights = {cause: Sight("●", each.number) for cause, each in finds[place].items()}
     for cause, (breaks, remark) in flown.items():
         alarm = f"only a false alarm in {run.path.name}" if cause in run.found else ""
-        sights[cause] = Sight(None, breaks, remark or alarm)
+        sights[cause] = Sight(_FLOWN[breaks], remark=remark or alarm)
     return sights
 
 
@@ -289,7 +275,8 @@ def run_tables(history: History) -> tuple[Table, Table]:
     changes = (CAME, WENT, STAYED)
     runs, names = list[Sequence[Cell]](), dict[str, str]()
     for place, run in enumerate(history.runs):
-        verdicts = history.verdicts(place) if place else []
+        pair, courses = slice(place - 1, place + 1), history.courses if place else ()
+        verdicts = [replace(each, sights=each.sights[pair]).verdict for each in courses]
         counts = [verdicts.count(each) if place else None for each in changes]
         runs.append((f"{place + 1}", run.path.name, *run.manifest.made, run.n_flights, *counts))
         for goal in (mission := run.campaign.mission).goals:
@@ -325,7 +312,7 @@ def course_table(history: History, courses: Iterable[Course]) -> Table:
     days, rows = [run.manifest.made[0] for run in history.runs], []
     for each in courses:
         words = filter(None, (each.cause, each.remark, each.decision))
-        since = next(day for day, sight in zip(days, each.sights, strict=True) if sight.found)
+        since = next(day for day, sight in zip(days, each.sights, strict=True) if sight.number)
         known = (each.weakness.goal, " ".join(each.marks), since)
         rows.append((each.verdict, each.faults, *known, "; ".join(words)))
     numbers = " ".join(f"{place % 10}" for place, _ in enumerate(days, 1))

@@ -19,13 +19,12 @@ def found(measure="true", *faults):
     return GoalWeakness(1, "g1", faults, (weakness("g1", measure, *faults),))
 
 
-HAS, LIE = Sight(found()), Sight(None, False, "only a false alarm in b")
-BREAKS, NOT, LOST = Sight(None, True), Sight(None, False), Sight(None, None, "no fault f1")
+HAS, LIE = Sight("●", 1), Sight("–", remark="only a false alarm in b")
+BREAKS, NOT, LOST = Sight("○"), Sight("–"), Sight("?", remark="no fault f1")
 
 
 def course(*sights):
-    first = next((each.found for each in sights if each.found), found())
-    return Course("Avoid (g1)", "KAL stops", first, sights)
+    return Course("Avoid (g1)", "KAL stops", found(), sights)
 
 
 @pytest.mark.parametrize(
