@@ -17,7 +17,7 @@ import click
 from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_json, print_table, tell
-from mrsfi_runtime.errors import LimitExceeded, UsageError, counted
+from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.engine_settings import AUTO
 
@@ -62,10 +62,8 @@ def _print_tables(found: "Mapping[str, Sequence[Checked]]") -> None:
         checked = [each for each in every if not each.is_decision]
         if checked:
             _print(name, checked)
-        if len(checked) < len(every):
-            click.echo(f"{name}: {counted(len(every) - len(checked), 'decisions')}")
         for each in every[len(checked) :]:
-            click.echo(f"  {' '.join(each.about) or f'cannot be judged: {each.failure}'}")
+            click.echo(f"{name}: {' '.join(each.about) or f'cannot be judged: {each.failure}'}")
             if each.warning and each.failure is None:
                 tell(f"warning: {each.warning}")
 
