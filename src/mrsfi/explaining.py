@@ -293,14 +293,17 @@ def harvested_beside(campaign: OpenCampaign, others: Iterable[Path]) -> list[Har
 def known_since(campaign: OpenCampaign) -> Callable[[GoalWeakness], str]:
     """Return a function that returns the day on which a weakness was found first, if recorded.
 
-    Campaigns of the same mission in the project's ``runs`` count.
+    Campaigns of the same mission in the project's ``runs`` count. If the first has no date, it is
+    the day of this campaign, "or earlier".
     """
     first, ours = dict[tuple[str, tuple[str, ...]], str](), campaign.store.manifest
     for path, manifest in campaigns_of().items():
         if manifest.mission == ours.mission:
             with suppress(RecordError), CampaignStore.open(path) as store:
                 first = dict.fromkeys(recorded_by(store), str(manifest.created)[:10]) | first
-    return lambda each: first.get((each.goal, each.faults), str(ours.created)[:10])
+    day = str(ours.created)[:10]
+    earlier = f"{day} or earlier" if day else ""
+    return lambda each: first.get((each.goal, each.faults), day) or earlier
 
 
 def same_flights(campaign: OpenCampaign) -> dict[str, object]:

@@ -100,19 +100,24 @@ def test_a_broken_goal_says_what_breaks_it_undetected_since_when_and_who_decided
     place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
     run = place / "runs" / "it"
     shutil.copytree(run, place / "runs" / "later")
-    for name, day in (("it", "2026-03-01"), ("later", "2026-04-01")):
-        with CampaignStore.open(place / "runs" / name) as store:
-            manifest = replace(store.manifest, created=f"{day}T09:00:00+00:00")
-            store.keep("manifest", canonical(manifest.as_json()))
-    mrsfi("report", "runs/later", cwd=place)
-    before = data_of(place / "runs" / "later" / "report.html")["first"]
+
+    def first_screen(**created):
+        for name, time in created.items():
+            with CampaignStore.open(place / "runs" / name) as store:
+                manifest = replace(store.manifest, created=time)
+                store.keep("manifest", canonical(manifest.as_json()))
+        mrsfi("report", "runs/later", cwd=place)
+        return data_of(place / "runs" / "later" / "report.html")["first"]
+
+    undated = first_screen(it="", later="2026-04-01T09:00:00+00:00")
+    before = first_screen(it="2026-03-01T09:00:00+00:00")
     number = before["goals"][0]["number"]
     words = ("accept", "--because", "<b>it floats</b>", "--by", "A. Rivera")
     mrsfi("decide", "runs/later", str(number), *words, cwd=place)
-    mrsfi("report", "runs/later", cwd=place)
 
-    after = data_of(place / "runs" / "later" / "report.html")["first"]
+    after = first_screen()
 
+    assert undated["goals"][0]["known"][0] == "Known since 2026-04-01 or earlier, no decision."
     assert all(
         "nown since 2026-03-01, no decision." in each["known"][0] for each in before["goals"]
     )

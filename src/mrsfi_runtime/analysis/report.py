@@ -206,15 +206,16 @@ def _flights(
     """
     mission, weaknesses = summary.mission, summary.weaknesses
     first = {each.weakness.number for each in summary.verdicts if each.weakness}
+    severity = {each.goal: each.severity for each in summary.verdicts}
     n_flights = sum(1 + len(each.faults) for each in weaknesses if each.number in first)
     stride, fault_free = story.stride(mission, n_flights), None
     with suppress(MrsfiError):
         fault_free = story.packed(story.motion(mission, record(()), stride)) if first else None
     n_left -= len(fault_free or "")
 
-    def rank(weakness: GoalWeakness) -> tuple[bool, int, bool]:
-        kind = MEASURES.index(weakness.shown.column.kind)
-        return weakness.number not in first, -kind, not weakness.is_undetected
+    def rank(weakness: GoalWeakness) -> tuple[bool, int, int, bool]:
+        grave = -MEASURES.index(weakness.measure), -severity[weakness.goal]
+        return weakness.number not in first, *grave, not weakness.is_undetected
 
     shown: dict[int, str] = {}
     for weakness in sorted(weaknesses, key=rank):
@@ -244,18 +245,17 @@ def _next(
     layout: CampaignFolder, summary: Summary, weakness: GoalWeakness
 ) -> dict[str, Sequence[str]]:
     run, number = str(layout.path), str(weakness.number)
-    command = _command(layout, summary, weakness)
+    command, reason = _command(layout, summary, weakness), ("--because", "REASON", "--by", "NAME")
     return {
-        "Draw its mildest variant" if weakness.mildest else "Draw it": (
-            *("mrsfi", "show", run),
+        f"Draw {'its mildest variant' if weakness.mildest else 'it'}": (
+            "mrsfi",
+            "show",
+            run,
             number,
         ),
         "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
-        "Decide on it": (
-            *("mrsfi", "decide", run, number, "accept"),
-            *("--because", "REASON", "--by", "NAME"),
-        ),
+        "Decide on it": ("mrsfi", "decide", run, number, "accept", *reason),
         "Check after a fix": ("mrsfi", "check", summary.place),
     }
 
