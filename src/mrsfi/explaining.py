@@ -60,7 +60,7 @@ from mrsfi_runtime.errors import (
     counted,
     time_left,
 )
-from mrsfi_runtime.files import whole_file, writable
+from mrsfi_runtime.files import writable
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.model.mission import Evaluated
@@ -413,52 +413,40 @@ def refined(
     return [replace(each, by=tuple(islice(again, len(each.by)))) for each in found]
 
 
-def write_map(
+def map_of(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
     record: Record,
     weakness: GoalWeakness,
-    path: Path,
-) -> None:
-    """Fly milder variants of a weakness, and write which break the goal, as one of ``MAPS``.
+    suffix: str,
+) -> bytes:
+    """Fly milder variants of a weakness, and return which break the goal, as one of ``MAPS``.
 
     They are flown in the campaign's mission seed, and judged by the gravest measure.
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     deviation, seed = shrinking.Deviation(space, record(())), campaign.store.settings.mission_seed
     tried = shrinking.tried_map(deviation, weakness.shown, evaluator.evaluate_many, seed)
-    if path.suffix == ".csv":
-        content = as_csv([shrinking.Tried._fields, *tried])
-    else:
-        goal = campaign.mission.label_of(weakness.goal)
-        title = f"{goal} under {' and '.join(weakness.faults)}"
-        content = drawn(Drawing("tried_map", (title, tried)))[path.suffix]
-    with whole_file(path) as file:
-        file.write(content)
+    if suffix == ".csv":
+        return as_csv([shrinking.Tried._fields, *tried])
+    title = f"{campaign.mission.label_of(weakness.goal)} under {' and '.join(weakness.faults)}"
+    return drawn(Drawing("tried_map", (title, tried)))[suffix]
 
 
-def write_fmea(
+def fmea_of(
     campaign: OpenCampaign,
     found: Sequence[GoalWeakness],
     record: Record,
     settled: Mapping[int, Mapping[str, str]],
-    path: Path,
-) -> None:
-    """Write failure modes and effects, flown in the campaign's mission seed.
+    suffix: str,
+) -> bytes:
+    """Return failure modes and effects, flown in the campaign's mission seed.
 
     ``settled`` has what the team decided (``regressions.settled``).
     """
     name, mission = campaign.store.manifest.mission or campaign.mission.name, campaign.mission
     modes = documents.failure_modes(mission, campaign.pool, found, record, project().fmea, settled)
-    content = documents.FMEA[path.suffix](documents.fmea(name, modes))
-    with whole_file(path) as file:
-        file.write(content)
-
-
-def write_fault_trees(campaign: OpenCampaign, found: Sequence[GoalWeakness], path: Path) -> None:
-    """Write the fault tree of each goal, as one of their formats."""
-    with whole_file(path) as file:
-        file.write(documents.FAULT_TREES[path.suffix](campaign.mission, campaign.pool, found))
+    return documents.FMEA[suffix](documents.fmea(name, modes))
 
 
 def report(

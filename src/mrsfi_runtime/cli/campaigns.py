@@ -15,7 +15,7 @@ from click.core import ParameterSource
 from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import FILE, OF_ENGINE, OneOf
-from mrsfi_runtime.cli.terminal import tell
+from mrsfi_runtime.cli.terminal import tell, write_file
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
@@ -384,7 +384,8 @@ def _write(
         of.require_format(path, known)
     drawn_of = None if drawn is None else of.weakness_of(campaign.folder.path, found, number)
     if fault_tree is not None:
-        of.write_fault_trees(campaign, found, fault_tree)
+        trees = FAULT_TREES[fault_tree.suffix](campaign.mission, campaign.pool, found)
+        write_file(fault_tree, trees)
     if fmea is not None or map_path is not None:
         run = campaign.folder.path
         with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
@@ -392,11 +393,10 @@ def _write(
                 from mrsfi.regressions import settled
 
                 decided = settled(flown, found, dt.date.today())
-                of.write_fmea(flown, found, own.record, decided, fmea)
+                write_file(fmea, of.fmea_of(flown, found, own.record, decided, fmea.suffix))
             if drawn_of is not None and map_path is not None:
-                of.write_map(flown, evaluator, own.record, drawn_of, map_path)
-    for path, _ in wanted:
-        tell(f"written    {path}")
+                of_map = (flown, evaluator, own.record, drawn_of, map_path.suffix)
+                write_file(map_path, of.map_of(*of_map))
 
 
 @click.command(name="show")

@@ -21,7 +21,7 @@ from mrsfi.engines import Given, chosen
 from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import OF_ENGINE
-from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
+from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell, write_file
 from mrsfi_runtime.errors import TransportError, time_left
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, Workers
 
@@ -249,17 +249,9 @@ def _show(
         print_words((said, "bold"))
     if markdown is not None:
         text = "\n\n".join((said, plain(stayed), *map(to_markdown, tables)))
-        _write(markdown, f"{text}\n".encode())
+        write_file(markdown, f"{text}\n".encode())
     if html is not None:
-        _write(html, document(history.page(found)).encode())
-
-
-def _write(path: Path, content: bytes) -> None:
-    from mrsfi_runtime.files import whole_file
-
-    with whole_file(path) as file:
-        file.write(content)
-    tell(f"written    {path}")
+        write_file(html, document(history.page(found)).encode())
 
 
 @options.command(name="history")
@@ -299,7 +291,7 @@ def history_command(
         raise click.UsageError("found no campaign with weaknesses in runs/; expected one: RUN …")
     found = history.history(paths, engine, workers, date.today(), tell)
     if output is not None:
-        _write(output, history.drawn(found, output.suffix))
+        write_file(output, history.drawn(found, output.suffix))
     _show(found, None, html, lists_all=lists_all)
 
 

@@ -16,7 +16,7 @@ import click
 
 from mrsfi.engines import Given, again, chosen
 from mrsfi_runtime.cli import options
-from mrsfi_runtime.cli.terminal import print_json, print_table, tell
+from mrsfi_runtime.cli.terminal import print_json, print_table, tell, write_file
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.engine_settings import AUTO
@@ -155,8 +155,6 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
     """Write all verdicts as JUnit's XML, which build servers read."""
     from xml.etree import ElementTree as ET
 
-    from mrsfi_runtime.files import whole_file
-
     root = ET.Element("testsuites")
     for name, checked in found.items():
         states = [*map(_state, checked)]
@@ -178,8 +176,7 @@ def write_junit(path: Path, found: "Mapping[str, Sequence[Checked]]") -> None:
         element.text = element.text and _legal(element.text)
         element.attrib.update({key: _legal(value) for key, value in element.attrib.items()})
     ET.indent(root)
-    with whole_file(path) as file:
-        file.write(ET.tostring(root, "utf-8", xml_declaration=True) + b"\n")
+    write_file(path, ET.tostring(root, "utf-8", xml_declaration=True) + b"\n")
 
 
 def _legal(text: str) -> str:
@@ -389,7 +386,6 @@ def check_command(  # noqa: PLR0913, PLR0917 - its options
     }
     if junit is not None:
         write_junit(junit, found)
-        tell(f"written    {junit}")
     every = [each for checked in found.values() for each in checked]
     if is_json:
         print_json({name: [*map(verdict_as_json, some)] for name, some in found.items()})

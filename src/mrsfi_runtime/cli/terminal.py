@@ -69,6 +69,15 @@ def print_json(value: Any) -> None:
     click.echo(json.dumps(value, indent=2, allow_nan=False))
 
 
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all, and report it."""
+    from mrsfi_runtime.files import whole_file
+
+    with whole_file(path) as file:
+        file.write(content)
+    tell(f"written    {path}")
+
+
 def print_changes(respelt: Iterable[Path], difference: Iterable[str]) -> None:
     """Print a unified diff of models, after the files whose layout changes as well."""
     for path in respelt:
