@@ -1,21 +1,19 @@
 """The FMEA of a mission with requirements and severities, by a table of the team's."""
 
 import csv
+import re
 from datetime import date
 
 import pytest
 from python_calamine import CalamineWorkbook
 
-from tests.support.cli import mrsfi, mrsfi_json, workspace
+from tests.support.cli import ROOT, mrsfi, mrsfi_json, workspace
 
 MISSION = "undersea"
 COVER = ("--algorithm", "cover", "--evaluations", "150", "--no-explain")
 REFERENCE = ("--engine", "reference", "--workers", "1")
-RATINGS = """
-[fmea]
-occurrence = { 1 = 0.0, 4 = 0.0001, 7 = 0.01, 10 = 0.1 }
-detection = { never = 10, late = 6, "in time" = 2 }
-"""
+PAGE = (ROOT / "docs" / "find-weaknesses.md").read_text(encoding="utf-8")
+(RATINGS,) = re.findall(r"```toml\n(\[fmea\]\n.*?)```", PAGE, re.DOTALL)
 
 
 @pytest.fixture(scope="module")

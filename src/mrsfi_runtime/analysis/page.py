@@ -61,7 +61,7 @@ def flight_page(
     }
 
 
-MOST_BYTES = 3_000_000
+MOST_BYTES = 2_900_000
 """Size of a page up to which it has the flights of less grave weaknesses."""
 
 

@@ -143,7 +143,10 @@ def write_report(  # noqa: PLR0913 - most have a default
             with _writing(folder, "page"):
                 page = campaign_page(summary, store, partial(_next, layout, summary))
             with _writing(folder, "flights"):
-                page |= _flights(layout, summary, fly, MOST_BYTES - len(document(page)))
+                engine = store.manifest.engine
+                is_ours = engine.url is None and engine.node is None  # others may fly for minutes
+                n_left = MOST_BYTES - len(document(page)) if is_ours else 0
+                page |= _flights(layout, summary, fly, n_left)
             with _writing(folder, "page"):
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
@@ -200,7 +203,7 @@ def _flown(
 def _flights(
     layout: CampaignFolder, summary: Summary, record: Record, n_left: int
 ) -> dict[str, Any]:
-    """Return the flights of weaknesses by number, in at most ``n_left`` bytes.
+    """Return the flights of weaknesses by number, as long as some of ``n_left`` bytes are left.
 
     The main weakness of each goal has one in any case. The others come by how grave they are.
     """
@@ -219,6 +222,8 @@ def _flights(
 
     shown: dict[int, str] = {}
     for weakness in sorted(weaknesses, key=rank):
+        if n_left <= 0 and weakness.number not in first:
+            break
         flown, sentences = _flown(summary, weakness, record)
         entry = PageEntry(
             title=f"{mission.label_of(weakness.goal)}, weakness {weakness.number}",
@@ -228,11 +233,8 @@ def _flights(
             command=_command(layout, summary, weakness),
             xmi=_witness(layout, weakness).read_text(encoding="utf-8"),
         )
-        text = story.packed(entry_content(mission, entry, flown, stride))
-        n_left -= len(text)
-        if n_left < 0 and weakness.number not in first:
-            break
-        shown[weakness.number] = text
+        shown[weakness.number] = story.packed(entry_content(mission, entry, flown, stride))
+        n_left -= len(shown[weakness.number])
     return {"shown": shown, "fault_free": fault_free}
 
 

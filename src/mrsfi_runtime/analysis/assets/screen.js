@@ -75,7 +75,7 @@ class Screen {
     if (!keep && location.hash !== `#w${number}`) history.pushState(null, "", `#w${number}`);
     const shown = this.shown[number] ? await opened(this.shown[number]) : null;
     if (this.number !== number) return;
-    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page does not include its flight, because it is less grave than the others. The first two commands below show it.";
+    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "This page has flights of the gravest weaknesses only. The first two commands below show this one.";
     this.panel.replaceChildren(make("h2", { id: "flight-title" }, bdi(way.name), " ", make("small", {}, bdi(`${way.goal === way.name ? "" : `(${way.goal}) · `}weakness ${number}`))),
       make("p", {}, bdi(`${way.said}.`)), make("p", { class: "note" }, bdi(`${way.sure}. ${why}`)),
       make("p", { class: "decision" }, make("b", {}, "Status: "), bdi(`${way.status}.`)),
