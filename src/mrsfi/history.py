@@ -11,7 +11,7 @@ A weakness went if its variant no longer has its effect; other variants may stil
 campaign found a true violation, one that found only a false alarm did not find the weakness.
 """
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
@@ -144,22 +144,22 @@ class History:
     courses: tuple[Course, ...]
 
     @property
-    def goals(self) -> dict[str, tuple[list[int], Estimate | None]]:
-        """By goal: how many weaknesses each campaign found, and of how many as estimated.
+    def goals(self) -> dict[str, list[tuple[int, Estimate | None]]]:
+        """By goal, for each campaign: how many weaknesses it found, of how many as estimated.
 
-        An estimate takes the campaigns that differ from the last one in the search seed alone.
+        An estimate takes campaigns of the same models, code and mission seed with other search
+        seeds.
         """
-        last, counts = self.runs[-1], [Counter(goal for goal, _ in run.found) for run in self.runs]
-        alike = [run for run in self.runs if run.setup == last.setup]
-        samples = [*{run.campaign.store.settings.seed: run.sample for run in alike}.values()]
+        alike = defaultdict[str, dict[int, tuple[Weakness, ...]]](dict)
+        for run in self.runs:
+            alike[run.setup].setdefault(run.campaign.store.settings.seed, run.sample)
+
+        def count(run: Searched, goal: str) -> tuple[int, Estimate | None]:
+            samples, n_found = [*alike[run.setup].values()], Counter(each for each, *_ in run.found)
+            return n_found[goal], estimate(samples, goal) if len(samples) > 1 else None
+
         goals = (goal for run in self.runs[::-1] for goal in run.campaign.mission.goal_ids)
-        return {
-            goal: (
-                [each[goal] for each in counts],
-                estimate(samples, goal) if len(samples) > 1 else None,
-            )
-            for goal in dict.fromkeys(goals)
-        }
+        return {goal: [count(run, goal) for run in self.runs] for goal in dict.fromkeys(goals)}
 
 
 def history(
@@ -281,29 +281,28 @@ def run_tables(history: History) -> tuple[Table, Table]:
         runs.append((f"{place + 1}", run.path.name, *run.manifest.made, run.n_flights, *counts))
         for goal in (mission := run.campaign.mission).goals:
             names[goal.id] = ", ".join((mission.label_of(goal.id), *goal.requirements))
-    goals = [(names[goal], *some, _total(whole)) for goal, (some, whole) in history.goals.items()]
+    goals = [(names[goal], *map(_of, counts)) for goal, counts in history.goals.items()]
     heads = ("#", "campaign", "date", "commit", "flights", *changes)
-    columns = ("goal", *(f"{place + 1}" for place in range(len(runs))), "estimated")
-    what = (
-        "Weaknesses that each campaign found, of how many as estimated (95 %) from the campaigns "
-    )
-    why = "that differ from the last one only in the search seed"
+    columns = ("goal", *(f"{place + 1}" for place in range(len(runs))))
+    what = "Weaknesses that each campaign found, of how many as estimated (95 %). No estimate (?) "
+    why = "without any, or without campaigns that differ only in the search seed"
     return (
         Table(f"Campaigns of {history.mission}", heads, runs, heads[:4]),
-        Table(what + why, columns, goals, columns[:1], spare=columns[1:-4]),
+        Table(what + why, columns, goals, columns[1:], columns[:1], spare=columns[1:-4]),
     )
 
 
-def _total(found: Estimate | None) -> str | None:
-    if found is None or not found.total.n_found:
-        return None
-    return f"{found.total.value:.0f} ({found.total.low} to {found.total.high})"
+def _of(count: tuple[int, Estimate | None]) -> str:
+    n_found, of = count
+    if of is None or not of.total.n_found:
+        return f"{n_found} of ?"
+    return f"{n_found} of {of.total.value:.0f} ({of.total.low} to {of.total.high})"
 
 
 def drawn(history: History, suffix: str) -> bytes:
     """Return a figure of how many weaknesses of each goal each campaign found."""
     labels = ["\n".join((run.path.name, *run.manifest.made)) for run in history.runs]
-    counts = {goal: some for goal, (some, _) in history.goals.items()}
+    counts = {goal: [n for n, _ in some] for goal, some in history.goals.items()}
     figure = Drawing("found_weaknesses", (f"Weaknesses of {history.mission}", labels, counts))
     return as_files(figure)[suffix]
 
