@@ -8,7 +8,7 @@ record bit for bit; ``require_same`` names the differences.
 import datetime as dt
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager
 from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
@@ -75,17 +75,24 @@ def free_folder(mission: str, case: str) -> Path:
             return path
 
 
-def campaigns_of(runs: Iterable[Path] = ()) -> dict[Path, Manifest]:
+def campaigns_of(runs: Iterable[Path] = (), tell: Tell = silent) -> dict[Path, Manifest]:
     """Return what campaigns ran on, the earliest first, those without date before all others.
 
     By default, these are all in ``runs`` that can be read and have weaknesses.
     """
     found = {}
     for path in runs or sorted(each.parent for each in project().runs.glob("*/campaign.sqlite")):
-        unread = nullcontext() if runs else suppress(RecordError)
-        with unread, CampaignStore.open(path) as store:
-            if runs or store.kept(KEPT, str) is not None:
-                found[path] = store.manifest
+        left_out = f"{path}: has no finished search for weaknesses"
+        try:
+            with CampaignStore.open(path) as store:
+                if runs or store.kept(KEPT, str) is not None:
+                    found[path], left_out = store.manifest, ""
+        except RecordError as error:
+            if runs:
+                raise
+            left_out = str(error)
+        if left_out:
+            tell(f"left out   {left_out}")
     return dict(sorted(found.items(), key=lambda each: str(each[1].created)))
 
 

@@ -80,10 +80,17 @@ def test_a_history_has_each_campaign_with_date_and_commit_and_the_course_of_each
         "Li",
         cwd=before_and_after,
     )
+    database = before_and_after / "runs" / "broken" / "campaign.sqlite"
+    database.parent.mkdir()
+    database.write_text("no database")
+    mrsfi("evolve", NAME, *few, "--no-explain", "--out", "runs/half", cwd=before_and_after)
     files = ("--html", "history.html", "--output", "history.svg")
 
     done = mrsfi("history", *FAST, *files, cwd=before_and_after)
 
+    broken, half = (line for line in done.stderr.splitlines() if line.startswith("left out"))
+    assert broken.startswith("left out   runs/broken")
+    assert half == "left out   runs/half: has no finished search for weaknesses"
     approved(re.sub(r"\d{4}-\d\d-\d\d", "2026-11-28", done.stdout))
     assert (before_and_after / "history.svg").is_file()
     page = (before_and_after / "history.html").read_text(encoding="utf-8")

@@ -286,7 +286,7 @@ def history_command(
 
     if output is not None:
         require_format(output, MAPS[1:])
-    paths = campaigns_of(runs)
+    paths = campaigns_of(runs, tell)
     if not paths:
         raise click.UsageError("found no campaign with weaknesses in runs/; expected one: RUN …")
     found = history.history(paths, engine, workers, date.today(), tell)
