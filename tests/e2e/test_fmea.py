@@ -3,11 +3,15 @@
 import csv
 import re
 from datetime import date
+from xml.sax.saxutils import quoteattr
 
 import pytest
 from python_calamine import CalamineWorkbook
 
-from tests.support.cli import ROOT, mrsfi, mrsfi_json, workspace
+from mrsfi_runtime.analysis.documents import in_latex
+from mrsfi_runtime.analysis.tables import plain
+from tests.support.cli import ROOT, edit, mrsfi, mrsfi_json, workspace
+from tests.support.report_page import data_of
 
 MISSION = "undersea"
 COVER = ("--algorithm", "cover", "--evaluations", "150", "--no-explain")
@@ -15,12 +19,18 @@ REFERENCE = ("--engine", "reference", "--workers", "1")
 PAGE = (ROOT / "docs" / "find-weaknesses.md").read_text(encoding="utf-8")
 (RATINGS,) = re.findall(r"```toml\n(\[fmea\]\n.*?)```", PAGE, re.DOTALL)
 
+HOSTILE = "=1+1 </script><b>| \\input{x} $y_1$"
+"""The text of requirement R2."""
+
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     """Folder of a project with a team's table and a campaign."""
     folder = workspace(tmp_path_factory.mktemp("place"), MISSION)
     (folder / "mrsfi.toml").write_text(RATINGS, encoding="utf-8")
+    model, text = folder / "models" / MISSION / "mission.xmi", quoteattr(HOSTILE)
+    edit(model, '"In 10 s, the sensors use at most 120 energy units."', text)
+    mrsfi("generate", MISSION, cwd=folder)
     mrsfi("evolve", MISSION, *COVER, *REFERENCE, "--out", "runs/cover", cwd=folder)
     return folder
 
@@ -88,6 +98,19 @@ def test_rows_say_what_the_team_decided_and_kept(place, tmp_path):
     assert of["2"] == ["", f"'{by}", two]
     assert of["3"] == ["", "", "kept as a test (third)"]
     assert all(cells == [""] * 3 for number, cells in of.items() if number not in {*"123"})
+
+
+def test_a_hostile_text_of_a_requirement_is_text_wherever_it_is_printed(place):
+    mrsfi("report", "runs/cover", "--format", "latex", cwd=place)
+
+    run = place / "runs" / "cover"
+    printed = " ".join(mrsfi("weaknesses", "runs/cover", cwd=place).stdout.split())
+    words = f"R2 ({HOSTILE}), severity 9 of 10, SIL 2"
+    assert words in printed
+    assert plain(words) in (run / "report.md").read_text(encoding="utf-8")
+    assert in_latex(words) in (run / "report.tex").read_text(encoding="utf-8")
+    goals = data_of(run / "report.html")["first"]["goals"]
+    assert f"requirement {words}" in [each["stakes"] for each in goals]
 
 
 def test_a_requirement_has_a_fault_tree_over_its_goals(place, tmp_path):
