@@ -313,10 +313,10 @@ def course_table(history: History, courses: Iterable[Course]) -> Table:
     for each in courses:
         words = filter(None, (each.cause, each.remark, each.decision))
         since = next(day for day, sight in zip(days, each.sights, strict=True) if sight.number)
-        known = (each.weakness.goal, " ".join(each.marks), since)
-        rows.append((each.verdict, each.faults, *known, "; ".join(words)))
+        text = f"{each.goal}: {'; '.join(words)}"
+        rows.append((each.verdict, each.faults, " ".join(each.marks), since, text))
     numbers = " ".join(f"{place % 10}" for place, _ in enumerate(days, 1))
-    heads = ("verdict", "faults", "goal", numbers, "known since", "cause, remark and decision")
+    heads = ("verdict", "faults", numbers, "known since", "goal: cause, remark and decision")
     title = "; ".join(f"{mark} {meaning}" for mark, meaning in MARKS.items())
     return Table(f"Weaknesses in each campaign: {title}", heads, rows, heads[:-1], heads[-1:])
 

@@ -46,7 +46,7 @@ def test_what_an_edit_mends_went_what_it_breaks_came_and_the_rest_stayed(before_
     text = (before_and_after / "change.md").read_text(encoding="utf-8")
     assert text.startswith("Weaknesses: 2 went, none came, 4 stayed.")
     assert re.search(
-        r"\n\| went \| stop_a \| g1 \| ● – \| .* \| a is stopped for 120 ticks \|\n", text
+        r"\n\| went \| stop_a \| ● – \| .* \| g1: a is stopped for 120 ticks \|\n", text
     )
     assert "2 went, none came" in (before_and_after / "change.html").read_text(encoding="utf-8")
 
@@ -108,7 +108,7 @@ def test_a_campaign_of_an_earlier_mrsfi_is_without_date_the_earliest_and_is_not_
     words = mrsfi("history", "--all", *FAST, cwd=before_and_after).stdout
 
     assert re.search(r"\n1 +after +not recorded +not recorded ", words)
-    assert re.search(r"\ncannot be flown +stop_a +g1 +\? ● +2\d{3}", words)
+    assert re.search(r"\ncannot be flown +stop_a +\? ● +2\d{3}.* g1: ", words)
     assert "found semantics 1" in words
     assert "In all campaigns: none." in words
 

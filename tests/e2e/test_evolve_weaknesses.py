@@ -46,7 +46,7 @@ def test_it_ends_with_what_weaknesses_lists(ended):
     told = mrsfi_json("weaknesses", run, cwd=run.parent)
 
     found = found_in(run)
-    rows = [{**{key: each.get(key) for key in told[0]}, "decision": None} for each in found]
+    rows = [{**{key: each.get(key) for key in told[0]}, "decision": ""} for each in found]
     assert rows == told
     least = [each["mildest"] for each in found if each["mildest"]]
     report = (run / "report.md").read_text(encoding="utf-8")

@@ -230,8 +230,12 @@ def _show(
     *,
     lists_all: bool,
     is_json: bool = False,
+    has_runs: bool = False,
 ) -> None:
-    """Print a history and write files of it; what is in all campaigns stands in one line."""
+    """Print a history and write files of it; what is in all campaigns stands in one line.
+
+    With ``has_runs``, tables of the campaigns come before that of the weaknesses.
+    """
     from mrsfi import history
     from mrsfi_runtime.analysis.page import document
     from mrsfi_runtime.analysis.tables import plain, to_markdown
@@ -239,7 +243,8 @@ def _show(
     courses = [each for each in found.courses if lists_all or not each.is_constant]
     rest = history.listed(each for each in found.courses if each not in courses)
     said, stayed = f"{history.sentence(found.courses)}.", f"In all campaigns: {rest or 'none'}."
-    tables = (*history.run_tables(found), history.course_table(found, courses))
+    runs = history.run_tables(found) if has_runs else ()
+    tables = (*runs, history.course_table(found, courses))
     if is_json:
         print_json([each.as_json() for each in found.courses])
     else:
@@ -292,7 +297,7 @@ def history_command(
     found = history.history(paths, engine, workers, date.today(), tell)
     if output is not None:
         write_file(output, history.drawn(found, output.suffix))
-    _show(found, None, html, lists_all=lists_all)
+    _show(found, None, html, lists_all=lists_all, has_runs=True)
 
 
 @dataclass
