@@ -161,10 +161,11 @@ WRAPPED: Mapping[str, Mapping[str, str]] = {
 """Features that the old format nests one level deeper, by class, with their old name."""
 
 OPTIONAL = frozenset(
-    {"header", "name", "distanceUnit", "timeUnit", "energyUnit"}
-    | {"integrityLevel", "rationale", "reference"}
+    {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
+    | {"distanceUnit", "timeUnit", "energyUnit", "requiredMembers"}
+    | {"severity", "integrityLevel", "rationale", "reference"}
 )
-"""Texts that stay unset if the file does not give them; optional unsettable numbers do as well."""
+"""Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
 USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}
 """Value of any other absent attribute, by its type."""
@@ -420,8 +421,7 @@ class PublishedReader:
 
     def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
         """Return and note the value of an absent attribute; ``None`` if it stays unset."""
-        is_optional = slot.feature.unsettable and not slot.lower_bound
-        if is_optional or slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
+        if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
         special = DEFAULTS.get((made.metaclass.name, slot.name))
         if special is not None:  # the mission is read first; 0 if its duration is wrong
