@@ -89,10 +89,11 @@ ReferenceType (refused): references lead to an element of the declared class
 UniqueReference (dropped): a list of references names each element once
 LocalReference (file): references between files lead to files of the mission, in its project
 DurationInRange (mission): the duration of a mission or a trigger is 1 to 10,000,000 ticks
-RadiusPositive (mission): an area has a radius above 0
+RadiusPositive (mission): an area or a robot has a radius above 0
 SpeedNotNegative (mission): a speed is not below 0
 TurnRateInRange (mission): a turn rate is above 0 and at most 180 degrees per tick
 NoiseNotNegative (mission): a noise is not below 0
+ClearanceNotNegative (mission): a clearance is not below 0
 EnergyNotNegative (mission): energies and energy costs are not below 0
 SamplesPerSecondPositive (mission): a sensor takes at least 1 sample per tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
@@ -139,8 +140,8 @@ UniqueMessageField (mission): a message reports each field once
 FieldOfSender (mission): a message reports only sensor types that its sender has
 AvoidCollisionMembers (mission): robots that avoid collisions are members of their goal
 DeadlineInsideMission (mission): a deadline lies inside the mission
-FigureInsideMission (mission): speeds, distances, noises and tolerances are at most the width of
-    the mission area; periods are at most the duration of the mission
+FigureInsideMission (mission): speeds, distances, noises, radii of robots, clearances and tolerances
+    are at most the width of the mission area; periods are at most the duration of the mission
 AsReactionsAssume (mission): a robot turns at once and reports its exact position, as the
     built-in reactions assume
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies

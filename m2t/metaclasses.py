@@ -49,7 +49,7 @@ Mission: attr EString[1] name, attr EInt[1] duration, attr EString[?] distanceUn
     val Robot[+] robots, val Server[*] servers, val Obstacle[*] obstacles,
     val Requirement[*] requirements, val Goal[+] goals
 Robot extends Station: {_STATION}, attr EDouble[1] speed, attr EDouble[?] maxSpeed,
-    attr EDouble[?] turnRate, attr EDouble[?] positionNoise,
+    attr EDouble[?] turnRate, attr EDouble[?] positionNoise, attr EDouble[?] radius,
     val Coordinates[?] position, val Sensor[*] sensors, val Battery[*] batteries,
     val MotionSource[*] motionSources
 Server extends Station: {_STATION}
@@ -70,7 +70,8 @@ Requirement: {_IDENTIFIED}, attr EString[1] text
 Goal: {_NAMED}, ref Robot[+] members, attr EInt[?] requiredMembers, ref Goal[*] dependentGoals,
     ref Requirement[*] requirements, attr EInt[?] severity, attr EString[?] integrityLevel,
     attr EString[?] rationale, val Area[?] area, val GoalTask[1] task, val Message[*] messages
-AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles
+AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles,
+    attr EDouble[?] clearance
 StayWithinMissionArea extends GoalTask:
 SufficientEnergy extends GoalTask:
 GatherSamples extends GoalTask: attr EInt[1] targetSampleNumber, ref Sensor[1] sensor

@@ -130,7 +130,7 @@ class Station(Identified):
 
 
 @described(
-    "A robot of the team. It moves in the plane as a disc of radius 1.",
+    "A robot of the team. It moves in the plane as a disc.",
 )
 class Robot(Station):
     speed = annotated(
@@ -148,6 +148,10 @@ class Robot(Station):
     positionNoise = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
         "How far the position that the robot reports may be from the true one, in distance units, not below 0; drawn anew in every tick, uniform in a disc. It reports the true one if unset.",
+    )
+    radius = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True, defaultValueLiteral="1.0"),
+        "The radius of the disc that the robot is, in distance units, above 0; 1 if unset.",
     )
     position = annotated(
         ecore.EReference(containment=True),
@@ -412,7 +416,7 @@ class GoalTask(Element, ecore.EObject, metaclass=ecore.MetaEClass):
 
 
 @described(
-    "Robots keep clear of each other and of obstacles. Violated while two of their discs overlap in the plane.",
+    "Robots keep clear of each other and of obstacles. Violated while the gap between two of their discs in the plane is smaller than the clearance.",
 )
 class AvoidCollision(GoalTask):
     robots = annotated(
@@ -422,6 +426,10 @@ class AvoidCollision(GoalTask):
     obstacles = annotated(
         ecore.EReference(upper=-1, derived_class=Values),
         "The obstacles that the robots must not touch.",
+    )
+    clearance = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "The least gap to keep between two discs, in distance units, not below 0; 0 if unset, so that only discs that overlap violate the goal.",
     )
 
 

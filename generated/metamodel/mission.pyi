@@ -98,7 +98,7 @@ class Station(Identified):
     ) -> None: ...
 
 class Robot(Station):
-    """A robot of the team. It moves in the plane as a disc of radius 1."""
+    """A robot of the team. It moves in the plane as a disc."""
 
     speed: float
     """The nominal speed in distance units per tick, not below 0."""
@@ -108,6 +108,8 @@ class Robot(Station):
     """The greatest turn of the robot in one tick, in degrees, above 0 and up to 180; it turns at once if unset."""
     positionNoise: float
     """How far the position that the robot reports may be from the true one, in distance units, not below 0; drawn anew in every tick, uniform in a disc. It reports the true one if unset."""
+    radius: float
+    """The radius of the disc that the robot is, in distance units, above 0; 1 if unset."""
     position: Coordinates | None
     """The position at tick 0; the origin if absent."""
     sensors: EList[Sensor]
@@ -128,6 +130,7 @@ class Robot(Station):
         maxSpeed: float | None = ...,
         turnRate: float | None = ...,
         positionNoise: float | None = ...,
+        radius: float | None = ...,
         position: Coordinates | None = ...,
         sensors: Iterable[Sensor] = ...,
         batteries: Iterable[Battery] = ...,
@@ -385,17 +388,20 @@ class GoalTask(Element):
     def __init__(self) -> None: ...
 
 class AvoidCollision(GoalTask):
-    """Robots keep clear of each other and of obstacles. Violated while two of their discs overlap in the plane."""
+    """Robots keep clear of each other and of obstacles. Violated while the gap between two of their discs in the plane is smaller than the clearance."""
 
     robots: EList[Robot]
     """The robots that must not collide."""
     obstacles: EList[Obstacle]
     """The obstacles that the robots must not touch."""
+    clearance: float
+    """The least gap to keep between two discs, in distance units, not below 0; 0 if unset, so that only discs that overlap violate the goal."""
     def __init__(
         self,
         *,
         robots: Iterable[Robot] = ...,
         obstacles: Iterable[Obstacle] = ...,
+        clearance: float | None = ...,
     ) -> None: ...
 
 class StayWithinMissionArea(GoalTask):

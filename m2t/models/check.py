@@ -70,6 +70,7 @@ RANGES: Mapping[str, Range] = {
     **dict.fromkeys(("speed", "maxSpeed"), Range("SpeedNotNegative", 0)),
     "turnRate": Range("TurnRateInRange", 0, 180, is_open=True),
     "positionNoise": Range("NoiseNotNegative", 0),
+    "clearance": Range("ClearanceNotNegative", 0),
     **dict.fromkeys(
         ("energyPerSample", "totalEnergy", "energyPerDistanceUnit"), Range("EnergyNotNegative", 0)
     ),

@@ -26,7 +26,6 @@ from m2t.models.check import ModelTree
 from m2t.models.write import java_double
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
-from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from m2t.read import Node
@@ -34,7 +33,8 @@ if TYPE_CHECKING:
 
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 _LENGTHS = {
-    "Robot": ("speed", "maxSpeed", "positionNoise"),
+    "Robot": ("speed", "maxSpeed", "positionNoise", "radius"),
+    "AvoidCollision": ("clearance",),
     "Visit": ("tolerance",),
     "Track": ("tolerance",),
     "FixedDistanceBetweenRobots": ("fixedDistance", "tolerance"),
@@ -145,18 +145,17 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
 
 
 def _check_starts(mission: Any, report: Report) -> None:
-    others = Discs()
+    others = Discs(max(robot.radius for robot in mission.robots))
     for obstacle in mission.obstacles:
-        reach = obstacle.area.radius + ROBOT_RADIUS
-        others.add(obstacle, point(obstacle.area.center), reach)
+        others.add(obstacle, point(obstacle.area.center), obstacle.area.radius)
     for robot in mission.robots:
         place = point(robot.position)
-        touched = others.first_around(place)
+        touched = others.first_around(place, robot.radius)
         if touched is not None:
             finding = f"starts in contact with {report.place(touched).description}"
             advice = "expected some distance; correct its position"
             report.add(robot, "RobotStartsClear", f"{finding}; {advice}")
-        others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
+        others.add(robot, place, robot.radius)
 
 
 def _check_goal(mission: Any, goal: Any, report: Report) -> None:
@@ -283,31 +282,33 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
 class Discs:
     """Discs in the plane, in order, each for an element.
 
-    A disc lies in one cell of a grid whose cells are one to two times as wide as its radius, so
-    every point inside it is in that cell or an adjacent one. Discs of similar radius share a
-    grid; there is one grid per magnitude (power of two) of radii.
+    ``widest`` is the greatest radius of a disc that is looked for. A disc lies in one cell of a
+    grid whose cells are one to two times as wide as its radius and ``widest`` together, so the
+    centre of every disc that it meets is in that cell or an adjacent one. Discs of similar radius
+    share a grid; there is one grid per magnitude (power of two) of radii.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, widest: float = 0.0) -> None:
+        self._widest = widest
         self._discs: list[tuple[Any, Point, float]] = []
         self._grids: dict[float, dict[tuple[int, int], list[int]]] = {}
 
     def add(self, element: Any, center: Point, radius: float) -> None:
         """Add a disc after all others."""
-        width = 2.0 ** math.frexp(radius)[1]
+        width = 2.0 ** math.frexp(radius + self._widest)[1]
         cells = self._grids.setdefault(width, defaultdict(list))
         cells[_cell(center, width)].append(len(self._discs))
         self._discs.append((element, center, radius))
 
-    def first_around(self, point: Point) -> Any:
-        """Return the element of the first disc that contains a point; ``None`` if none does."""
+    def first_around(self, point: Point, own: float = 0.0) -> Any:
+        """Return the element of the first disc that meets one of radius ``own``, or ``None``."""
         found = []
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
             for dx, dy in product((-1, 0, 1), repeat=2):
                 for number in cells.get((x + dx, y + dy), ()):
                     _, center, radius = self._discs[number]
-                    if distance(point, center) < radius:
+                    if distance(point, center) < radius + own:
                         found.append(number)
                         break
         return self._discs[min(found)][0] if found else None

@@ -161,11 +161,10 @@ WRAPPED: Mapping[str, Mapping[str, str]] = {
 """Features that the old format nests one level deeper, by class, with their old name."""
 
 OPTIONAL = frozenset(
-    {"header", "name", "maxSpeed", "turnRate", "positionNoise", "start", "finish", "likelihood"}
-    | {"distanceUnit", "timeUnit", "energyUnit", "requiredMembers"}
-    | {"severity", "integrityLevel", "rationale", "reference"}
+    {"header", "name", "distanceUnit", "timeUnit", "energyUnit"}
+    | {"integrityLevel", "rationale", "reference"}
 )
-"""Attributes that stay unset if the file does not give them; bounds of search do as well."""
+"""Texts that stay unset if the file does not give them; optional unsettable numbers do as well."""
 
 USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}
 """Value of any other absent attribute, by its type."""
@@ -421,7 +420,8 @@ class PublishedReader:
 
     def _default(self, made: Node, slot: Slot, node: Node) -> str | None:
         """Return and note the value of an absent attribute; ``None`` if it stays unset."""
-        if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
+        is_optional = slot.feature.unsettable and not slot.lower_bound
+        if is_optional or slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
         special = DEFAULTS.get((made.metaclass.name, slot.name))
         if special is not None:  # the mission is read first; 0 if its duration is wrong

@@ -40,8 +40,12 @@ ENGINES = {
     "compiled": EngineSettings("compiled"),
     "rosbridge": EngineSettings("rosbridge"),
 }
-RATES, NOISES = (9.0, 30.0, 180.0), (2.0, 0.0, 0.5)
-GIVEN = ('turnRate="9.0" positionNoise="2.0"', 'turnRate="30.0"', 'positionNoise="0.5"')
+RATES, NOISES, RADII = (9.0, 30.0, 180.0), (2.0, 0.0, 0.5), (1.0, 8.5, 0.25)
+GIVEN = (
+    'turnRate="9.0" positionNoise="2.0"',
+    'turnRate="30.0" radius="8.5"',
+    'positionNoise="0.5" radius="0.25"',
+)
 
 
 @pytest.fixture(scope="module", params=ENGINES)
@@ -332,6 +336,7 @@ def code(tmp_path_factory):
         edit(models / MISSION, f'name="{robot}"', f'name="{robot}" {given}')
     for goal, required in (("g2", 2), ("g3", 1), ("g4", 0)):
         edit(models / MISSION, f'ID="{goal}"', f'ID="{goal}" requiredMembers="{required}"')
+    edit(models / MISSION, '"mission:AvoidCollision"', '"mission:AvoidCollision" clearance="3.5"')
     generate(models, folder / "generated" / "uuv_sampling")
     return load_code(folder / "generated" / "uuv_sampling")
 
@@ -346,7 +351,10 @@ def test_generated_code_has_what_the_model_gives_and_no_more(code):
 
     assert tuple(robot.turn_rate for robot in robots) == RATES
     assert tuple(robot.position_noise for robot in robots) == NOISES
-    assert (text.count("turn_rate="), text.count("position_noise=")) == (2, 2)
+    assert tuple(robot.radius for robot in robots) == RADII
+    counts = [text.count(f"{name}=") for name in ("turn_rate", "position_noise", "clearance")]
+    assert counts == [2, 2, 1]
+    assert re.findall(r"\bradius=(8\.5|0\.25|1\.0)\b", text) == ["8.5", "0.25"]
     assert re.findall(r"required_members=(\d)", text) == ["2", "1"]
 
 

@@ -24,10 +24,12 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[m.Mission, f.Fa
         return point(round(x - 40, 3), round(y + 25, 3))
 
     turns = cycle(({"turnRate": 12.5, "positionNoise": 0.8}, {}, {"turnRate": 90.0}, {}))
+    widths = cycle(({}, {"radius": 0.25}, {"radius": 3.5}, {}, {"radius": 1.0}))
     robots = []
     for n in range(n_robots):
         speed = rng.choice((0.0, 1.0, 2.5, 4.0))
-        robots.append(robot(f"r{n}", place(), speed, 900.0, 1.0, maxSpeed=6.0, **next(turns)))
+        odd = next(turns) | next(widths)
+        robots.append(robot(f"r{n}", place(), speed, 900.0, 1.0, maxSpeed=6.0, **odd))
     base = m.Server(ID="base", name="")
     hazards = [
         m.Obstacle(ID=f"o{n}", area=area(f"o{n}a", rng.choice((0.5, 2.0, 7.0)), place()))
@@ -37,7 +39,7 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[m.Mission, f.Fa
     goals = []
     for n, share in enumerate((1.0, 0.9, 0.3)):
         some, near = (rng.sample(each, round(share * len(each))) for each in (robots, hazards))
-        task = m.AvoidCollision(robots=some, obstacles=near)
+        task = m.AvoidCollision(robots=some, obstacles=near, **({"clearance": 1.5} if n else {}))
         goals.append(goal(f"clear{n}", task, robots, messages=[] if n else reports))
     most = n_robots - 2
     goals += [goal("inside", m.StayWithinMissionArea(), robots, requiredMembers=most)]

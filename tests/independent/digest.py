@@ -72,7 +72,8 @@ def fields_of_goal(goal: Goal, view: View, n_before: list[int]) -> Iterator[floa
     for k, own in enumerate((goal.robots or goal.members, goal.obstacles, goal.trajectory)):
         yield from (n_before[k], len(own))
         n_before[k] += len(own)
-    yield from (goal.sensor, goal.target, goal.tolerance, goal.distance, goal.period, goal.deadline)
+    kept = goal.clearance or goal.distance
+    yield from (goal.sensor, goal.target, goal.tolerance, kept, goal.period, goal.deadline)
     notes = view.notes[goal.index]
     yield from (notes.count, notes.seen, *(notes.counted_at or (0, 0)))
 

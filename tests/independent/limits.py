@@ -31,13 +31,16 @@ def limits(off: float) -> tuple[m.Mission, f.FaultSpecification]:
         "diver": (-60 + 10 * by, -60.0), "drained": (20.0, -70.0), "mover": (0.0, -40.0),
         "calm": (0.0, 60.0), "wary": (3.0 + off, 60.0),
         "star": (-20.0, 0.0),
+        "broad": (-40.0, -80.0), "thin": (-40.0, -80 + 4 * by), "aside": (-50.0, -7.75 * by),
     }  # fmt: skip
+    radii = {"broad": 2.0, "thin": 0.5, "aside": 1.25}
     speeds = {"mover": 1.0, "star": 1.0}
     robots = {
         name: robot(
             name, point(x, y), speeds.get(name, 0.0),
             DURATION * by if name == "drained" else 1000.0,
             sensors=[sensor(f"{name}_sensor", "DEPTH")],
+            **({"radius": radii[name]} if name in radii else {}),
         )
         for name, (x, y) in places.items()
     }  # fmt: skip
@@ -50,9 +53,9 @@ def limits(off: float) -> tuple[m.Mission, f.FaultSpecification]:
         for name, (x, y, radius) in rocks.items()
     }
 
-    def near(names: str, *hazards: str) -> m.AvoidCollision:
-        some = [robots[name] for name in names.split()]
-        return m.AvoidCollision(robots=some, obstacles=[obstacles[name] for name in hazards])
+    def near(names: str, *hazards: str, **more: float) -> m.AvoidCollision:
+        some, rocks = [robots[name] for name in names.split()], [obstacles[n] for n in hazards]
+        return m.AvoidCollision(robots=some, obstacles=rocks, **more)
 
     def keep(tolerance: float = 5.0) -> m.FixedDistanceBetweenRobots:
         return m.FixedDistanceBetweenRobots(fixedDistance=20.0, tolerance=tolerance)
@@ -64,6 +67,8 @@ def limits(off: float) -> tuple[m.Mission, f.FaultSpecification]:
         ("touch", "near nearer", near("near nearer"), None),
         ("graze", "beside", near("beside", "rock"), None),
         ("shy", "calm wary", near("calm wary"), None),
+        ("room", "broad thin", near("broad thin", clearance=1.5), None),
+        ("berth", "aside", near("aside", "rock", clearance=1.5), None),
         ("rays", "star", near("star", "ray0", "ray1", "ray2", "ray3"), None),
         ("inside", "edge brink", m.StayWithinMissionArea(), None),
         ("round", "guard warden", m.Patrol(period=3, area=area("beat", 10.0, point(30.0, 30.0))),

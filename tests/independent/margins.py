@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from itertools import combinations
 
-from tests.independent.simulation import Flight, Goal, View, distance, off_track
+from tests.independent.simulation import Flight, Goal, View, distance, gaps, off_track
 
 ARRIVALS = ("GatherSamples", "Visit")
 """Of them "the ticks that are left" are the margin when that is first known."""
@@ -52,10 +52,7 @@ def margin(goal: Goal, truth: View) -> float:
     places = [truth.position[robot] for robot in goal.robots or goal.members]
     match goal.task:
         case "AvoidCollision":
-            gaps = [distance(a, b) - 2 for a, b in combinations(places, 2)]
-            discs = [truth.mission.obstacles[k] for k in goal.obstacles]
-            gaps += [distance(a, disc.center) - disc.radius - 1 for a in places for disc in discs]
-            found = min(gaps, default=math.inf)
+            found = min((way - least for way, least in gaps(goal, truth)), default=math.inf)
         case "StayWithinMissionArea":
             area = truth.mission.area
             found = kth(goal, [area.radius - distance(place, area.center) for place in places])

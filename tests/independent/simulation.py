@@ -8,7 +8,7 @@ and paragraphs that it follows are named in brackets, their sentences quoted.
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -136,6 +136,7 @@ class Robot:  # [S What the model says]
         self.max_speed = float(element.get("maxSpeed", 2 * self.speed))
         self.turn_rate = float(element.get("turnRate", 180))
         self.noise = float(element.get("positionNoise", 0))
+        self.radius = float(element.get("radius", 1))
         self.position = place_of(element.find("position"))
         self.energy = added(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
         drives = element.iter("motionSources")
@@ -215,6 +216,7 @@ class Goal:
         self.point = Disc(place_of(task.find("coordinates")), self.tolerance)
         self.trajectory = [place_of(each) for each in task.findall("trajectory")]
         self.distance = float(task.get("fixedDistance", 0))
+        self.clearance = float(task.get("clearance", 0))
         own = (self.area, disc_of(goal.find("area")), Disc(self.point.center, 0.0))
         self.place = own[{"GatherSamples": 0, "Patrol": 0, "Stay": 0, "Visit": 2}.get(self.task, 1)]
 
@@ -335,6 +337,14 @@ def note_samples(goal: Goal, view: View, notes: Notes) -> None:
         notes.counted_at = place[:2]
 
 
+def gaps(goal: Goal, view: View) -> Iterator[tuple[float, float]]:
+    """Yield for each pair of AvoidCollision its distance and "the sum of both radii" and more."""
+    places = [(view.position[k], view.mission.robots[k].radius) for k in goal.robots]
+    rocks = [(view.obstacle[k], view.mission.obstacles[k].radius) for k in goal.obstacles]
+    for (a, one), (b, other) in (*combinations(places, 2), *product(places, rocks)):
+        yield distance(a, b), one + other + goal.clearance
+
+
 def too_few(goal: Goal, keeping: Iterable[bool]) -> bool:  # "fewer than k members"
     return sum(keeping) < goal.required
 
@@ -345,10 +355,7 @@ def is_violated(goal: Goal, view: View) -> bool:
     places = [view.position[robot] for robot in goal.robots or goal.members]
     match goal.task:
         case "AvoidCollision":
-            sizes = {k: view.mission.obstacles[k].radius + 1 for k in goal.obstacles}
-            near = [(distance(a, b), 2) for a, b in combinations(places, 2)]
-            near += [(distance(a, view.obstacle[k]), sizes[k]) for a in places for k in sizes]
-            found = any(falls_short(*each) for each in near)
+            found = any(falls_short(*each) for each in gaps(goal, view))
         case "StayWithinMissionArea":
             found = too_few(goal, (view.mission.area.has(place) for place in places))
         case "SufficientEnergy":
@@ -478,7 +485,8 @@ def roam(ci: Intelligence, robot: int, area: Disc) -> None:
 
 def evade(goal: Goal, ci: Intelligence, robot: int) -> None:
     """The paragraph "Evading"."""
-    if not falls_short(gap_along(goal, ci, robot, ci.heading[robot], 1), 1):
+    radius = ci.mission.robots[robot].radius
+    if not falls_short(gap_along(goal, ci, robot, ci.heading[robot], radius), radius):
         return
     best: tuple[float, Direction] | None = None
     for direction in DIRECTIONS[::15]:
@@ -494,14 +502,15 @@ def gap_along(goal: Goal, ci: Intelligence, robot: int, way: Direction, limit: f
     """Return the gap: "every robot and obstacle of the goal counts"."""
     place, pace = ci.position[robot], ci.pace(robot)
     x, y = pace * way[0], pace * way[1]
-    gap = limit
+    gap, own = limit, ci.mission.robots[robot].radius + goal.clearance
     for k in goal.obstacles:
-        size = ci.mission.obstacles[k].radius + 1
+        size = ci.mission.obstacles[k].radius + own
         gap = min(gap, closest(place, ci.obstacle[k], -x, -y) - size)
     for other in goal.robots:
         if other != robot:
             its_x, its_y = (ci.pace(other) * part for part in ci.heading[other])
-            gap = min(gap, closest(place, ci.position[other], its_x - x, its_y - y) - 2)
+            size = ci.mission.robots[other].radius + own
+            gap = min(gap, closest(place, ci.position[other], its_x - x, its_y - y) - size)
     return gap
 
 

@@ -12,16 +12,16 @@ import pytest
 
 from m2t.diagnostics import CONSTRAINTS
 from m2t.generate import plan
+from m2t.metamodels import load_metamodels
 from m2t.models.fixes import FIXES, Mending, mend
 from m2t.models.load import inspect_folder, inspect_specification, load_mission_folder
 from mrsfi_runtime.errors import ModelError
-from mrsfi_runtime.model.mission import ROBOT_RADIUS
+from mrsfi_runtime.model.mission import Coordinates, Robot
 from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 from tests.support.models.shapes import shape, write_drawn
 from tests.support.models.split import PARTS, write_split
 from tests.support.tables import rows
-from tests.support.tree import ROOT
 
 BOUNDS = (
     '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '
@@ -426,7 +426,7 @@ def test_mending_grows_as_the_defects(tmp_path):
 
 
 def test_a_robot_is_as_wide_for_constraints_as_in_flight():
-    text = (ROOT / "metamodels" / "constraints" / "limits.evl").read_text(encoding="utf-8")
-    (in_evl,) = re.findall(r"var ROBOT_RADIUS = (\S+)d;", text)
+    robot = load_metamodels().mission.getEClassifier("Robot")()
+    flown = Robot("r1", "", Coordinates(), 1.0)
 
-    assert float(in_evl) == ROBOT_RADIUS
+    assert robot.radius == flown.radius

@@ -407,7 +407,7 @@ Ecore#//EDouble | Ecore#//EFloat | #//EFloat
 lowerBound="1" | lowerBound="x" | lowerBound="x"
 lowerBound="2" | lowerBound="-1" | lowerBound="-1"
 containment="true" | contained="true" | missionArea
-defaultValueLiteral="1.0" | defaultValueLiteral="?" | "tolerance" eT
+defaultValueLiteral="1.0" | defaultValueLiteral="?" | "radius" eT
 ecore:EReference | ecore:EFeature | EFeature
 name="DEPTH" | name="GPS_POSITION" | value="2"
 name="servers" | name="eContents" | "eContents"

@@ -1,6 +1,6 @@
 """Laws of every flight, over random fault specifications."""
 
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 
 from hypothesis import given
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.fault_types import Field, Range
 from mrsfi_runtime.model.faults import Event, Gate, TimedFault, Trigger, touched
 from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.trace import TraceDigest, fields_of
@@ -167,3 +167,49 @@ def test_a_digest_holds_what_each_fault_did_in_the_order_of_the_specification():
 
     assert len({flight.true + flight.believed for flight in flights}) == 1
     assert len({flight.digest for flight in flights}) == 3
+
+
+LENGTHS = {"x", "y", "z", "speed", "max_speed", "radius", "clearance"}
+
+
+def scaled(value, by, name=""):
+    """Return a part of a mission with all its lengths multiplied."""
+    if is_dataclass(value):
+        given = {each.name: getattr(value, each.name) for each in fields(value)}
+        return replace(value, **{name: scaled(each, by, name) for name, each in given.items()})
+    if isinstance(value, tuple):
+        return tuple(scaled(each, by) for each in value)
+    if name == "energy_per_distance_unit":
+        return value / by
+    return value * by if name in LENGTHS and value is not None else value
+
+
+def crowded():
+    """Return the mission with robots so large, and kept so far apart, that they evade."""
+    sizes = zip(CODE.mission.robots, (60.0, 100.0, 0.25), strict=True)
+    robots = tuple(replace(robot, radius=radius) for robot, radius in sizes)
+    first, *others = CODE.mission.goals
+    goals = (replace(first, task=replace(first.task, clearance=45.0)), *others)
+    return replace(CODE.mission, robots=robots, goals=goals)
+
+
+def is_without_length(timed):
+    kind = CODE.pool[timed.fault].kind
+    return not {each.range for each in kind.parameters} & {Range.X, Range.Y, Range.SPEED}
+
+
+@law(40)
+@given(specifications(), st.integers(0, 3), st.integers(-4, 8))
+def test_a_mission_whose_lengths_are_all_multiplied_flies_alike(specification, seed, power):
+    """By a power of two, so that nothing is rounded."""
+    faults, by = tuple(filter(is_without_length, specification)), 2.0**power
+    small, large = crowded(), scaled(crowded(), by)
+
+    one, other = (
+        ReferenceEngine(replace(CODE, mission=mission), seed).evaluate(faults)
+        for mission in (small, large)
+    )
+
+    assert (other.true, other.believed, other.missed) == (one.true, one.believed, one.missed)
+    assert other.margins[0] == (one.margins[0][0] * by, one.margins[0][1])
+    assert other.samples == one.samples

@@ -66,11 +66,15 @@ LocalReference | sender="r3" | sender="faults.xmi#f1" | faults.xmi#f1 | messages
 DurationInRange | duration="1000" | duration="0" | duration | Mission '1000'
 DurationInRange | duration="1000" | duration="10000001" | duration | Mission '1000'
 RadiusPositive | radius="50.0" | radius="0.0" | ID="a7" | area 'a7'
+RadiusPositive | speed="5.0" | speed="5.0" radius="0.0" | ID="r1" | robots 'r1'
 SpeedNotNegative | speed="5.0" | speed="-5.0" | -5.0 | robots 'r1'
 SpeedNotNegative | speed="5.0" | speed="5.0" maxSpeed="-1" | ID="r1" | robots 'r1'
 TurnRateInRange | speed="5.0" | speed="5.0" turnRate="0.0" | ID="r1" | robots 'r1'
 TurnRateInRange | speed="5.0" | speed="5.0" turnRate="180.5" | ID="r1" | robots 'r1'
 NoiseNotNegative | speed="5.0" | speed="5.0" positionNoise="-0.1" | ID="r1" | robots 'r1'
+ClearanceNotNegative | "mission:AvoidCollision" | "mission:AvoidCollision" clearance="-0.5"
+    mission:AvoidCollision | task of goals 'g1'
+RadiusPositive | speed="4.0" | speed="4.0" radius="-2.5" | ID="r2" | robots 'r2'
 EnergyNotNegative | energyPerSample="2.0" | energyPerSample="-2" | ID="s1" | sensors 's1'
 EnergyNotNegative | totalEnergy="4000.0" | totalEnergy="-1" | b3 | batteries 'b3'
 EnergyNotNegative | energyPerDistanceUnit="5.0" | energyPerDistanceUnit="-1" | ms1
@@ -113,6 +117,7 @@ AreaInsideMission | radius="45.0" | radius="1501.0" | 1501.0 | area 'a9'
 RobotInsideMission | x="250.0" y="-250.0" | x="2000.0" y="1.0" | ID="r1" | robots 'r1'
 RobotStartsClear | x="250.0" y="-250.0" | x="500.0" y="30.0" | ID="r1" | robots 'r1'
 RobotStartsClear | x="250.0" y="-250.0" | x="250.0" y="251.0" | ID="r3" | robots 'r3'
+RobotStartsClear | speed="4.0" | speed="4.0" radius="310.0" | ID="r2" | robots 'r2'
 RobotHasBattery | <servers | <robots ID="r4" name="MAX" speed="1.0"/>\n  <servers | r4 | robots 'r4'
 SenderIsMember | ID="m11" header="h" sender="r3" | ID="m11" header="h" sender="r1" | ID="m11"
     messages 'm11'
@@ -127,6 +132,8 @@ DeadlineInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
 AsReactionsAssume | speed="4.0" | speed="4.0" turnRate="90.0" | ID="r2" | robots 'r2'
 AsReactionsAssume | speed="4.0" | speed="4.0" positionNoise="0.5" | ID="r2" | robots 'r2'
 FigureInsideMission | speed="4.0" | speed="40000.0" | ID="r2" | robots 'r2'
+FigureInsideMission | "mission:AvoidCollision" | "mission:AvoidCollision" clearance="4000.5"
+    mission:AvoidCollision | task of goals 'g1'
 FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Patrol" period="1001"><area ID="p" radius="9.0"/></task> | Patrol
     task of goals 'g2'

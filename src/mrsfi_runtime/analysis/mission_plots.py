@@ -87,6 +87,7 @@ def flight_map(story: Story) -> Figure:
             style: dict[str, Any] = {"color": colour, "alpha": 0.45, "lw": 0, "zorder": 1.8}
             axes.scatter(spots[:, 0], spots[:, 1], 5, rasterized=is_many, **style)
             x, y = story.true[-1, k]
+            _disc(axes, (x, y), robot.radius, colour, INK, 0.9, 2.5)
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id}, true")
@@ -126,6 +127,10 @@ def flight_gif(story: Story) -> bytes:
         trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
         believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
         true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
+        sized = zip(story.mission.robots, colours, strict=True)
+        discs = [Circle((0, 0), robot.radius, color=c, zorder=2.5) for robot, c in sized]
+        for disc in discs:
+            axes.add_patch(disc)
         caption = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
         path = Path(folder) / "flight.gif"
         FigureCanvasAgg(figure)
@@ -134,6 +139,7 @@ def flight_gif(story: Story) -> bytes:
             for tick in ticks.tolist():
                 for k, line in enumerate(trails):
                     line.set_data(*story.true[max(0, tick - trail) : tick + 1, k].T)
+                    discs[k].set_center(story.true[tick, k])
                 true.set_offsets(story.true[tick])
                 believed.set_offsets(story.believed[tick])
                 caption.set_text(_caption(story, tick))
@@ -247,6 +253,7 @@ def _draw_mission(
     size, edge = (14, 0.2) if is_small else (95, 0.8)
     for robot in mission.robots:
         (x, y), colour = _of(robot.position), colours[robot.id]
+        _disc(axes, (x, y), robot.radius, colour, PAPER, edge, 2.5)
         axes.scatter([x], [y], s=size, marker="^", color=colour, ec=PAPER, lw=edge, zorder=3)
 
 

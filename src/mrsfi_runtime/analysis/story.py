@@ -20,7 +20,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.tables import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.observers import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
@@ -86,29 +86,30 @@ def story_of(
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
     """Yield the windows in which robots overlapped each other or an obstacle."""
-    near = _near(true)
+    radii = np.array([robot.radius for robot in mission.robots])
+    near = _near(true, radii)
     discs = [each.area for each in mission.obstacles]
     centres = np.array([(disc.center.x, disc.center.y) for disc in discs]).reshape(-1, 1, 2)
-    reach = np.array([[ROBOT_RADIUS + disc.radius] for disc in discs]).reshape(-1, 1)
+    sizes = np.array([disc.radius for disc in discs]).reshape(-1, 1)
     for k, robot in enumerate(mission.robots):
         for i in near(k):
-            is_hit = np.hypot(*(true[:, k] - true[:, i]).T) < 2 * ROBOT_RADIUS
+            is_hit = np.hypot(*(true[:, k] - true[:, i]).T) < radii[k] + radii[i]
             for window in runs(is_hit):
                 yield Collision(f"{robot.id} and {mission.robots[i].id}", k, window)
-        hits = np.hypot(*np.moveaxis(true[:, k] - centres, -1, 0)) < reach
+        hits = np.hypot(*np.moveaxis(true[:, k] - centres, -1, 0)) < radii[k] + sizes
         for j in np.flatnonzero(hits.any(axis=1)):
             for window in runs(hits[j]):
                 yield Collision(f"{robot.id} and {mission.obstacles[j].id}", k, window)
 
 
-def _near(true: Places) -> Callable[[int], Iterable[int]]:
+def _near(true: Places, radii: npt.NDArray[np.float64]) -> Callable[[int], Iterable[int]]:
     """Return a function of a robot's index that returns earlier ones whose boxes come near."""
     begins = np.arange(0, len(true), 32)  # first ticks of the parts of a path that have a box
     low, high = (reach.reduceat(true, begins) for reach in (np.fmin, np.fmax))
-    reach = 2.001 * ROBOT_RADIUS
 
     def near(k: int) -> Iterable[int]:
         apart = np.maximum(low[:, :k] - high[:, k, None], low[:, k, None] - high[:, :k])
+        reach = 1.001 * (radii[:k, None] + radii[k])
         return np.flatnonzero((apart < reach).all(axis=2).any(axis=0)).tolist()
 
     return near
@@ -137,7 +138,7 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
 def working_window(mission: Mission) -> tuple[float, float, float]:
     """Return x, y and half width of the square around robots' starts, obstacles and goal areas."""
     discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
-    discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
+    discs += [(robot.position.x, robot.position.y, robot.radius) for robot in mission.robots]
     discs += [
         (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)
         for obstacle in mission.obstacles
@@ -214,10 +215,11 @@ def mission_content(mission: Mission) -> dict[str, Any]:
     return {
         "name": mission.name,
         "duration": mission.duration,
-        "robot_radius": ROBOT_RADIUS,
         "units": {"x": length, "y": length, "speed": speed, "energy": units.energy},
         "area": [area.center.x, area.center.y, area.radius],
-        "robots": [{"id": robot.id, "name": robot.name} for robot in mission.robots],
+        "robots": [
+            {"id": robot.id, "name": robot.name, "radius": robot.radius} for robot in mission.robots
+        ],
         "obstacles": [
             {"id": name, "x": center.x, "y": center.y, "radius": radius}
             for name, center, radius in obstacles

@@ -31,7 +31,6 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     COUNTED,
     RESULTS,
-    ROBOT_RADIUS,
     Coordinates,
     Goal,
     GoalDisc,
@@ -390,7 +389,7 @@ def map_table(title: str, mission: Mission) -> Table:
     area, obstacles, discs = mission.area, mission.obstacles, mission.goal_discs
     places: list[tuple[str, str, str, Coordinates | GoalDisc, float]] = [
         ("mission area", area.id, mission.name, area.center, area.radius),
-        *(("robot", each.id, each.name, each.position, ROBOT_RADIUS) for each in mission.robots),
+        *(("robot", each.id, each.name, each.position, each.radius) for each in mission.robots),
         *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),
         *(("goal area", disc.goal.id, disc.goal.name, disc, disc.radius) for disc in discs),
     ]

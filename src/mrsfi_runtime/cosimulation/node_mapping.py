@@ -62,6 +62,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "qz": _heading(lambda x, y, _: math.sin(math.atan2(y, x) / 2.0)),
         "qw": _heading(lambda x, y, _: math.cos(math.atan2(y, x) / 2.0)),
         "sent": Quantity(lambda ci, index: ci.commands[index].sent_speed),
+        "radius": Quantity(lambda ci, index: ci.traits[index].radius),
     },
     "sensor": {
         "samples": Quantity(lambda ci, index: ci.sensors[index].count, Field.COUNT),

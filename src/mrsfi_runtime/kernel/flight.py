@@ -27,7 +27,7 @@ from typing import NamedTuple, TypeAlias, get_type_hints
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.effects import Orders, arm, deliver, disturb, falsify, issue
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, MARGIN, AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.table import is_missed, margin, number
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
@@ -50,7 +50,7 @@ from mrsfi_runtime.kernel.state import (
     TraitState,
     kernel,
 )
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
+from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Robot
 
 Samples: TypeAlias = tuple[bytes, ...]
 """Valid samples of each sensor, one row per tick, each below 256; ``commands.move`` adds them."""
@@ -128,8 +128,10 @@ def initial_state(mission: Mission, seed: int) -> State:
     """
     area = mission.area
     fastest = max((robot.fastest for robot in mission.robots), default=0.0)
+    widest = max((robot.radius for robot in mission.robots), default=0.0)
+    clearance = max((goal.terms.clearance for goal in mission.goals), default=0.0)
     map_, cells, shown = mapped(
-        area, mission.obstacles, MARGIN + 3.0 * LOOK_AHEAD * fastest + ROBOT_RADIUS
+        area, mission.obstacles, widest + 3.0 * LOOK_AHEAD * fastest + (widest + clearance)
     )
     state = State(
         mission=MissionState(
@@ -223,7 +225,8 @@ def _add_robot(state: State, robot: Robot) -> None:
 def _traits(robot: Robot) -> TraitState:
     turn = math.radians(robot.turn_rate)
     turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # exactly 0, which sin(pi) is not
-    return TraitState(math.cos(turn), turn_y, float(robot.position_noise))
+    noise, radius = float(robot.position_noise), float(robot.radius)
+    return TraitState(math.cos(turn), turn_y, noise, radius)
 
 
 def _obstacle(area: Area) -> ObstacleState:
@@ -249,12 +252,14 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
             sensor=-1 if terms.sensor is None else mission.sensor_index[terms.sensor],
             target=terms.target_sample_number,
             tolerance=float(terms.tolerance),
-            distance=float(terms.fixed_distance),
+            distance=float(terms.fixed_distance or terms.clearance),
             period=terms.period,
             deadline=terms.deadline,
         )
     )
     state.required += (goal.required_members or len(terms.robots),)
+    radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
+    state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

@@ -83,15 +83,17 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class TraitState:
-    """Turn rate and position noise of a robot.
+    """Turn rate, position noise and size of a robot.
 
     ``turn_x`` and ``turn_y`` are the unit vector that it can turn to from 0 degrees in a tick, to
-    the left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance.
+    the left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance, ``radius`` that
+    of its disc.
     """
 
     turn_x: float
     turn_y: float
     position_noise: float
+    radius: float
 
 
 @dataclass(slots=True)
@@ -127,9 +129,10 @@ class ObstacleState:
 class GoalState:
     """A goal: parameters of its task and the progress made.
 
-    ``x``, ``y``, ``radius`` are the area or point of the task. Members, hazards and
-    waypoints are ranges of lists in ``State``; a hazard is an obstacle's index. ``memory`` are
-    numbers, 0 at the start, that user-defined regions can store.
+    ``x``, ``y``, ``radius`` are the area or point of the task, ``distance`` is the fixed distance
+    or the clearance to keep. Members, hazards and waypoints are ranges of lists in ``State``; a
+    hazard is an obstacle's index. ``memory`` are numbers, 0 at the start, that user-defined regions
+    can store.
     """
 
     task: int
@@ -280,7 +283,8 @@ class State:
 
     Tuples are constant tables, the same in every state of a mission; digests and records leave
     them out. ``traits`` has one entry per robot, ``directions`` are the unit vectors of whole
-    degrees. ``required`` has for each goal how many members must keep to the rule of its task.
+    degrees. ``required`` has for each goal how many members must keep to the rule of its task,
+    ``apart`` the greatest distance of two centres at which robots can be too near for it.
     ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
     is scratch space.
     """
@@ -297,6 +301,7 @@ class State:
     chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
     required: tuple[int, ...] = ()
+    apart: tuple[float, ...] = ()
     commands: list[CommandState] = field(default_factory=list)
     switches: list[SwitchState] = field(default_factory=list)
     map: MapState

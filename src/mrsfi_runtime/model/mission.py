@@ -22,7 +22,6 @@ from typing import ClassVar, TypeAlias
 
 from mrsfi_runtime.model.fault_types import Field, Range, Units
 
-ROBOT_RADIUS = 1.0  # robots are discs of this radius, in distance units
 _BRIEF = 120  # letters of a requirement's text inside a sentence
 
 
@@ -103,7 +102,7 @@ class Robot:
 
     ``max_speed`` is the model's greatest speed, in the same unit; most models have none.
     ``turn_rate`` is the largest turn in a tick, in degrees; 180 turn at once. ``position_noise`` is
-    the largest error of the reported position, in distance units.
+    the largest error of the reported position, in distance units, as ``radius``, that of its disc.
     """
 
     id: str
@@ -119,6 +118,7 @@ class Robot:
     max_speed: float | None = None
     turn_rate: float = 180.0
     position_noise: float = 0.0
+    radius: float = 1.0
 
     @property
     def fastest(self) -> float:
@@ -179,8 +179,8 @@ class Terms:
     """The parameters of a task, under names that all tasks share.
 
     Robots, obstacles and ``sensor``, whose samples it counts, are named by ID; a point is an
-    ``area`` of radius 0. ``trajectory`` is a path, ``tolerance`` and ``fixed_distance`` are
-    distances, ``period`` and ``deadline`` ticks.
+    ``area`` of radius 0. ``trajectory`` is a path; ``tolerance``, ``fixed_distance`` and
+    ``clearance`` are distances, ``period`` and ``deadline`` ticks.
     """
 
     robots: tuple[str, ...]
@@ -191,6 +191,7 @@ class Terms:
     target_sample_number: int = 0
     tolerance: float = 0.0
     fixed_distance: float = 0.0
+    clearance: float = 0.0
     period: int = 0
     deadline: int = 0
 

@@ -40,7 +40,7 @@ from mrsfi_runtime.model.faults import (
     robots_of,
     touched,
 )
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
+from mrsfi_runtime.model.mission import Coordinates, Mission
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name
 
 if TYPE_CHECKING:
@@ -221,11 +221,11 @@ class Events:
         """Yield the gap between the discs of every two robots, and of robots and obstacles."""
         robots = list(zip(self._mission.robots, world.robots, strict=True))
         for (first, a), (second, b) in combinations(robots, 2):
-            gap = distance(a.x, a.y, b.x, b.y) - 2.0 * ROBOT_RADIUS
+            gap = distance(a.x, a.y, b.x, b.y) - (first.radius + second.radius)
             yield f"{first.id} and {second.id}", gap
         for obstacle, area in zip(self._mission.obstacles, world.obstacles, strict=True):
             for robot, a in robots:
-                gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - ROBOT_RADIUS
+                gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - robot.radius
                 yield f"{robot.id} and {obstacle.id}", gap
 
 
@@ -496,18 +496,22 @@ def robot_markers(
     ``active`` has, for each fault, its robots and its active window; robots with an active fault
     have another colour. The markers replace all earlier ones.
     """
-    tick, wide = world.mission.tick, 2.0 * ROBOT_RADIUS
+    tick = world.mission.tick
     windows = ((robots, window or (0, -1)) for robots, window in active)
     struck = {each for robots, (first, last) in windows if first <= tick <= last for each in robots}
     true, believed = ([_of(robot) for robot in side.robots] for side in (world, belief))
     colours = [_STRUCK if index in struck else _TRUE for index in range(len(true))]
     pairs = zip(true, believed, strict=True)
     errors = [spot for pair in pairs if pair[0] != pair[1] for spot in pair]
-    markers: list[Message] = [
-        {"action": 3},  # deletes all
-        _points("robots", _SPHERES, wide, true, colours),
-        _points("believed robots", _SPHERES, wide, believed, [_BELIEVED] * len(true)),
-    ]
+    markers: list[Message] = [{"action": 3}]  # deletes all
+    for radius in dict.fromkeys(robot.radius for robot in mission.robots):
+        some = [k for k, robot in enumerate(mission.robots) if robot.radius == radius]
+        for namespace, spots, shades in (
+            ("robots", true, colours),
+            ("believed robots", believed, [_BELIEVED] * len(true)),
+        ):
+            spheres = [spots[k] for k in some], [shades[k] for k in some]
+            markers.append(_points(namespace, _SPHERES, 2.0 * radius, *spheres))
     if errors:
         markers.append(_points("errors", _LINE_LIST, _THIN, errors))
     obstacles = zip(mission.obstacles, world.obstacles, belief.obstacles, strict=True)

@@ -12,7 +12,9 @@ from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mi
 from mrsfi_runtime.analysis.story import (
     Collision,
     Flown,
+    collisions,
     flight_content,
+    mission_content,
     places_table,
     story_of,
     timeline_table,
@@ -77,6 +79,25 @@ def test_places_are_those_of_the_flight(flown, story):
     for place, (side, axis) in enumerate((s, a) for s in ("world", "belief") for a in "xy"):
         found = np.array([row[2 + place] for row in rows]).reshape(400, len(robots))
         assert (found == recording[side]["robots"][axis]).all()
+
+
+def test_discs_collide_and_are_drawn_by_their_radii():
+    mission = paper_mission()
+    sizes = zip(mission.robots, (3.0, 0.5, 1.0), strict=True)
+    robots = tuple(replace(robot, radius=radius) for robot, radius in sizes)
+    mission = replace(mission, robots=robots, obstacles=mission.obstacles[:1])
+    rock = mission.obstacles[0].area
+    true = np.full((3, 3, 2), -900.0)
+    true[:, 1:, 0] = (-896.6, 900.0), (-896.4, 900.0), (-896.4, 900.0)  # apart by 3.4, then by 3.6
+    true[1, 2] = rock.center.x + rock.radius + 0.9, rock.center.y
+    true[2, 0] = rock.center.x, rock.center.y + rock.radius + 2.9
+
+    found = [(each.names, each.window) for each in collisions(mission, true)]
+    circles = {(each.center, each.radius) for each in mission_map(mission).axes[0].patches}
+
+    assert found == [("r1 and o1", (2, 2)), ("r2 and r1", (0, 0)), ("r3 and o1", (1, 1))]
+    assert [each["radius"] for each in mission_content(mission)["robots"]] == [3.0, 0.5, 1.0]
+    assert circles >= {((each.position.x, each.position.y), each.radius) for each in robots}
 
 
 def test_a_long_flight_lists_each_so_many_th_tick(story):

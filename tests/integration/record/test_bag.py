@@ -14,7 +14,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.model.faults import robots_of, touched
-from mrsfi_runtime.model.mission import ROBOT_RADIUS
 from mrsfi_runtime.record.observers import Bag, Events, SimulationLog, TraceTable, named_faults
 from tests.support import world
 from tests.support.bags import bagged, read_bag
@@ -198,11 +197,7 @@ def test_markers_are_where_the_robots_are(engine, specification, told, rows, tic
     for namespace, spots in zip(("robots", "believed robots"), places, strict=True):
         (spheres,) = of[namespace]
         assert [(spot.x, spot.y) for spot in spheres.points] == spots
-        assert (spheres.type, spheres.scale.x, spheres.scale.y) == (
-            7,
-            2 * ROBOT_RADIUS,
-            2 * ROBOT_RADIUS,
-        )
+        assert (spheres.type, spheres.scale.x, spheres.scale.y) == (7, 2.0, 2.0)
     assert {k for k, colour in enumerate(of["robots"][0].colors) if colour.r > 0.5} == struck
     ends = [spot for pair in zip(*places, strict=True) if pair[0] != pair[1] for spot in pair]
     assert [(spot.x, spot.y) for m in of.get("errors", []) for spot in m.points] == ends

@@ -45,6 +45,7 @@ _ODD_AMOUNTS = (0.0, 1e-9, 1.0, 1e6)
 _ODD_ENERGIES = (0.0, 1e-9, 1e12)
 _ODD_TURNS = (1e-9, 1e-3, 90.0, 179.9999999, 180.0)
 _ODD_EXTENTS = (1e-9, 1.0, 30.0, 1e12)
+_ODD_SIZES = (1e-9, 1.0, 30.0)
 _ODD_VALUES = (0.0, 1e-9, 100.0, 1e12)
 
 
@@ -274,6 +275,8 @@ class _Parts:
             rate, off = _number(rng, 0.1, 60.0, _ODD_TURNS), _number(rng, 0.0, 5.0, _ODD_EXTENTS)
             more |= {"turnRate": rate} if rng.random() < 0.5 else {}
             more |= {"positionNoise": off} if rng.random() < 0.3 else {}
+            wide = _number(rng, 0.1, 6.0, _ODD_SIZES)
+            more |= {"radius": wide} if rng.random() < 0.5 else {}
             yield builder.robot(robot, self.point(robot), speed, energy, drive, sensors, **more)
 
     def _message(self, name: str, members: list[m.Robot], base: m.Server) -> m.Message:
@@ -298,6 +301,8 @@ class _Parts:
             found = {"tolerance": _number(rng, 1.0, 12.0, _ODD_EXTENTS)}
         if goal.task == "AvoidCollision":
             found = {"robots": members, "obstacles": obstacles}
+            gap = _number(rng, 0.0, 4.0, (*_ODD_SIZES, 0.0))
+            found |= {"clearance": gap} if rng.random() < 0.5 else {}
         elif goal.task == "GatherSamples":
             (sensor,) = (each for each in robots["r0"].sensors if goal.sensor == each.ID)
             found = {"targetSampleNumber": rng.choice((0, 1, 5, 50)), "sensor": sensor}

@@ -75,7 +75,7 @@ FIRST = "f: [[node.tells]] 1: "
         (
             tells(fields={"data": "sped"}),
             FIRST + "found 'sped'; expected one of x, y, z, speed, vx, "
-            "vy, energy, heading_x, heading_y, yaw, qz, qw, sent; did you mean 'speed'?",
+            "vy, energy, heading_x, heading_y, yaw, qz, qw, sent, radius; did you mean 'speed'?",
         ),
         (obeys(fields={"x": "vx"}), "f: [[node.obeys]] 1: found 'vx' alone; expected vx and vy"),
         (

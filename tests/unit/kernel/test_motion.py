@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 from hypothesis import given
@@ -202,7 +202,10 @@ def rock(n, x, y, radius):
 def fleets(draw, most):
     """Return a state with one goal for all robots, who keep clear of some of the obstacles."""
     robots = tuple(
-        robot(f"r{n}", x, y, speed=draw(st.sampled_from([0.0, 1.0, 4.0])))
+        replace(
+            robot(f"r{n}", x, y, speed=draw(st.sampled_from([0.0, 1.0, 4.0]))),
+            radius=draw(st.sampled_from([1.0, 0.25, 12.5])),
+        )
         for n, (x, y) in enumerate(draw(st.lists(points, min_size=1, max_size=most)))
     )
     rocks = tuple(
@@ -211,7 +214,8 @@ def fleets(draw, most):
     )
     listed = tuple(each.id for each in rocks if draw(st.booleans()))
     names = tuple(each.id for each in robots)
-    view = state(AvoidCollision(names, listed), robots=robots, obstacles=rocks)
+    apart = draw(st.sampled_from([0.0, 3.5]))
+    view = state(AvoidCollision(names, listed, apart), robots=robots, obstacles=rocks)
     for command in view.commands:
         direction = view.directions[draw(st.integers(0, 359))]
         command.heading_x, command.heading_y = direction.x, direction.y
@@ -223,38 +227,39 @@ def fleets(draw, most):
 
 
 def overlapping(view):
-    """Say whether two discs overlap, by looking at all pairs."""
-    robots = [(each.x, each.y) for each in view.robots]
-    pairs = [(*first, *second, 2.0) for first, second in combinations(robots, 2)]
-    for h in view.hazards:
-        stone = view.obstacles[h]
-        pairs += [(*each, stone.x, stone.y, stone.radius + 1.0) for each in robots]
-    return any(geometry.overlap(bx - ax, by - ay, reach) for ax, ay, bx, by, reach in pairs)
+    """Say whether two discs are too near, by looking at all pairs."""
+    sizes = [trait.radius for trait in view.traits]
+    robots = [(each.x, each.y, size) for each, size in zip(view.robots, sizes, strict=True)]
+    stones = [view.obstacles[h] for h in view.hazards]
+    rocks = [(stone.x, stone.y, stone.radius) for stone in stones]
+    return any(
+        geometry.overlap(bx - ax, by - ay, one + other + view.goals[0].distance)
+        for (ax, ay, one), (bx, by, other) in (*combinations(robots, 2), *product(robots, rocks))
+    )
 
 
 def least_gap(ci, index, x, y, limit):
-    """Return the clearance of a heading, by looking at all robots and obstacles."""
-    own = ci.robots[index]
+    """Return the gap along a heading, by looking at all robots and obstacles."""
+    own, size = ci.robots[index], ci.traits[index].radius + ci.goals[0].distance
     step = guidance.pace(ci, index)
     least = limit
     for h in ci.hazards:
         stone = ci.obstacles[h]
         away = avoid_collision.closest(stone.x - own.x, stone.y - own.y, -step * x, -step * y)
-        least = min(least, away - stone.radius - 1.0)
+        least = min(least, away - stone.radius - size)
     for other, each in enumerate(ci.robots):
         if other != index:
             pace, command = guidance.pace(ci, other), ci.commands[other]
             vx, vy = pace * command.heading_x - step * x, pace * command.heading_y - step * y
-            least = min(
-                least, avoid_collision.closest(each.x - own.x, each.y - own.y, vx, vy) - 2.0
-            )
+            away = avoid_collision.closest(each.x - own.x, each.y - own.y, vx, vy)
+            least = min(least, away - (size + ci.traits[other].radius))
     return least
 
 
 @slow
 @given(fleets(most=60))
 @law(150)
-def test_discs_overlap_exactly_where_some_pair_does(view):
+def test_discs_are_too_near_exactly_where_some_pair_is(view):
     assert avoid_collision.violated(view, 0) is overlapping(view)
 
 
@@ -287,15 +292,16 @@ def test_gathering_finds_every_member_within_reach_once_however_robots_have_move
 
 @given(fleets(most=40), st.sampled_from([1.0, 80.0]), st.integers(0, 359))
 @law(150)
-def test_the_clearance_of_a_heading_is_the_least_of_all_gaps(ci, limit, degrees):
+def test_the_gap_along_a_heading_is_the_least_of_all_gaps(ci, limit, degrees):
     goal = ci.goals[0]
     heading = ci.directions[degrees]
     farthest = max(10 * guidance.pace(ci, index) for index in range(len(ci.robots)))
     neighbours.chart(ci, goal, 2.0 * (farthest + 10.0))
 
     for index in range(len(ci.robots)):
-        near = neighbours.gather(ci, goal, index, avoid_collision.sight(ci, index, limit, farthest))
-        found = avoid_collision.clearance(ci, goal, index, near, heading.x, heading.y, limit)
+        reach = avoid_collision.sight(ci, 0, index, limit, farthest)
+        near = neighbours.gather(ci, goal, index, reach)
+        found = avoid_collision.gap_along(ci, goal, index, near, heading.x, heading.y, limit)
         assert found == least_gap(ci, index, heading.x, heading.y, limit)
 
 

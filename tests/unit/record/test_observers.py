@@ -12,7 +12,7 @@ from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, Fault, FaultPool, TimedFault, Trigger
 from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults
+from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults, robot_markers
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Measure, ticks
 from tests.support.campaigns import outcome
@@ -41,6 +41,23 @@ def test_the_log_tells_what_is_so_from_the_first_tick_on(approved):
 
     events = [line for line in stream.getvalue().splitlines() if "event" in line]
     approved(events)
+
+
+def test_robots_of_one_radius_are_one_list_of_spheres():
+    mission = paper_mission()
+    first, *others = mission.robots
+    mission = replace(mission, robots=(replace(first, radius=2.5), *others))
+    world = initial_state(mission, 1)
+
+    _, *markers = robot_markers(mission, (), world, world)["markers"]
+
+    found = [(marker["ns"], marker["scale"]["x"], len(marker["points"])) for marker in markers]
+    assert found == [
+        ("robots", 5.0, 1),
+        ("believed robots", 5.0, 1),
+        ("robots", 2.0, 2),
+        ("believed robots", 2.0, 2),
+    ]
 
 
 def test_the_log_shows_what_is_believed_beside_what_is_so():

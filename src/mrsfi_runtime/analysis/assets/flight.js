@@ -273,19 +273,19 @@ class FlightView {
       if (x !== bx || y !== by) {
         context.beginPath(); context.moveTo(...this.project(x, y).slice(0, 2)); context.lineTo(...this.project(bx, by).slice(0, 2));
         context.strokeStyle = colour("believed"); context.lineWidth = 1.2 * ratio; context.stroke();
-        disc(bx, by, mission.robot_radius, { stroke: shade, dash: [2, 2], width: 1.5, least: 6 });
+        disc(bx, by, robot.radius, { stroke: shade, dash: [2, 2], width: 1.5, least: 6 });
       }
       const hit = this.touches(flight, r, x, y);
-      const [px, py] = disc(x, y, mission.robot_radius, { fill: shade, least: 4, stroke: hit ? colour("fault") : null, width: 4 });
+      const [px, py] = disc(x, y, robot.radius, { fill: shade, least: 4, stroke: hit ? colour("fault") : null, width: 4 });
       if (label) { label(robot.name || robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true ${this.place(x, y)}, believed ${this.place(bx, by)}${hit ? ", in collision" : ""}`]); }
     });
     context.globalAlpha = 1;
   }
 
   touches(flight, robot, x, y) {
-    const { mission, tick } = this;
-    return mission.obstacles.some((each) => Math.hypot(x - each.x, y - each.y) < each.radius + mission.robot_radius)
-      || (mission.robots.length <= 200 && mission.robots.some((_, r) => r !== robot && Math.hypot(x - flight.at("x", r, tick), y - flight.at("y", r, tick)) < 2 * mission.robot_radius));
+    const { mission, tick } = this, { radius } = mission.robots[robot];
+    return mission.obstacles.some((each) => Math.hypot(x - each.x, y - each.y) < each.radius + radius)
+      || (mission.robots.length <= 200 && mission.robots.some((each, r) => r !== robot && Math.hypot(x - flight.at("x", r, tick), y - flight.at("y", r, tick)) < each.radius + radius));
   }
 
   showTick(milliseconds) {

@@ -1,8 +1,9 @@
-"""AvoidCollision: the discs of robots and obstacles never overlap.
+"""AvoidCollision: the discs of robots and obstacles keep a clearance, and never overlap.
 
-Checks and margins compare the distances of one tick. Reactions look ``LOOK_AHEAD`` ticks ahead, as
-if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough to matter, so
-that few pairs are compared; the results equal those of comparing all pairs.
+A gap is the distance of two centres minus both radii and the clearance; the goal is violated while
+one is below 0. Checks and margins compare the distances of one tick. Reactions look ``LOOK_AHEAD``
+ticks ahead, as if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough
+to matter, so that few pairs are compared; the results equal those of comparing all pairs.
 
 Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
 """
@@ -24,10 +25,11 @@ from mrsfi_runtime.kernel.neighbours import (
     is_listed,
 )
 from mrsfi_runtime.kernel.state import TOLERANCE, GoalState, State, excess, kernel
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, GoalTask
+from mrsfi_runtime.model.mission import GoalTask
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
-MARGIN = 1.0  # clearance below which a meeting counts as a coming collision, in distance units
+
+SURE = 1.0 + 1e-9  # factor that exceeds every rounding error of a square
 
 HORIZON = 4
 """Ticks for which a robot need not be checked again, if it is far enough from all others."""
@@ -37,92 +39,103 @@ CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robo
 
 @dataclass(frozen=True, slots=True)
 class AvoidCollision(GoalTask):
-    """Keep robots (by ID) clear of each other and of obstacles (by ID)."""
+    """Keep robots (by ID) clear of each other and of obstacles (by ID), by a gap >= 0."""
 
     robots: tuple[str, ...]
     obstacles: tuple[str, ...] = ()
+    clearance: float = 0.0
 
 
 @kernel
 def violated(view: State, g: int) -> bool:
-    """Return whether two discs overlap among a goal's robots and obstacles."""
-    goal = view.goals[g]
-    return hits_obstacle(view, goal) or hits_robot(view, goal)
+    """Return whether two discs are too near among a goal's robots and obstacles."""
+    return hits_obstacle(view, view.goals[g]) or hits_robot(view, g)
+
+
+@kernel
+def size(view: State, goal: GoalState, index: int) -> float:
+    """Return the radius of a robot plus the clearance."""
+    return view.traits[index].radius + goal.distance
 
 
 @kernel
 def hits_obstacle(view: State, goal: GoalState) -> bool:
-    """Return whether a disc of a goal's robots overlaps with one of its obstacles."""
+    """Return whether a disc of a goal's robots is too near to one of its obstacles."""
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = view.robots[view.members[m].robot]
+        own = size(view, goal, view.members[m].robot)
         cell = cell_at(view, robot.x, robot.y)
         for k in range(view.cells[cell], view.cells[cell + 1]):
             mapped = view.mapped[k]
-            if mapped.gap >= ROBOT_RADIUS:
+            if mapped.gap >= own:
                 break
             index = mapped.obstacle
-            if hits(view, robot.x, robot.y, index) and is_listed(view, goal, index):
+            if hits(view, robot.x, robot.y, own, index) and is_listed(view, goal, index):
                 return True
     return view.map.is_wrong == 1 and hits_displaced(view, goal)
 
 
 @kernel
 def hits_displaced(view: State, goal: GoalState) -> bool:
-    """Return whether a robot's disc overlaps with an obstacle that is off its model position."""
+    """Return whether a robot is too near to an obstacle that is off its model position."""
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
         if is_displaced(view, view.hazards[h]):
             for m in range(goal.first_member, goal.first_member + goal.n_members):
                 robot = view.robots[view.members[m].robot]
-                if hits(view, robot.x, robot.y, view.hazards[h]):
+                own = size(view, goal, view.members[m].robot)
+                if hits(view, robot.x, robot.y, own, view.hazards[h]):
                     return True
     return False
 
 
 @kernel
-def hits(view: State, x: float, y: float, index: int) -> bool:
-    """Return whether the disc of a robot at a point overlaps with that of an obstacle."""
+def hits(view: State, x: float, y: float, own: float, index: int) -> bool:
+    """Return whether a robot of a ``size`` at a point is too near to an obstacle."""
     obstacle = view.obstacles[index]
-    return overlap(obstacle.x - x, obstacle.y - y, obstacle.radius + ROBOT_RADIUS)
+    return overlap(obstacle.x - x, obstacle.y - y, obstacle.radius + own)
 
 
 @kernel
-def hits_robot(view: State, goal: GoalState) -> bool:
-    """Return whether two discs of a goal's robots overlap."""
-    both = 2.0 * ROBOT_RADIUS
+def hits_robot(view: State, g: int) -> bool:
+    """Return whether two discs of a goal's robots are too near to each other."""
+    goal = view.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
-        return hits_neighbour(view, goal, both)
+        return hits_neighbour(view, goal, view.apart[g])
     for m in range(goal.first_member, last):
-        robot = view.robots[view.members[m].robot]
-        x, y = robot.x, robot.y
-        for other in range(m + 1, last):
-            second = view.robots[view.members[other].robot]
-            if overlap(second.x - x, second.y - y, both):
+        index = view.members[m].robot
+        x, y, own = view.robots[index].x, view.robots[index].y, size(view, goal, index)
+        for n in range(m + 1, last):
+            other = view.members[n].robot
+            second = view.robots[other]
+            if overlap(second.x - x, second.y - y, own + view.traits[other].radius):
                 return True
     return False
 
 
 @kernel
-def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
-    """Return whether two of many robots are nearer to each other than a distance."""
-    chart(view, goal, both)
+def hits_neighbour(view: State, goal: GoalState, apart: float) -> bool:
+    """Return whether two of many robots, of which none beyond ``apart`` count, are too near."""
+    chart(view, goal, apart)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
-        robot = view.robots[index]
-        for k in range(gather(view, goal, index, both)):
-            other = view.robots[view.lookup.nearby[k]]
-            if overlap(other.x - robot.x, other.y - robot.y, both):
+        robot, own = view.robots[index], size(view, goal, index)
+        for k in range(gather(view, goal, index, apart)):
+            other = view.lookup.nearby[k]
+            second = view.robots[other]
+            both = own + view.traits[other].radius
+            if overlap(second.x - robot.x, second.y - robot.y, both):
                 return True
     return False
 
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the least gap between two discs, and when a gap can be below ``least``."""
+    """Return the least gap between two discs, and when one can be below ``least``."""
     goal = world.goals[g]
     to_obstacle = gap_to_obstacles(world, goal)
     speed = top_speed(world, goal)
-    to_robot = gap_between_robots(world, goal, max(least, 0.0) + HORIZON * speed)
+    to_robot = gap_between_robots(world, g, max(least, 0.0) + HORIZON * speed)
     left = min(to_obstacle, to_robot)
     if left <= least:
         return left, 1
@@ -135,91 +148,103 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
     least = NO_MARGIN
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = world.robots[world.members[m].robot]
+        own = size(world, goal, world.members[m].robot)
         cell = cell_at(world, robot.x, robot.y)
         for k in range(world.cells[cell], world.cells[cell + 1]):
             mapped = world.mapped[k]
-            if mapped.gap - ROBOT_RADIUS >= least:
+            if mapped.gap - own >= least:
                 break
-            gap = gap_to(world, robot.x, robot.y, mapped.obstacle, least)
+            gap = gap_to(world, robot.x, robot.y, own, mapped.obstacle, least)
             if gap < least and is_listed(world, goal, mapped.obstacle):
                 least = gap
-        if least > world.map.reach - ROBOT_RADIUS:  # no cell lists obstacles beyond
+        if least > world.map.reach - own:  # no cell lists obstacles beyond
             for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-                least = gap_to(world, robot.x, robot.y, world.hazards[h], least)
+                least = gap_to(world, robot.x, robot.y, own, world.hazards[h], least)
     return least
 
 
 @kernel
-def gap_to(view: State, x: float, y: float, index: int, limit: float) -> float:
-    """Return the gap between a robot's disc at a point and an obstacle's, at most ``limit``."""
+def gap_to(view: State, x: float, y: float, own: float, index: int, limit: float) -> float:
+    """Return the gap between a robot of a ``size`` at a point and an obstacle, or ``limit``."""
     obstacle = view.obstacles[index]
     dx, dy = obstacle.x - x, obstacle.y - y
     square = dx * dx + dy * dy
-    both = obstacle.radius + ROBOT_RADIUS
+    both = obstacle.radius + own
     if square >= (limit + both) * (limit + both):
         return limit
     return math.sqrt(square) - both
 
 
 @kernel
-def gap_between_robots(world: State, goal: GoalState, limit: float) -> float:
-    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``."""
-    both = 2.0 * ROBOT_RADIUS
+def gap_between_robots(world: State, g: int, limit: float) -> float:
+    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``.
+
+    A square root is taken only where the gap may be less than those before.
+    """
+    goal = world.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
-        return gap_between_neighbours(world, goal, limit)
-    square = NO_MARGIN
+        return gap_between_neighbours(world, goal, world.apart[g], limit)
+    least = NO_MARGIN
     for m in range(goal.first_member, last):
-        robot = world.robots[world.members[m].robot]
-        x, y = robot.x, robot.y
-        for other in range(m + 1, last):
-            second = world.robots[world.members[other].robot]
-            dx, dy = second.x - x, second.y - y
-            square = min(square, dx * dx + dy * dy)
-    return math.sqrt(square) - both
+        index = world.members[m].robot
+        x, y, own = world.robots[index].x, world.robots[index].y, size(world, goal, index)
+        for n in range(m + 1, last):
+            other = world.members[n].robot
+            dx, dy = world.robots[other].x - x, world.robots[other].y - y
+            both = own + world.traits[other].radius
+            square = dx * dx + dy * dy
+            if square < (least + both) * (least + both) * SURE:
+                least = min(least, math.sqrt(square) - both)
+    return least
 
 
 @kernel
-def gap_between_neighbours(world: State, goal: GoalState, limit: float) -> float:
-    """Return the least gap between two of more than ``FEW`` robots, at most ``limit``."""
-    both = 2.0 * ROBOT_RADIUS
+def gap_between_neighbours(world: State, goal: GoalState, apart: float, limit: float) -> float:
+    """Return the least gap between two of more than ``FEW`` robots, at most ``limit``.
+
+    No two robots beyond ``apart`` have a gap below 0.
+    """
     least = limit
-    chart(world, goal, both)
+    chart(world, goal, apart)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = world.members[m].robot
-        robot = world.robots[index]
-        for k in range(gather(world, goal, index, both + least)):
-            second = world.robots[world.lookup.nearby[k]]
+        robot, own = world.robots[index], size(world, goal, index)
+        for k in range(gather(world, goal, index, apart + least)):
+            other = world.lookup.nearby[k]
+            second = world.robots[other]
+            both = own + world.traits[other].radius
             least = min(least, distance(robot.x, robot.y, second.x, second.y) - both)
     return least
 
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Turn every member that will soon collide to the heading with the most clearance."""
+    """Turn every member whose gap will soon be below its radius to the heading with the widest."""
     goal = ci.goals[g]
     farthest = LOOK_AHEAD * fastest(ci, goal)
-    chart(ci, goal, MARGIN + 2.0 * farthest + 2.0 * ROBOT_RADIUS)
+    chart(ci, goal, 0.5 * ci.apart[g] + 2.0 * farthest + ci.apart[g])
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = ci.members[m].robot
         command = ci.commands[index]
-        n_near = gather(ci, goal, index, sight(ci, index, MARGIN, farthest))
+        least = ci.traits[index].radius
+        n_near = gather(ci, goal, index, sight(ci, g, index, least, farthest))
         x, y = command.heading_x, command.heading_y
-        gap = clearance(ci, goal, index, n_near, x, y, MARGIN)
-        if excess(gap, MARGIN) < 0.0:
-            evade(ci, goal, index, farthest)
+        if excess(gap_along(ci, goal, index, n_near, x, y, least), least) < 0.0:
+            evade(ci, g, index, farthest)
 
 
 @kernel
-def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
-    """Steer a robot to the heading with the most clearance that keeps it in the mission area.
+def evade(ci: State, g: int, index: int, farthest: float) -> None:
+    """Steer a robot to the heading with the widest gap that keeps it in the mission area.
 
-    A later heading wins only if its clearance is greater by more than ``TOLERANCE``.
+    A later heading wins only if its gap is wider by more than ``TOLERANCE``.
     """
+    goal = ci.goals[g]
     robot = ci.robots[index]
     reach = LOOK_AHEAD * pace(ci, index)
     limit = 2.0 * reach
-    n_near = gather(ci, goal, index, sight(ci, index, limit, farthest))
+    n_near = gather(ci, goal, index, sight(ci, g, index, limit, farthest))
     best = -1
     most = 0.0
     for degrees in range(0, len(ci.directions), CANDIDATE_STEP):
@@ -227,25 +252,25 @@ def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
         mission = ci.mission
         x, y = robot.x + reach * heading.x, robot.y + reach * heading.y
         if well_inside(x, y, mission.x, mission.y, mission.radius):
-            clear = clearance(ci, goal, index, n_near, heading.x, heading.y, limit)
-            if best < 0 or clear > most + TOLERANCE:
+            gap = gap_along(ci, goal, index, n_near, heading.x, heading.y, limit)
+            if best < 0 or gap > most + TOLERANCE:
                 best = degrees
-                most = clear
+                most = gap
     if best >= 0:
         steer(ci, index, ci.directions[best].x, ci.directions[best].y)
 
 
 @kernel
-def sight(ci: State, index: int, limit: float, farthest: float) -> float:
+def sight(ci: State, g: int, index: int, limit: float, farthest: float) -> float:
     """Return the distance beyond which another robot's gap cannot fall below ``limit``.
 
     ``farthest`` is the most that any other robot moves within the look-ahead.
     """
-    return limit + LOOK_AHEAD * pace(ci, index) + farthest + 2.0 * ROBOT_RADIUS
+    return limit + LOOK_AHEAD * pace(ci, index) + farthest + ci.apart[g]
 
 
 @kernel
-def clearance(
+def gap_along(
     ci: State, goal: GoalState, index: int, n_near: int, x: float, y: float, limit: float
 ) -> float:
     """Return the least gap to robots nearby and a goal's obstacles within the look-ahead.
@@ -256,30 +281,32 @@ def clearance(
     """
     robot = ci.robots[index]
     step = pace(ci, index)
-    least = clearance_of_obstacles(ci, goal, index, step * x, step * y, limit)
+    least = gap_to_obstacles_along(ci, goal, index, step * x, step * y, limit)
+    own = size(ci, goal, index)
     for k in range(n_near):
         other = ci.lookup.nearby[k]
         dx, dy = ci.robots[other].x - robot.x, ci.robots[other].y - robot.y
         other_step = pace(ci, other)
-        near = least + LOOK_AHEAD * (step + other_step) + 2.0 * ROBOT_RADIUS
+        both = own + ci.traits[other].radius
+        near = least + LOOK_AHEAD * (step + other_step) + both
         if abs(dx) < near and abs(dy) < near:
             command = ci.commands[other]
             vx = other_step * command.heading_x - step * x
             vy = other_step * command.heading_y - step * y
-            least = min(least, closest(dx, dy, vx, vy) - 2.0 * ROBOT_RADIUS)
+            least = min(least, closest(dx, dy, vx, vy) - both)
     return least
 
 
 @kernel
-def clearance_of_obstacles(
+def gap_to_obstacles_along(
     ci: State, goal: GoalState, index: int, vx: float, vy: float, limit: float
 ) -> float:
-    """Return the least gap to a goal's obstacles, for a given velocity; as ``clearance``.
+    """Return the least gap to a goal's obstacles, for a given velocity; as ``gap_along``.
 
     If the map does not reach as far as the robot may move, all obstacles are checked.
     """
-    robot = ci.robots[index]
-    reach = limit + LOOK_AHEAD * pace(ci, index) + ROBOT_RADIUS
+    robot, own = ci.robots[index], size(ci, goal, index)
+    reach = limit + LOOK_AHEAD * pace(ci, index) + own
     is_mapped = reach <= ci.map.reach
     least = limit
     if is_mapped:
@@ -288,25 +315,25 @@ def clearance_of_obstacles(
             mapped = ci.mapped[k]
             if mapped.gap >= reach:
                 break
-            gap = gap_to_obstacle(ci, index, mapped.obstacle, vx, vy, reach)
+            gap = gap_to_obstacle(ci, index, own, mapped.obstacle, vx, vy, reach)
             if gap < least and is_listed(ci, goal, mapped.obstacle):
                 least = gap
         if ci.map.is_wrong == 0:
             return least
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
         if not is_mapped or is_displaced(ci, ci.hazards[h]):
-            least = min(least, gap_to_obstacle(ci, index, ci.hazards[h], vx, vy, reach))
+            least = min(least, gap_to_obstacle(ci, index, own, ci.hazards[h], vx, vy, reach))
     return least
 
 
 @kernel
 def gap_to_obstacle(
-    ci: State, index: int, hazard: int, vx: float, vy: float, reach: float
+    ci: State, index: int, own: float, hazard: int, vx: float, vy: float, reach: float
 ) -> float:
     """Return the gap to an obstacle within the look-ahead, or ``reach`` if it is too far away.
 
-    ``vx`` and ``vy`` are the robot's motion in a tick. A gap counts only within ``reach`` of the
-    obstacle's edge.
+    ``own`` is the robot's ``size``, ``vx`` and ``vy`` its motion in a tick. A gap counts only
+    within ``reach`` of the obstacle's edge.
     """
     robot = ci.robots[index]
     obstacle = ci.obstacles[hazard]
@@ -314,7 +341,7 @@ def gap_to_obstacle(
     near = reach + obstacle.radius
     if abs(dx) >= near or abs(dy) >= near:
         return reach
-    return closest(dx, dy, -vx, -vy) - obstacle.radius - ROBOT_RADIUS
+    return closest(dx, dy, -vx, -vy) - obstacle.radius - own
 
 
 @kernel
