@@ -34,6 +34,7 @@ from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.neighbours import LISTED, STRAYS, mapped, n_buckets, stride
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, PURPOSE_SAMPLES, choice, draw, seed_key
 from mrsfi_runtime.kernel.state import (
+    AreaState,
     ChartedState,
     CommandState,
     DirectionState,
@@ -44,6 +45,7 @@ from mrsfi_runtime.kernel.state import (
     ObstacleState,
     PointState,
     RobotState,
+    RouteState,
     SensorState,
     State,
     SwitchState,
@@ -229,6 +231,11 @@ def _traits(robot: Robot) -> TraitState:
     return TraitState(math.cos(turn), turn_y, noise, radius)
 
 
+def _area(area: Area, tolerance: float) -> AreaState:
+    x, y = float(area.center.x), float(area.center.y)
+    return AreaState(x=x, y=y, radius=float(area.radius) + float(tolerance))
+
+
 def _obstacle(area: Area) -> ObstacleState:
     x, y = float(area.center.x), float(area.center.y)
     return ObstacleState(x=x, y=y, radius=float(area.radius), model_x=x, model_y=y)
@@ -260,6 +267,8 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     state.required += (goal.required_members or len(terms.robots),)
     radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
     state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
+    state.routes += (RouteState(len(state.areas), 1),) * len(terms.robots)
+    state.areas += (_area(area, terms.tolerance),)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

@@ -3,7 +3,7 @@
 from mrsfi_runtime.kernel.commands import set_speed, steer
 from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
-from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
+from mrsfi_runtime.kernel.state import AreaState, GoalState, RobotState, State, kernel
 
 ROAM_ATTEMPTS = 8  # headings that a roaming robot draws before it turns to the middle of its area
 
@@ -23,28 +23,28 @@ def approach(ci: State, index: int, x: float, y: float) -> None:
 
 
 @kernel
-def roam(ci: State, goal: GoalState, index: int) -> None:
-    """Head for a goal's area from outside; inside, turn to a random heading before leaving it."""
+def roam(ci: State, area: AreaState | GoalState, index: int) -> None:
+    """Head for an area from outside; inside, turn to a random heading before leaving it."""
     robot = ci.robots[index]
-    if not stays(goal, robot, 0.0, 0.0):
-        steer(ci, index, goal.x - robot.x, goal.y - robot.y)
+    if not stays(area, robot, 0.0, 0.0):
+        steer(ci, index, area.x - robot.x, area.y - robot.y)
         return
     step = pace(ci, index)
     command = ci.commands[index]
-    if stays(goal, robot, step * command.heading_x, step * command.heading_y):
+    if stays(area, robot, step * command.heading_x, step * command.heading_y):
         return
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
-        if stays(goal, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
+        if stays(area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
             steer(ci, index, turn.x, turn.y)
             return
-    steer(ci, index, goal.x - robot.x, goal.y - robot.y)
+    steer(ci, index, area.x - robot.x, area.y - robot.y)
 
 
 @kernel
-def stays(goal: GoalState, robot: RobotState, dx: float, dy: float) -> bool:
-    """Return whether a robot moved by (dx, dy) is inside a goal's area, and not at its edge."""
-    return well_inside(robot.x + dx, robot.y + dy, goal.x, goal.y, goal.radius)
+def stays(area: AreaState | GoalState, robot: RobotState, dx: float, dy: float) -> bool:
+    """Return whether a robot moved by (dx, dy) is inside an area, and not at its edge."""
+    return well_inside(robot.x + dx, robot.y + dy, area.x, area.y, area.radius)

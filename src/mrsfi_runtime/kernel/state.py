@@ -163,13 +163,31 @@ class MemberState:
     """A robot as member of a goal, and its own progress.
 
     ``since`` is the tick at which it was last inside the goal's area (-1: not yet),
-    ``reached`` whether it has been there (0 or 1), ``waypoint`` the next point to head for.
+    ``reached`` whether it has been there (0 or 1), ``waypoint`` the next point to head for, or the
+    next area of its route.
     """
 
     robot: int
     since: int = -1
     reached: int = 0
     waypoint: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class AreaState:
+    """An area of a goal, or its point with the tolerance as radius."""
+
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class RouteState:
+    """The areas that a member of a goal is to be in: ``n_areas`` from ``first_area`` on."""
+
+    first_area: int
+    n_areas: int
 
 
 @dataclass(slots=True)
@@ -282,9 +300,10 @@ class State:
     """The state of a world: the truth of the simulation, or the belief of the CI.
 
     Tuples are constant tables, the same in every state of a mission; digests and records leave
-    them out. ``traits`` has one entry per robot, ``directions`` are the unit vectors of whole
-    degrees. ``required`` has for each goal how many members must keep to the rule of its task,
-    ``apart`` the greatest distance of two centres at which robots can be too near for it.
+    them out. ``traits`` has one entry per robot, ``routes`` one per member, whose areas are in
+    ``areas``; ``directions`` are the unit vectors of whole degrees. ``required`` has for each goal
+    how many members must keep to the rule of its task, ``apart`` the greatest distance of two
+    centres at which robots can be too near for it.
     ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
     is scratch space.
     """
@@ -298,6 +317,8 @@ class State:
     hazards: list[int] = field(default_factory=list)
     waypoints: list[PointState] = field(default_factory=list)
     traits: tuple[TraitState, ...]
+    areas: tuple[AreaState, ...] = ()
+    routes: tuple[RouteState, ...] = ()
     chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
     required: tuple[int, ...] = ()

@@ -21,7 +21,7 @@ from typing import Final, TypeAlias
 
 from mrsfi_runtime.kernel.geometry import distance, inside
 from mrsfi_runtime.kernel.guidance import roam
-from mrsfi_runtime.kernel.state import GoalState, RobotState, State, kernel
+from mrsfi_runtime.kernel.state import AreaState, GoalState, State, kernel
 
 NO_MARGIN: Final = math.inf
 """Margin of a goal while it is undefined, such as before a robot first enters its area."""
@@ -99,26 +99,34 @@ def top_speed(view: State, goal: GoalState) -> float:
 
 
 @kernel
+def next_area(view: State, m: int) -> AreaState:
+    """Return the area, or point with tolerance, that a member is to be in next."""
+    return view.areas[view.routes[m].first_area + view.members[m].waypoint]
+
+
+@kernel
 def note_presence(view: State, g: int) -> None:
-    """Record which members are inside the goal's area, or within tolerance of its point."""
+    """Record which members are inside their next area, or within tolerance of their point."""
     goal = view.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
         robot = view.robots[member.robot]
-        if inside(robot.x, robot.y, goal.x, goal.y, goal.radius + goal.tolerance):
+        area = next_area(view, m)
+        if inside(robot.x, robot.y, area.x, area.y, area.radius):
             member.since = view.mission.tick
             member.reached = 1
 
 
 @kernel
-def depth(goal: GoalState, robot: RobotState) -> float:
-    """Return how far inside the goal's area, or within tolerance of its point, a robot is."""
-    return goal.radius + goal.tolerance - distance(robot.x, robot.y, goal.x, goal.y)
+def depth(view: State, m: int) -> float:
+    """Return how far inside its next area, or within tolerance of its point, a member is."""
+    robot, area = view.robots[view.members[m].robot], next_area(view, m)
+    return area.radius - distance(robot.x, robot.y, area.x, area.y)
 
 
 @kernel
 def roam_area(ci: State, g: int) -> None:
-    """Let every member head for the area from outside, and roam inside it."""
+    """Let every member head for its next area from outside, and roam inside it."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        roam(ci, goal, ci.members[m].robot)
+        roam(ci, next_area(ci, m), ci.members[m].robot)

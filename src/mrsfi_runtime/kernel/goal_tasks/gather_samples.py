@@ -6,7 +6,7 @@ from typing import ClassVar
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.forecast import endurance, sample_reserve, ticks_left
 from mrsfi_runtime.kernel.geometry import inside
-from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
+from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, next_area
 from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import Range
@@ -32,10 +32,10 @@ def progress(view: State, g: int) -> None:
     """Count new samples: taken inside the area, and not where the sample before was taken."""
     goal = view.goals[g]
     sensor = view.sensors[goal.sensor]
-    robot = view.robots[sensor.robot]
+    robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
     new = sensor.count - goal.seen
     goal.seen = sensor.count
-    if new <= 0 or not inside(robot.x, robot.y, goal.x, goal.y, goal.radius):
+    if new <= 0 or not inside(robot.x, robot.y, area.x, area.y, area.radius):
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
@@ -53,8 +53,8 @@ def violated(view: State, g: int) -> bool:
     if goal.count >= goal.target:
         return False
     sensor = view.sensors[goal.sensor]
-    robot = view.robots[sensor.robot]
-    if sensor.active == 0 or not inside(robot.x, robot.y, goal.x, goal.y, goal.radius):
+    robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
+    if sensor.active == 0 or not inside(robot.x, robot.y, area.x, area.y, area.radius):
         return True
     return sample_reserve(view, goal) < 0.0
 
@@ -99,4 +99,4 @@ def react(ci: State, g: int) -> None:
     goal = ci.goals[g]
     sensor = ci.sensors[goal.sensor]
     switch_sensor(ci, goal.sensor, 1 if goal.count < goal.target else 0)
-    roam(ci, goal, sensor.robot)
+    roam(ci, next_area(ci, goal.first_member), sensor.robot)

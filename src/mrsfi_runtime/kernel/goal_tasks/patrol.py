@@ -49,7 +49,7 @@ def soonest(world: State, goal: GoalState, m: int) -> float:
     stays = 0
     if member.since == world.mission.tick:
         robot = world.robots[member.robot]
-        stays = patience(depth(goal, robot), 0.0, robot.max_speed) - 1
+        stays = patience(depth(world, m), 0.0, robot.max_speed) - 1
     return float(member.since + stays + goal.period - 1)
 
 

@@ -43,10 +43,9 @@ def has_left(view: State, goal: GoalState, m: int) -> bool:
 
 
 @kernel
-def depth_inside(world: State, goal: GoalState, m: int) -> float:
+def depth_inside(world: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
     """Return how far inside the area a member is, undefined before it has entered."""
-    member = world.members[m]
-    return depth(goal, world.robots[member.robot]) if member.reached == 1 else NO_MARGIN
+    return depth(world, m) if world.members[m].reached == 1 else NO_MARGIN
 
 
 violated = too_many(has_left)
@@ -67,7 +66,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
         member = world.members[m]
         if member.reached == 0:
             robot = world.robots[member.robot]
-            wait = min(wait, patience(-depth(goal, robot), 0.0, robot.max_speed))
+            wait = min(wait, patience(-depth(world, m), 0.0, robot.max_speed))
     if left < NO_MARGIN:
         wait = min(wait, patience(left, min(left, least), top_speed(world, goal)))
     return left, wait

@@ -52,13 +52,13 @@ def violated(view: State, g: int) -> bool:
 
 
 @kernel
-def earliness(world: State, goal: GoalState, m: int) -> float:
+def earliness(world: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
     """Return minus the least number of ticks before a member can be at the point."""
     member = world.members[m]
     if member.reached == 1:
         return 0.0
     robot = world.robots[member.robot]
-    return -float(patience(-depth(goal, robot), 0.0, robot.max_speed))
+    return -float(patience(-depth(world, m), 0.0, robot.max_speed))
 
 
 decisive = kth_best(earliness)
