@@ -115,6 +115,7 @@ GoalDependsOnOthers (mission): a goal does not depend on itself
 RequiredMembersAvailable (mission): a goal does not require more members than it has
 RequiredMembersCounted (mission): a goal requires some of its members only if its task is judged
     member by member
+AreaOrRoute (mission): a patrol has an area or a route, not both
 GatherSamplesArea (mission): a goal that gathers samples has an area
 SensorOfMember (mission): the sensor of a goal belongs to one of its members
 PairOfMembers (mission): a goal that keeps a distance between robots has at least two members

@@ -75,7 +75,7 @@ AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles,
 StayWithinMissionArea extends GoalTask:
 SufficientEnergy extends GoalTask:
 GatherSamples extends GoalTask: attr EInt[1] targetSampleNumber, ref Sensor[1] sensor
-Patrol extends GoalTask: val Area[1] area, attr EInt[1] period
+Patrol extends GoalTask: val Area[?] area, val Area[*] route, attr EInt[1] period
 Visit extends GoalTask: val Coordinates[1] coordinates, attr EDouble[?] tolerance,
     attr EInt[1] deadline
 Track extends GoalTask: val Coordinates[2..*] trajectory, attr EDouble[1] tolerance

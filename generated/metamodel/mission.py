@@ -462,16 +462,20 @@ class GatherSamples(GoalTask):
 
 
 @described(
-    "Every member comes back to an area again and again. Violated while one has not been inside it for a whole period.",
+    "Every member comes back to an area again and again, or flies along a route of areas. Violated while one has not been inside the area, or its next one, for a whole period.",
 )
 class Patrol(GoalTask):
     area = annotated(
-        ecore.EReference(lower=1, containment=True),
-        "The area to patrol.",
+        ecore.EReference(containment=True),
+        "The area to patrol; absent if the task has a route.",
+    )
+    route = annotated(
+        ecore.EReference(upper=-1, derived_class=Values, containment=True),
+        "The areas to patrol, in order and again from the first one; empty if the task has an area.",
     )
     period = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "The longest time between two stays inside the area, in ticks, at least 1.",
+        "The longest time between two stays inside the area, or from one area of the route to the next, in ticks, at least 1.",
     )
 
 
@@ -559,6 +563,7 @@ AvoidCollision.robots.eType = Robot.eClass
 AvoidCollision.obstacles.eType = Obstacle.eClass
 GatherSamples.sensor.eType = Sensor.eClass
 Patrol.area.eType = Area.eClass
+Patrol.route.eType = Area.eClass
 Visit.coordinates.eType = Coordinates.eClass
 Track.trajectory.eType = Coordinates.eClass
 Stay.area.eType = Area.eClass

@@ -429,16 +429,19 @@ class GatherSamples(GoalTask):
     ) -> None: ...
 
 class Patrol(GoalTask):
-    """Every member comes back to an area again and again. Violated while one has not been inside it for a whole period."""
+    """Every member comes back to an area again and again, or flies along a route of areas. Violated while one has not been inside the area, or its next one, for a whole period."""
 
-    area: Area
-    """The area to patrol."""
+    area: Area | None
+    """The area to patrol; absent if the task has a route."""
+    route: EList[Area]
+    """The areas to patrol, in order and again from the first one; empty if the task has an area."""
     period: int
-    """The longest time between two stays inside the area, in ticks, at least 1."""
+    """The longest time between two stays inside the area, or from one area of the route to the next, in ticks, at least 1."""
     def __init__(
         self,
         *,
         area: Area | None = ...,
+        route: Iterable[Area] = ...,
         period: int | None = ...,
     ) -> None: ...
 

@@ -110,6 +110,8 @@ def areas(mission: Any) -> Iterator[Any]:
         own = getattr(goal.task, "area", None)
         if isinstance(own, EObject) and is_kind(own.eClass, "Area"):
             yield own
+        if base_class(goal.task.eClass).name == "Patrol":
+            yield from goal.task.route
 
 
 def _ids(elements: Any) -> str:
@@ -221,6 +223,14 @@ def _check_avoid_collision(_: int, goal: Any, report: Report) -> None:
         report.add(goal.task, "AvoidCollisionMembers", finding)
 
 
+def _check_patrol(_: int, goal: Any, report: Report) -> None:
+    has_area, has_route = goal.task.area is not None, len(goal.task.route) > 0
+    if has_area == has_route:
+        found = "both an area and a route" if has_area else "neither an area nor a route"
+        advice = "delete one" if has_area else "add <area ID=... radius=...> or several <route ...>"
+        report.add(goal.task, "AreaOrRoute", f"has {found}; expected one of them; {advice}")
+
+
 def _check_visit(duration: int, goal: Any, report: Report) -> None:
     if goal.task.deadline >= duration:
         finding = (
@@ -239,6 +249,7 @@ def _check_fixed_distance(_: int, goal: Any, report: Report) -> None:
 _TASK_CHECKS: dict[str, Callable[[int, Any, Report], None]] = {
     "GatherSamples": _check_gather_samples,
     "AvoidCollision": _check_avoid_collision,
+    "Patrol": _check_patrol,
     "Visit": _check_visit,
     "FixedDistanceBetweenRobots": _check_fixed_distance,
 }

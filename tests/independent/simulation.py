@@ -180,7 +180,9 @@ class Mission:
         root = etree.parse(path).getroot()
         self.duration = int(root.get("duration"))
         self.area = disc_of(root.find("missionArea"))
-        self.areas = {each.get("ID"): disc_of(each) for each in root.iter("missionArea", "area")}
+        self.areas = {
+            each.get("ID"): disc_of(each) for each in root.iter("missionArea", "area", "route")
+        }
         self.robots: list[Robot] = []
         self.sensors: list[Sensor] = []
         for element in root.findall("robots"):
@@ -207,6 +209,7 @@ class Goal:
         # "GatherSamples uses the area of its goal, Patrol and Stay that of their task"
         area = (goal if self.task == "GatherSamples" else task).find("area")
         self.area = mission.area if area is None else disc_of(area)
+        self.route = [disc_of(each) for each in task.findall("route")] or [self.area]
         self.sensor = mission.number.get(task.get("sensor"), -1)
         self.target = int(task.get("targetSampleNumber", 0))
         self.period = int(task.get("period", 0))
@@ -217,7 +220,11 @@ class Goal:
         self.trajectory = [place_of(each) for each in task.findall("trajectory")]
         self.distance = float(task.get("fixedDistance", 0))
         self.clearance = float(task.get("clearance", 0))
-        own = (self.area, disc_of(goal.find("area")), Disc(self.point.center, 0.0))
+        own = (
+            self.area if area is not None else self.route[0],
+            disc_of(goal.find("area")),
+            Disc(self.point.center, 0.0),
+        )
         self.place = own[{"GatherSamples": 0, "Patrol": 0, "Stay": 0, "Visit": 2}.get(self.task, 1)]
 
 
@@ -316,7 +323,11 @@ def note(goal: Goal, view: View) -> None:
     for robot in goal.members:
         place = view.position[robot]
         match goal.task:
-            case "Patrol" | "Visit" | "Stay":
+            case "Patrol":  # "it enters at most one a tick, in order"
+                if goal.route[notes.waypoint[robot]].has(place):
+                    notes.since[robot], notes.reached[robot] = view.tick, True
+                    notes.waypoint[robot] = (notes.waypoint[robot] + 1) % len(goal.route)
+            case "Visit" | "Stay":
                 if (goal.point if goal.task == "Visit" else goal.area).has(place):
                     notes.since[robot], notes.reached[robot] = view.tick, True
             case "Track":  # "it may pass several in one tick"
@@ -431,7 +442,9 @@ def react(goal: Goal, ci: Intelligence) -> None:
                     ci.head_to(robot, ci.mission.area.center)
             case "SufficientEnergy":
                 regulate(ci, robot)
-            case "Patrol" | "Stay":
+            case "Patrol":
+                roam(ci, robot, goal.route[notes.waypoint[robot]])
+            case "Stay":
                 roam(ci, robot, goal.area)
             case "Visit":
                 approach(ci, robot, [] if notes.reached[robot] else [goal.point.center])

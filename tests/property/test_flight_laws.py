@@ -12,7 +12,7 @@ from mrsfi_runtime.model.fault_types import Field, Range
 from mrsfi_runtime.model.faults import Event, Gate, TimedFault, Trigger, touched
 from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.trace import TraceDigest, fields_of
-from tests.support.world import paper_code
+from tests.support.world import code_of, paper_code, specification
 from tests.tiers import law, slow
 
 DURATION = 60
@@ -213,3 +213,22 @@ def test_a_mission_whose_lengths_are_all_multiplied_flies_alike(specification, s
     assert (other.true, other.believed, other.missed) == (one.true, one.believed, one.missed)
     assert other.margins[0] == (one.margins[0][0] * by, one.margins[0][1])
     assert other.samples == one.samples
+
+
+@law(20)
+@given(st.integers(0, 2**16), st.integers(0, 3), st.integers(2, 40))
+def test_a_route_of_one_area_flies_as_the_patrol_of_that_area(drawn, seed, period):
+    code = code_of("tight_energy", DURATION)
+
+    def flown(task):
+        goals = tuple(
+            replace(goal, task=task(goal.task)) if goal.id == "rounds" else goal
+            for goal in code.mission.goals
+        )
+        engine = ReferenceEngine(replace(code, mission=replace(code.mission, goals=goals)), seed)
+        return engine.evaluate(specification(code, drawn))
+
+    one = flown(lambda task: replace(task, period=period))
+    other = flown(lambda task: type(task)(period=period, route=(task.area,)))
+
+    assert one == other

@@ -106,6 +106,17 @@ SpeedWithinMaximum | speed="4.0" | speed="4.0" maxSpeed="3.5" | ID="r2" | robots
 GoalDependsOnOthers | ID="g2" | ID="g2" dependentGoals="g1 g2" | ID="g2" | goals 'g2'
 RequiredMembersAvailable | ID="g2" | ID="g2" requiredMembers="4" | ID="g2" | goals 'g2'
 RequiredMembersCounted | ID="g1" | ID="g1" requiredMembers="2" | ID="g1" | goals 'g1'
+AreaOrRoute | <task xsi:type="mission:StayWithinMissionArea"/>
+    <task xsi:type="mission:Patrol" period="9"/> | Patrol | task of goals 'g2'
+AreaOrRoute | "mission:StayWithinMissionArea"/>
+    "mission:Patrol" period="9"><area ID="p" radius="9"/><route ID="q" radius="9"/></task>
+    Patrol | task of goals 'g2'
+RadiusPositive | <task xsi:type="mission:StayWithinMissionArea"/>
+    <task xsi:type="mission:Patrol" period="9"><route ID="q" radius="0.0"/></task>
+    Patrol | route 'q'
+AreaInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
+    <task xsi:type="mission:Patrol" period="9"><route ID="q" radius="2000.5"/></task>
+    Patrol | route 'q'
 GatherSamplesArea
     <area ID="a4" radius="150.0">\n      <center x="-250.0" y="250.0" z="1.0"/>\n    </area>
     - | ID="g4" | goals 'g4'

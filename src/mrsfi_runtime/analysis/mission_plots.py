@@ -244,8 +244,8 @@ def _draw_mission(
         spot = (disc.x, disc.y)
         axes.add_patch(Circle(spot, disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
         _disc(axes, spot, disc.radius, "none", colour, 1.2, 1.1)
-    for goal in _trajectories(mission):
-        path = [_of(point) for point in goal.terms.trajectory]
+    for goal in _with_paths(mission):
+        path = [_of(point) for point in goal.terms.path]
         colour = colours.get(goal.members[0], SOFT)
         axes.plot(*zip(*path, strict=True), color=colour, **_TRAJECTORY, zorder=1.5)
     for obstacle in mission.obstacles:
@@ -266,10 +266,11 @@ def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[
 
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
-        label(f"{disc.goal.id} {disc.goal.name}", (disc.x, disc.y + disc.radius), 5, color=colour)
-    for goal in _trajectories(mission):
+        label(f"{disc.label} {disc.goal.name}", (disc.x, disc.y + disc.radius), 5, color=colour)
+    for goal in _with_paths(mission):
         colour = colours.get(goal.members[0], SOFT)
-        label(f"{goal.id} {goal.name}", _of(goal.terms.trajectory[0]), 7, color=colour)
+        for point in goal.terms.trajectory[:1]:
+            label(f"{goal.id} {goal.name}", _of(point), 7, color=colour)
     if len(mission.obstacles) <= _MANY_OBSTACLES:
         for obstacle in mission.obstacles:
             x, y = _of(obstacle.area.center)
@@ -285,8 +286,8 @@ def _disc(
     axes.add_patch(Circle(spot, radius, fc=face, ec=edge, lw=width, zorder=order))
 
 
-def _trajectories(mission: Mission) -> list[Goal]:
-    return [goal for goal in mission.goals if goal.terms.trajectory]
+def _with_paths(mission: Mission) -> list[Goal]:
+    return [goal for goal in mission.goals if goal.terms.path]
 
 
 def _of(point: Coordinates) -> Place:
@@ -306,8 +307,8 @@ def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | P
         ),
         Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
         *(
-            Line2D([], [], color=SOFT, label="trajectory of a goal", **_TRAJECTORY)
-            for _ in _trajectories(mission)[:1]
+            Line2D([], [], color=SOFT, label="trajectory or route of a goal", **_TRAJECTORY)
+            for _ in _with_paths(mission)[:1]
         ),
         Patch(fc=ROCK, ec=INK, label="obstacle"),
         Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {radius}"),

@@ -229,7 +229,7 @@ def mission_content(mission: Mission) -> dict[str, Any]:
             for goal in mission.goals
         ],
         "discs": [
-            {"goal": disc.goal.id, "x": disc.x, "y": disc.y, "radius": disc.radius}
+            {"goal": disc.label, "x": disc.x, "y": disc.y, "radius": disc.radius}
             for disc in mission.goal_discs
         ],
     }

@@ -391,7 +391,7 @@ def map_table(title: str, mission: Mission) -> Table:
         ("mission area", area.id, mission.name, area.center, area.radius),
         *(("robot", each.id, each.name, each.position, each.radius) for each in mission.robots),
         *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),
-        *(("goal area", disc.goal.id, disc.goal.name, disc, disc.radius) for disc in discs),
+        *(("goal area", disc.label, disc.goal.name, disc, disc.radius) for disc in discs),
     ]
     rows = [(kind, of, name, at.x, at.y, radius) for kind, of, name, at, radius in places]
     return Table(title, ("kind", "id", "name", "x", "y", "radius"), rows)

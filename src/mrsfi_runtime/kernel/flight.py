@@ -243,7 +243,8 @@ def _obstacle(area: Area) -> ObstacleState:
 
 def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     terms = goal.terms
-    area = terms.area or goal.area or Area(goal.id, Coordinates(), 0.0)
+    areas = terms.areas or (goal.area or Area(goal.id, Coordinates(), 0.0),)
+    area = areas[0]
     state.goals.append(
         GoalState(
             task=number(goal.task),
@@ -267,8 +268,8 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     state.required += (goal.required_members or len(terms.robots),)
     radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
     state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
-    state.routes += (RouteState(len(state.areas), 1),) * len(terms.robots)
-    state.areas += (_area(area, terms.tolerance),)
+    state.routes += (RouteState(len(state.areas), len(areas)),) * len(terms.robots)
+    state.areas += tuple(_area(each, terms.tolerance) for each in areas)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

@@ -179,8 +179,8 @@ class Terms:
     """The parameters of a task, under names that all tasks share.
 
     Robots, obstacles and ``sensor``, whose samples it counts, are named by ID; a point is an
-    ``area`` of radius 0. ``trajectory`` is a path; ``tolerance``, ``fixed_distance`` and
-    ``clearance`` are distances, ``period`` and ``deadline`` ticks.
+    ``area`` of radius 0. ``trajectory`` is a path, ``route`` areas in a loop; ``tolerance``,
+    ``fixed_distance`` and ``clearance`` are distances, ``period`` and ``deadline`` ticks.
     """
 
     robots: tuple[str, ...]
@@ -194,6 +194,18 @@ class Terms:
     clearance: float = 0.0
     period: int = 0
     deadline: int = 0
+    route: tuple[Area, ...] = ()
+
+    @property
+    def areas(self) -> tuple[Area, ...]:
+        """Its route, or its one area, or none."""
+        return self.route or (() if self.area is None else (self.area,))
+
+    @property
+    def path(self) -> tuple[Coordinates, ...]:
+        """The points of its trajectory, or the centres of its route, back to the first."""
+        centers = tuple(area.center for area in self.route)
+        return self.trajectory or centers + centers[:1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,12 +268,18 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class GoalDisc:
-    """The area of a goal, a disc, in distance units."""
+    """An area of a goal, a disc, in distance units; of a route, with its number from 1 on."""
 
     goal: Goal
     x: float
     y: float
     radius: float
+    number: int = 0
+
+    @property
+    def label(self) -> str:
+        """The ID of its goal, and its number in the route."""
+        return f"{self.goal.id} {self.number}" if self.number else self.goal.id
 
 
 @dataclass(frozen=True)
@@ -342,9 +360,10 @@ class Mission:
     def goal_discs(self) -> tuple[GoalDisc, ...]:
         """The areas that the goals' tasks use, in model order; some tasks ignore their area."""
         return tuple(
-            GoalDisc(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
+            GoalDisc(goal, area.center.x, area.center.y, area.radius + terms.tolerance, number)
             for goal in self.goals
-            if (area := goal.terms.area) is not None
+            for terms in (goal.terms,)
+            for number, area in enumerate(terms.areas, 1 if terms.route else 0)
         )
 
     @cached_property
@@ -372,12 +391,14 @@ def starvation(mission: Mission, goal: Goal) -> str:
     wanted = _robots(mission, goal)
     held = []
     for holder in mission.goals[: mission.goals.index(goal)]:
-        area = holder.terms.area
-        if holder.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
+        areas = holder.terms.areas
+        if holder.task.keeps_robots and areas and _is_elsewhere(areas, goal.terms):
             kept = [each.name or each.id for each in _robots(mission, holder) if each in wanted]
             if kept:
                 keeps = f"{mission.label_of(holder.id)}, which reacts first, keeps"
-                held.append(f"{keeps} {' and '.join(kept)} in area {area.id}")
+                word = "area" if len(areas) == 1 else "areas"
+                named = " and ".join(area.id for area in areas)
+                held.append(f"{keeps} {' and '.join(kept)} in {word} {named}")
     return f"as {' and '.join(held)}" if held else ""
 
 
@@ -389,14 +410,24 @@ def _robots(mission: Mission, goal: Goal) -> list[Robot]:
     return [mission.robots[mission.robot_index[each]] for each in goal.members]
 
 
-def _is_elsewhere(area: Area, terms: Terms) -> bool:
+def _is_elsewhere(areas: tuple[Area, ...], terms: Terms) -> bool:
+    """Return whether a place of a task is off all areas, and off the ways from one to the next."""
     discs = [(point, terms.tolerance) for point in terms.trajectory]
-    if terms.area is not None:
-        discs.append((terms.area.center, terms.area.radius + terms.tolerance))
+    discs += [(area.center, area.radius + terms.tolerance) for area in terms.areas]
+    legs = [*zip(areas, areas[1:] + areas[:1], strict=True)]
     return any(
-        hypot(point.x - area.center.x, point.y - area.center.y) > area.radius + reach
+        all(_from_leg(a, b, point) > max(a.radius, b.radius) + reach for a, b in legs)
         for point, reach in discs
     )
+
+
+def _from_leg(start: Area, end: Area, point: Coordinates) -> float:
+    """Return the distance of a point from the segment between the centres of two areas."""
+    x, y = point.x - start.center.x, point.y - start.center.y
+    end_x, end_y = end.center.x - start.center.x, end.center.y - start.center.y
+    length = end_x * end_x + end_y * end_y
+    share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0) if length else 0.0
+    return hypot(x - share * end_x, y - share * end_y)
 
 
 def with_id(name: str, identifier: str) -> str:

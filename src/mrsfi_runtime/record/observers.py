@@ -470,10 +470,9 @@ def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
     markers = [_disc("mission area", _of(mission.area.center), mission.area.radius, _AREA)]
     for disc in mission.goal_discs:
         spot = (disc.x, disc.y, 0.0)
-        markers += [_disc("goals", spot, disc.radius, _GOAL), _text("goals", spot, disc.goal.id)]
+        markers += [_disc("goals", spot, disc.radius, _GOAL), _text("goals", spot, disc.label)]
     for goal in mission.goals:
-        if goal.terms.trajectory:
-            path = [_of(each) for each in goal.terms.trajectory]
+        if path := [_of(each) for each in goal.terms.path]:
             markers.append(_points("waypoints", _LINE_STRIP, _THIN, path))
     for obstacle in mission.obstacles:
         spot = _of(obstacle.area.center)

@@ -243,7 +243,6 @@ def _order_bounds(drawn: Any) -> None:
 
 def _make_sense(mission: Any, rng: random.Random) -> None:
     """Mend what only our constraints refuse."""
-    metaclasses = load_metamodels().mission
     for goal in mission.goals:
         if goal in goal.dependentGoals:
             goal.dependentGoals.remove(goal)
@@ -259,12 +258,20 @@ def _make_sense(mission: Any, rng: random.Random) -> None:
             owner = goal.task.sensor.eContainer()
             if owner not in goal.members:
                 goal.members.append(owner)
-            if goal.area is None:
-                goal.area = metaclasses.getEClassifier("Area")()
-                goal.area.ID, goal.area.radius = f"area-of-{goal.ID}", 2.5
+            _give_area(goal, goal.ID)
+        if goal.task.eClass.name == "Patrol" and goal.task.route:
+            goal.task.area = None
+        elif goal.task.eClass.name == "Patrol":
+            _give_area(goal.task, goal.ID)
         if goal.eIsSet("requiredMembers"):
             is_joint = goal.task.eClass.name in JOINT
             goal.requiredMembers = 0 if is_joint else rng.randint(0, len(goal.members))
+
+
+def _give_area(element: Any, name: str) -> None:
+    if element.area is None:
+        element.area = load_metamodels().mission.getEClassifier("Area")()
+        element.area.ID, element.area.radius = f"area-of-{name}", 2.5
 
 
 _REFERRED = {"VIOLATED": ("goal",), "REACHED": ("goal",), "ENTERED": ("robot", "at", "area")}

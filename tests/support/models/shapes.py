@@ -308,6 +308,8 @@ class _Parts:
             found = {"targetSampleNumber": rng.choice((0, 1, 5, 50)), "sensor": sensor}
         elif goal.task == "Patrol":
             found = {"period": rng.randint(1, 40)}
+            n_areas = rng.choice((0, 0, 1, 2, 3))
+            found["route"] = [self.area(f"ta{n}{letter}") for letter in "xyz"[:n_areas]]
         elif goal.task == "Visit":
             found |= {"deadline": rng.randint(1, 70), "coordinates": self.point()}
         elif goal.task == "Track":
@@ -315,6 +317,6 @@ class _Parts:
             found["trajectory"] = [self.point(robot) for robot in (begin, "", "")]
         elif goal.task == "FixedDistanceBetweenRobots":
             found["fixedDistance"] = _number(rng, 1.0, 80.0, _ODD_EXTENTS)
-        if goal.task in ("Patrol", "Stay"):
+        if goal.task in ("Patrol", "Stay") and not found.get("route"):
             found["area"] = self.area(f"ta{n}")
         return found

@@ -111,11 +111,24 @@ def test_areas_and_points_of_other_tasks_are_places_too():
         Goal("g1", "Patrol", ("r1",), Patrol(area("a1", 1, 2, 3), 10)),
         Goal("g2", "Stay", ("r1",), Stay(area("a2", 4, 5, 6))),
         Goal("g3", "Visit", ("r1",), Visit(Coordinates(7, 8), 9, 10)),
+        Goal(
+            "g4",
+            "Round",
+            ("r1",),
+            Patrol(period=9, route=(area("a4", 1, 2, 3), area("a5", 4, 5, 6))),
+        ),
     )
 
     places = replace(paper_mission(), goals=goals).goal_discs
 
-    assert [(p.x, p.y, p.radius) for p in places] == [(1, 2, 3), (4, 5, 6), (7, 8, 9)]
+    assert [(p.label, p.x, p.y, p.radius) for p in places] == [
+        ("g1", 1, 2, 3),
+        ("g2", 4, 5, 6),
+        ("g3", 7, 8, 9),
+        ("g4 1", 1, 2, 3),
+        ("g4 2", 4, 5, 6),
+    ]
+    assert [*goals[3].terms.path] == [Coordinates(1, 2), Coordinates(4, 5), Coordinates(1, 2)]
 
 
 def test_the_window_holds_every_start_obstacle_and_goal_area():

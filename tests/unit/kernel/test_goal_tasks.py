@@ -138,6 +138,7 @@ def test_samples_count_inside_the_area_and_only_after_moving():
     assert view.goals[0].count == 1 + 1 + 1
 
 
+LOOP = (HERE, Area("b", Coordinates(60.0, 0.0), 5.0))
 PATH = (Coordinates(0.0, 0.0), Coordinates(100.0, 0.0))
 
 
@@ -145,6 +146,8 @@ PATH = (Coordinates(0.0, 0.0), Coordinates(100.0, 0.0))
     ("task", "places", "expected"),
     [
         (Patrol(HERE, period=3), [(0, 0), (60, 0), (60, 0), (60, 0), (10, 0)], "...!."),
+        (Patrol(None, 2, LOOP), [(60, 0), (0, 0), (1, 0), (60, 0), (60, 0), (0, 0)], "......"),
+        (Patrol(None, 2, LOOP), [(0, 0), (0, 0), (0, 0), (60, 0), (60, 0), (60, 0)], "..!..!"),
         (Visit(Coordinates(60.0, 0.0), 1.0, 2), [(0, 0), (0, 0), (0, 0), (59, 0), (0, 0)], "..!.."),
         (Track(PATH, 5.0), [(-50, 50), (0, 3), (50, 5), (50, 6), (98, 0), (50, 50)], "...!.."),
         (Stay(HERE), [(90, 0), (10, 0), (90, 0), (10, 0)], "..!."),
@@ -152,8 +155,8 @@ PATH = (Coordinates(0.0, 0.0), Coordinates(100.0, 0.0))
     ids=lambda value: type(value).__name__,
 )
 def test_what_remembers_is_violated(task, places, expected):
-    """A patrol after one period away, a visit from its deadline until it happens, a track off its
-    current segment only, and a stay outside after the first entry.
+    """A patrol after one period away from its next area, a visit from its deadline until it
+    happens, a track off its current segment only, and a stay outside after the first entry.
     """
     view = state(task, robots=(robot("a", 0.0, 0.0),))
     module = getattr(goal_tasks, type(task).__name__.lower())

@@ -334,6 +334,8 @@ def said(*holders):
         ((Stay(HERE), Patrol(FAR, 9)), [("Stay (g1)", "here", ["a", "b"])]),
         ((Stay(HERE), Patrol(NEXT, 9)), []),
         ((Patrol(FAR, 9), GATHER), [("Patrol (g1)", "far", ["a"])]),
+        ((Patrol(period=9, route=(HERE, FAR)), at(60.0)), []),
+        ((Stay(HERE), Patrol(period=9, route=(HERE, FAR))), [("Stay (g1)", "here", ["a", "b"])]),
         ((GATHER, Track((Coordinates(0.0), Coordinates(54.0)), 3.0)), [BY_GATHERING]),
         ((GATHER, Track((Coordinates(0.0), Coordinates(53.0)), 3.0)), []),
         ((GATHER, Stay(FAR), at(120.0)), [BY_GATHERING, ("Stay (g2)", "far", ["a", "b"])]),

@@ -106,7 +106,10 @@ def next_area(view: State, m: int) -> AreaState:
 
 @kernel
 def note_presence(view: State, g: int) -> None:
-    """Record which members are inside their next area, or within tolerance of their point."""
+    """Record which members are inside their next area, or within tolerance of their point.
+
+    The next area of a member that is inside is the one after it in the route, or the first.
+    """
     goal = view.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
@@ -115,6 +118,8 @@ def note_presence(view: State, g: int) -> None:
         if inside(robot.x, robot.y, area.x, area.y, area.radius):
             member.since = view.mission.tick
             member.reached = 1
+            after = member.waypoint + 1
+            member.waypoint = after if after < view.routes[m].n_areas else 0
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Patrol: every member is inside an area at least once in each period."""
+"""Patrol: every member is inside an area, or its next one, at least once in each period."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -18,12 +18,17 @@ from mrsfi_runtime.model.mission import Area, GoalTask
 
 @dataclass(frozen=True, slots=True)
 class Patrol(GoalTask):
-    """Have every member inside the area at least once in each period of ticks."""
+    """Have every member inside the area at least once in each period of ticks.
+
+    Instead of an area it can have a route: areas in order, in a loop. A member that has been inside
+    its next area has the period to reach the one after it.
+    """
 
     keeps_robots: ClassVar[bool] = True
     spares: ClassVar[Range] = Range.TICKS
-    area: Area
-    period: int
+    area: Area | None = None
+    period: int = 1
+    route: tuple[Area, ...] = ()
 
 
 progress = note_presence
@@ -32,22 +37,25 @@ react = roam_area
 
 @kernel
 def is_overdue(view: State, goal: GoalState, m: int) -> bool:
-    """Return whether a member has not been inside the area for one period."""
+    """Return whether a member has not been inside its next area for one period."""
     return view.mission.tick - view.members[m].since >= goal.period
 
 
 @kernel
 def last_inside(view: State, goal: GoalState, m: int) -> float:  # noqa: ARG001 - as of all values
-    """Return the tick at which a member was last inside the area."""
+    """Return the tick at which a member was last inside what then was its next area."""
     return float(view.members[m].since)
 
 
 @kernel
 def soonest(world: State, goal: GoalState, m: int) -> float:
-    """Return the tick at which a member can first use up its whole period outside."""
+    """Return the tick at which a member can first use up its whole period outside.
+
+    With a single area, one that is inside has to leave it first.
+    """
     member = world.members[m]
     stays = 0
-    if member.since == world.mission.tick:
+    if member.since == world.mission.tick and world.routes[m].n_areas == 1:
         robot = world.robots[member.robot]
         stays = patience(depth(world, m), 0.0, robot.max_speed) - 1
     return float(member.since + stays + goal.period - 1)
