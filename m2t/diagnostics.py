@@ -98,6 +98,7 @@ EnergyNotNegative (mission): energies and energy costs are not below 0
 SamplesPerSecondPositive (mission): a sensor takes at least 1 sample per tick
 TargetSampleNumberNotNegative (mission): a number of samples is not below 0
 RequiredMembersNotNegative (mission): a number of required members is not below 0
+GraceNotNegative (mission): a grace is not below 0
 SeverityInRange (mission): the severity of a goal is 1 to 10
 PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is tick 1 or later
@@ -116,6 +117,7 @@ RequiredMembersAvailable (mission): a goal does not require more members than it
 RequiredMembersCounted (mission): a goal requires some of its members only if its task is judged
     member by member
 AreaOrRoute (mission): a patrol has an area or a route, not both
+GraceInsideMission (mission): a grace is shorter than its mission
 GatherSamplesArea (mission): a goal that gathers samples has an area
 SensorOfMember (mission): the sensor of a goal belongs to one of its members
 PairOfMembers (mission): a goal that keeps a distance between robots has at least two members

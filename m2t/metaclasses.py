@@ -67,9 +67,10 @@ Message: {_IDENTIFIED}, attr EString[?] header, ref Station[1] sender, ref Stati
     val MessageData[+] body
 MessageData: attr EString[1] name, attr EString[1] type
 Requirement: {_IDENTIFIED}, attr EString[1] text
-Goal: {_NAMED}, ref Robot[+] members, attr EInt[?] requiredMembers, ref Goal[*] dependentGoals,
-    ref Requirement[*] requirements, attr EInt[?] severity, attr EString[?] integrityLevel,
-    attr EString[?] rationale, val Area[?] area, val GoalTask[1] task, val Message[*] messages
+Goal: {_NAMED}, ref Robot[+] members, attr EInt[?] requiredMembers, attr EInt[?] grace,
+    ref Goal[*] dependentGoals, ref Requirement[*] requirements, attr EInt[?] severity,
+    attr EString[?] integrityLevel, attr EString[?] rationale, val Area[?] area,
+    val GoalTask[1] task, val Message[*] messages
 AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles,
     attr EDouble[?] clearance
 StayWithinMissionArea extends GoalTask:

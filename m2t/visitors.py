@@ -42,6 +42,7 @@ from mrsfi_runtime.errors import GenerationError, ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, OF_SENSOR, FaultType, Mode, Parameter
 
 _ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
+_AS_UNSET = (("required_members", 0), ("grace", 0))  # mean the same as no value
 
 
 def visit_mission_loader(models: LoadedModels) -> Mapping[str, Any]:
@@ -68,7 +69,7 @@ def call(element: Any) -> Call:
     arguments = tuple(
         (name, value)
         for name, value in given
-        if value not in (None, ()) and (name, value) != ("required_members", 0)
+        if value not in (None, ()) and (name, value) not in _AS_UNSET
     )
     return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))
 

@@ -373,6 +373,10 @@ class Goal(Identified):
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
         "How many members must satisfy the task, 0 to the number of members; all of them if 0 or unset. A task that is not judged member by member needs all: AvoidCollision, GatherSamples, FixedDistanceBetweenRobots.",
     )
+    grace = annotated(
+        ecore.EAttribute(eType=ecore.EInt, unsettable=True),
+        "For how many ticks in a row the rule of the task may be broken before that counts as a violation, 0 or more and below the duration of the mission; 0 if unset, so that one tick counts.",
+    )
     dependentGoals = annotated(
         ecore.EReference(upper=-1, derived_class=Values),
         "The goals that depend on this one.",

@@ -349,6 +349,8 @@ class Goal(Identified):
     """The robots that take part in the goal."""
     requiredMembers: int
     """How many members must satisfy the task, 0 to the number of members; all of them if 0 or unset. A task that is not judged member by member needs all: AvoidCollision, GatherSamples, FixedDistanceBetweenRobots."""
+    grace: int
+    """For how many ticks in a row the rule of the task may be broken before that counts as a violation, 0 or more and below the duration of the mission; 0 if unset, so that one tick counts."""
     dependentGoals: EList[Goal]
     """The goals that depend on this one."""
     requirements: EList[Requirement]
@@ -372,6 +374,7 @@ class Goal(Identified):
         name: str | None = ...,
         members: Iterable[Robot] = ...,
         requiredMembers: int | None = ...,
+        grace: int | None = ...,
         dependentGoals: Iterable[Goal] = ...,
         requirements: Iterable[Requirement] = ...,
         severity: int | None = ...,

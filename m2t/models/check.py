@@ -77,6 +77,7 @@ RANGES: Mapping[str, Range] = {
     "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
     "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
     "requiredMembers": Range("RequiredMembersNotNegative", 0),
+    "grace": Range("GraceNotNegative", 0),
     "severity": Range("SeverityInRange", 1, 10),
     "period": Range("PeriodPositive", 1),
     "deadline": Range("DeadlinePositive", 1),

@@ -166,6 +166,12 @@ def _check_goal(mission: Any, goal: Any, report: Report) -> None:
         report.add(goal, "GoalDependsOnOthers", finding)
     _check_figures(mission, goal.task, report)
     _check_required_members(goal, report)
+    if goal.grace >= mission.duration:
+        finding = (
+            f"has grace {goal.grace} in a mission of {mission.duration} ticks, so that it can "
+            "never be violated; expected a shorter one; correct one of them"
+        )
+        report.add(goal, "GraceInsideMission", finding)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
         check(mission.duration, goal, report)

@@ -337,6 +337,8 @@ def code(tmp_path_factory):
     for goal, required in (("g2", 2), ("g3", 1), ("g4", 0)):
         edit(models / MISSION, f'ID="{goal}"', f'ID="{goal}" requiredMembers="{required}"')
     edit(models / MISSION, '"mission:AvoidCollision"', '"mission:AvoidCollision" clearance="3.5"')
+    for goal, grace in (("g1", 1), ("g3", 0), ("g5", 40), ("g6", 199)):
+        edit(models / MISSION, f'ID="{goal}"', f'ID="{goal}" grace="{grace}"')
     generate(models, folder / "generated" / "uuv_sampling")
     return load_code(folder / "generated" / "uuv_sampling")
 
@@ -356,6 +358,7 @@ def test_generated_code_has_what_the_model_gives_and_no_more(code):
     assert counts == [2, 2, 1]
     assert re.findall(r"\bradius=(8\.5|0\.25|1\.0)\b", text) == ["8.5", "0.25"]
     assert re.findall(r"required_members=(\d)", text) == ["2", "1"]
+    assert re.findall(r"grace=(\d+)", text) == ["1", "40", "199"]
 
 
 @pytest.mark.parametrize(

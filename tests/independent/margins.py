@@ -7,24 +7,36 @@ from itertools import combinations
 from tests.independent.simulation import Flight, Goal, View, distance, gaps, off_track
 
 ARRIVALS = ("GatherSamples", "Visit")
-"""Of them "the ticks that are left" are the margin when that is first known."""
+"""Of them "the ticks left" are the margin when that is first known."""
+
+FORECASTS = ("SufficientEnergy", "GatherSamples")
+"""They "have none" after a violation."""
 
 
 class Margins:
-    """The least margin of each goal of a flight until now, and at which tick it was."""
+    """The margins of each goal of a flight at all ticks until now."""
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
+        self._alone: list[list[float]] = [[] for _ in flight.mission.goals]
+        self._arrived: set[int] = set()
         self.seen: list[list[float]] = [[] for _ in flight.mission.goals]
 
     def see(self) -> None:
-        """Look at the present tick; "a goal that was violated is not looked at any more"."""
+        """Look at the present tick."""
+        truth = self._flight.truth
         for goal in self._flight.mission.goals:
-            seen = self.seen[goal.index]
-            before = self._flight.counts["true"][goal.index] - self._flight.true[goal.index]
-            has_arrived = goal.task in ARRIVALS and seen and seen[-1] != math.inf
-            if not before and not has_arrived:
-                seen.append(margin(goal, self._flight.truth))
+            k, alone = goal.index, self._alone[goal.index]
+            before = self._flight.counts["true"][k] - self._flight.true[k]
+            is_over = k in self._arrived or (goal.task in FORECASTS and before)
+            alone.append(math.inf if is_over else margin(goal, truth))
+            if has_arrived(goal, truth):
+                self._arrived.add(k)
+            # "the greatest of this tick and the `grace` ticks before"
+            lasting = alone[-goal.grace - 1 :]
+            is_known = len(lasting) > goal.grace or goal.task in (*ARRIVALS, *FORECASTS)
+            now = alone[-1] if goal.task in (*ARRIVALS, *FORECASTS) else max(lasting)
+            self.seen[k].append(now if is_known else math.inf)
 
     def agree(self, goal: Goal, found: tuple[float, int] | None) -> bool:
         """Return whether a margin that was found is the least, and was there at its tick.
@@ -46,6 +58,14 @@ def kth(goal: Goal, values: Iterable[float]) -> float:
     return sorted(values, reverse=True)[goal.required - 1]
 
 
+def has_arrived(goal: Goal, truth: View) -> bool:
+    """Return whether a goal of ``ARRIVALS`` has what it waits for."""
+    notes = truth.notes[goal.index]
+    if goal.task == "GatherSamples":
+        return notes.count >= goal.target
+    return goal.task == "Visit" and bool(kth(goal, notes.reached.values()))
+
+
 def margin(goal: Goal, truth: View) -> float:
     """Return the margin of a goal at a tick: the table of [S Margins]; infinite if it has none."""
     notes = truth.notes[goal.index]
@@ -60,13 +80,13 @@ def margin(goal: Goal, truth: View) -> float:
             energies = [truth.energy[robot] for robot in goal.members]
             found = math.inf if truth.left else kth(goal, energies)
         case "GatherSamples":
-            found = truth.left if notes.count >= goal.target else math.inf
+            found = truth.left if has_arrived(goal, truth) else math.inf
         case "Patrol":
             found = goal.period - 1 - truth.tick + kth(goal, notes.since.values())
-        case "Visit" if kth(goal, notes.reached.values()):
-            found = goal.deadline - truth.tick
         case "Visit":
-            found = goal.deadline - truth.tick - 1 if truth.tick >= goal.deadline else math.inf
+            left = goal.deadline + goal.grace - truth.tick
+            is_late = left <= 0 and not has_arrived(goal, truth)
+            found = left - is_late if is_late or has_arrived(goal, truth) else math.inf
         case "Track":
             off = [off_track(goal, truth, robot) for robot in goal.members]
             found = kth(goal, [goal.tolerance - each if each >= 0 else math.inf for each in off])

@@ -203,6 +203,7 @@ class Goal:
         self.task = task.get("{http://www.w3.org/2001/XMLSchema-instance}type").split(":")[1]
         self.members = [mission.number[name] for name in goal.get("members").split()]
         self.required = int(goal.get("requiredMembers", 0)) or len(self.members)
+        self.grace = int(goal.get("grace", 0))
         # "AvoidCollision concerns the `robots` and `obstacles` of its task"
         self.robots = [mission.number[name] for name in task.get("robots", "").split()]
         self.obstacles = [mission.number[name] for name in task.get("obstacles", "").split()]
@@ -250,6 +251,7 @@ class View:  # what one side, truth or belief, knows at a tick
         self.count = [0 for _ in mission.sensors]
         self.active = [True for _ in mission.sensors]
         self.notes = [Notes(goal) for goal in mission.goals]
+        self.broken: list[list[bool]] = [[] for _ in mission.goals]  # rules, at each tick
         self.forget()
 
     def forget(self) -> None:
@@ -361,6 +363,12 @@ def too_few(goal: Goal, keeping: Iterable[bool]) -> bool:  # "fewer than k membe
 
 
 def is_violated(goal: Goal, view: View) -> bool:
+    """ "at each of the ticks `t - grace` … `t`" [S Grace]; false before tick `grace`."""
+    lasting = view.broken[goal.index][-goal.grace - 1 :]
+    return len(lasting) > goal.grace and all(lasting)
+
+
+def is_broken(goal: Goal, view: View) -> bool:
     """Third column of the table of [S Goals]."""
     notes = view.notes[goal.index]
     places = [view.position[robot] for robot in goal.robots or goal.members]
@@ -779,6 +787,8 @@ class Flight:
         """ "every goal notes its progress, then every goal is checked"."""
         for goal in self.mission.goals:
             note(goal, view)
+        for goal in self.mission.goals:
+            view.broken[goal.index].append(is_broken(goal, view))
         return [is_violated(goal, view) for goal in self.mission.goals]
 
     def deliver(self) -> None:

@@ -232,3 +232,46 @@ def test_a_route_of_one_area_flies_as_the_patrol_of_that_area(drawn, seed, perio
     other = flown(lambda task: type(task)(period=period, route=(task.area,)))
 
     assert one == other
+
+
+def strict():
+    """Return the mission with robots that are often too near to each other, or outside."""
+    mission = crowded()
+    first, *others = mission.goals
+    goals = (replace(first, task=replace(first.task, clearance=250.0)), *others)
+    return replace(mission, goals=goals, area=replace(mission.area, radius=340.0))
+
+
+def lasting(is_broken, grace):
+    """Return whether a rule was broken at a tick and at each tick of the grace before."""
+    return [all(is_broken[t - grace : t + 1]) and t >= grace for t in range(len(is_broken))]
+
+
+@law(40)
+@given(
+    specifications(),
+    st.integers(0, 3),
+    st.lists(st.sampled_from((0, 1, 2, 4, 10, DURATION - 1)), min_size=6, max_size=6),
+)
+def test_a_violation_counts_if_its_rule_was_broken_during_the_grace_too(faults, seed, graces):
+    """In truth and belief each by itself, so that a longer grace counts no more."""
+    mission = strict()
+    goals = zip(mission.goals, graces, strict=True)
+    graced = replace(mission, goals=tuple(replace(goal, grace=n) for goal, n in goals))
+
+    plain, found = (
+        ReferenceEngine(replace(CODE, mission=each), seed).record(faults)
+        for each in (mission, graced)
+    )
+
+    for name in ("is_true", "is_believed"):
+        rules = zip(plain[name].T.tolist(), graces, strict=True)
+        assert found[name].T.tolist() == [lasting(*each) for each in rules]
+    is_true, is_believed = found["is_true"] > 0, found["is_believed"] > 0
+    counts = {"true": is_true, "believed": is_believed}
+    counts |= {"phantom": is_believed & ~is_true, "masked": is_true & ~is_believed}
+    for name, at_tick in counts.items():
+        assert found[name][-1].tolist() == at_tick.sum(axis=0).tolist()
+    assert found["missed"][-1][:2].tolist() == (is_true.cumsum(axis=0) > 0).sum(axis=0)[:2].tolist()
+    assert found["missed"][-1][2:].tolist() == plain["missed"][-1][2:].tolist()
+    assert (found["margin"][-1][:2] < 0).tolist() == is_true.any(axis=0)[:2].tolist()

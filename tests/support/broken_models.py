@@ -104,6 +104,8 @@ UniquePropertyName | <position
     doubleProperties | doubleProperties 'hull'
 SpeedWithinMaximum | speed="4.0" | speed="4.0" maxSpeed="3.5" | ID="r2" | robots 'r2'
 GoalDependsOnOthers | ID="g2" | ID="g2" dependentGoals="g1 g2" | ID="g2" | goals 'g2'
+GraceNotNegative | ID="g2" | ID="g2" grace="-1" | ID="g2" | goals 'g2'
+GraceInsideMission | ID="g2" | ID="g2" grace="1000" | ID="g2" | goals 'g2'
 RequiredMembersAvailable | ID="g2" | ID="g2" requiredMembers="4" | ID="g2" | goals 'g2'
 RequiredMembersCounted | ID="g1" | ID="g1" requiredMembers="2" | ID="g1" | goals 'g1'
 AreaOrRoute | <task xsi:type="mission:StayWithinMissionArea"/>

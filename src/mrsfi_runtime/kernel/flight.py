@@ -29,7 +29,13 @@ from mrsfi_runtime.kernel.effects import Orders, arm, deliver, disturb, falsify,
 from mrsfi_runtime.kernel.forecast import ticks_left
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
-from mrsfi_runtime.kernel.goal_tasks.table import is_missed, margin, number
+from mrsfi_runtime.kernel.goal_tasks.table import (
+    LASTING,
+    is_forecast,
+    is_missed,
+    margin,
+    number,
+)
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.neighbours import LISTED, STRAYS, mapped, n_buckets, stride
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, PURPOSE_SAMPLES, choice, draw, seed_key
@@ -39,6 +45,7 @@ from mrsfi_runtime.kernel.state import (
     CommandState,
     DirectionState,
     GoalState,
+    GraceState,
     LookupState,
     MemberState,
     MissionState,
@@ -156,6 +163,11 @@ def initial_state(mission: Mission, seed: int) -> State:
         _add_robot(state, robot)
     for goal in mission.goals:
         _add_goal(state, mission, goal)
+    if any(goal.grace for goal in mission.goals):
+        for each, goal in zip(state.goals, mission.goals, strict=True):
+            is_lasting = goal.grace > 0 and each.task in LASTING
+            state.grace.append(GraceState(goal.grace, len(state.latest) if is_lasting else -1))
+            state.latest += [NO_MARGIN] * ((goal.grace + 2) * is_lasting)
     return state
 
 
@@ -298,9 +310,9 @@ class Verdicts:
     longer be met. ``broken`` counts from the first tick at which the goal is truly violated or
     missed, ``undetected`` from that tick until the belief first shows a violation.
 
-    ``margin`` is the least margin of the goal in truth, up to its first violation, and ``nearest``
-    its tick. ``due`` is the next tick at which the margin can be less, or at which the goal can be
-    missed without a violation.
+    ``margin`` is the least margin of the goal in truth, and ``nearest`` its tick. ``due`` is the
+    next tick at which the margin can be less, or at which the goal can be missed without a
+    violation.
     """
 
     is_true: list[int]
@@ -391,9 +403,16 @@ def perceive(functions: MissionFunctions, ci: State, inbox: State, plan: Plan, t
 
 @kernel
 def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None:
-    """Update the progress of all goals, then check which are violated in a state."""
+    """Update the progress of all goals, then check which are violated in a state.
+
+    A goal is violated while its rule is broken, and was at each of the ticks of its grace before.
+    """
     functions.progress(view)
     functions.check(view, violated)
+    for goal in range(len(view.grace)):
+        grace = view.grace[goal]
+        grace.n_broken = grace.n_broken + 1 if violated[goal] == 1 else 0
+        violated[goal] = 1 if grace.n_broken > grace.n_ticks else 0
 
 
 @kernel
@@ -425,16 +444,38 @@ def count(verdicts: Verdicts, world: State) -> None:
 
 @kernel
 def measure(verdicts: Verdicts, world: State, goal: int) -> None:
-    """Record a goal's margin if it is the least so far and the goal was not violated before.
+    """Record a goal's margin if it is the least so far; of a violated goal, only below 0.
 
-    The last tick is always checked, unless the goal is already both violated and missed.
+    The last tick is always checked, unless no violation can be nearer.
     """
-    tick = world.mission.tick
+    tick, task = world.mission.tick, world.goals[goal].task
     least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]
-    left, wait = margin(world, goal, world.goals[goal].task, least)
-    is_nearer = left < least and verdicts.true[goal] == verdicts.is_true[goal]
+    left, wait = margin(world, goal, task, least)
+    if len(world.grace) > 0 and world.grace[goal].first >= 0:
+        left, wait = lasting(world, world.grace[goal], left), 1
+    is_nearer = left < least and (left < 0.0 or verdicts.true[goal] == verdicts.is_true[goal])
     if is_nearer or verdicts.due[goal] == 0:
         verdicts.margin[goal] = left
         verdicts.nearest[goal] = tick
-    is_over = verdicts.true[goal] > 0 and verdicts.missed[goal] > 0
+    is_over = verdicts.true[goal] > 0 and verdicts.missed[goal] > 0 and is_forecast(task)
     verdicts.due[goal] = NEVER if is_over else tick + min(wait, max(ticks_left(world), 1))
+
+
+@kernel
+def lasting(world: State, grace: GraceState, left: float) -> float:
+    """Return the greatest margin of this tick and those of the grace before; undefined until then.
+
+    Ticks form blocks of that many. In ``world.latest``, the margins of this block precede, for each
+    place in the rest of the block before, the greatest from there on; last is the greatest of this
+    block.
+    """
+    latest = world.latest
+    last = grace.first + grace.n_ticks + 1
+    at = grace.first + world.mission.tick % (grace.n_ticks + 1)
+    if at == grace.first:
+        for place in range(last - 2, at - 1, -1):
+            latest[place] = max(latest[place], latest[place + 1])
+        latest[last] = left
+    latest[at] = left
+    latest[last] = max(latest[last], left)
+    return max(latest[last], latest[at + 1])

@@ -191,6 +191,19 @@ class RouteState:
 
 
 @dataclass(slots=True)
+class GraceState:
+    """The grace of a goal: for how many ticks in a row its rule may be broken, and has been so far.
+
+    ``first`` is the place in ``State.latest`` of its margins of the last ``n_ticks`` + 1 ticks; -1
+    if they are not needed.
+    """
+
+    n_ticks: int
+    first: int
+    n_broken: int = 0
+
+
+@dataclass(slots=True)
 class PointState:
     """A point of a trajectory."""
 
@@ -305,7 +318,8 @@ class State:
     how many members must keep to the rule of its task, ``apart`` the greatest distance of two
     centres at which robots can be too near for it.
     ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
-    is scratch space.
+    is scratch space. ``grace``, which is empty unless a goal has some, and the ``latest`` margins
+    change, but are never recorded or hashed.
     """
 
     mission: MissionState
@@ -329,6 +343,8 @@ class State:
     cells: tuple[int, ...]
     mapped: tuple[MappedState, ...]
     lookup: LookupState
+    grace: list[GraceState] = field(default_factory=list)
+    latest: list[float] = field(default_factory=list)
 
 
 _HINTS = get_type_hints(State)

@@ -242,7 +242,8 @@ class Requirement:
 class Goal:
     """A goal of its members, which are robot IDs.
 
-    ``required_members`` is how many of them must keep to the task; 0 stands for all.
+    ``required_members`` is how many of them must keep to the task; 0 stands for all. ``grace`` is
+    for how many ticks in a row the rule of the task may be broken before the goal is violated.
     ``requirements`` are the IDs of those that are violated if the goal fails. ``severity`` is 1 to
     10, 0 if nobody has rated it; ``integrity_level`` is a name, such as ASIL B.
     """
@@ -255,6 +256,7 @@ class Goal:
     messages: tuple[Message, ...] = ()
     dependent_goals: tuple[str, ...] = ()
     required_members: int = 0
+    grace: int = 0
     requirements: tuple[str, ...] = ()
     severity: int = 0
     integrity_level: str = ""

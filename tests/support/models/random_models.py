@@ -263,6 +263,8 @@ def _make_sense(mission: Any, rng: random.Random) -> None:
             goal.task.area = None
         elif goal.task.eClass.name == "Patrol":
             _give_area(goal.task, goal.ID)
+        if goal.eIsSet("grace"):
+            goal.grace = rng.randrange(mission.duration)
         if goal.eIsSet("requiredMembers"):
             is_joint = goal.task.eClass.name in JOINT
             goal.requiredMembers = 0 if is_joint else rng.randint(0, len(goal.members))

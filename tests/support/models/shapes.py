@@ -199,6 +199,9 @@ def write_drawn(folder: Path, rng: Random, of: Shape, longest: int, shortest: in
     """Draw a mission of a shape, its duration in ticks too, and its pool; return their folder."""
     mission = _Parts(rng, of).mission()
     mission.duration = rng.randint(shortest, longest)
+    for goal in mission.goals:
+        if rng.random() < 0.4:
+            goal.grace = min(rng.choice((0, 1, 2, 7, longest)), mission.duration - 1)
     return builder.write(folder, mission, draw_pool(rng, of, mission))
 
 

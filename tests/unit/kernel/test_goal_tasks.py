@@ -21,13 +21,13 @@ from mrsfi_runtime.api import (
 )
 from mrsfi_runtime.kernel.commands import move, set_speed, steer, switch_sensor
 from mrsfi_runtime.kernel.effects import issue
-from mrsfi_runtime.kernel.flight import count, initial_state, no_verdicts
+from mrsfi_runtime.kernel.flight import count, initial_state, lasting, no_verdicts
 from mrsfi_runtime.kernel.forecast import energy_reserve
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, patience
 from mrsfi_runtime.kernel.goal_tasks.table import is_missed
 from mrsfi_runtime.kernel.injections import Plan
-from mrsfi_runtime.kernel.state import excess
+from mrsfi_runtime.kernel.state import GraceState, excess
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle, Outcome
 from tests.support.world import MEMBERS, mission, robot, state
 
@@ -521,3 +521,17 @@ def test_a_margin_is_looked_at_before_it_can_be_the_least(left, least, speed):
 )
 def test_what_cannot_come_nearer_is_not_looked_at(left, speed, expected):
     assert patience(left, 1.0, speed) == expected
+
+
+@given(st.lists(st.floats(-9.0, 9.0), min_size=1), st.data())
+def test_the_margin_of_a_grace_is_the_greatest_of_its_ticks(margins, data):
+    grace = data.draw(st.integers(1, len(margins)))
+    world = state(StayWithinMissionArea())
+    world.grace, world.latest = [GraceState(grace, 0)], [NO_MARGIN] * (grace + 2)
+
+    found = []
+    for world.mission.tick, left in enumerate(margins):
+        found.append(lasting(world, world.grace[0], left))
+
+    first = [NO_MARGIN] * min(grace, len(margins))
+    assert found == first + [max(margins[t - grace : t + 1]) for t in range(grace, len(margins))]

@@ -90,6 +90,12 @@ def patience(left: float, least: float, speed: float) -> int:
 
 
 @kernel
+def grace_of(view: State, g: int) -> int:
+    """Return for how many ticks in a row the rule of a goal may be broken."""
+    return view.grace[g].n_ticks if len(view.grace) > 0 else 0
+
+
+@kernel
 def top_speed(view: State, goal: GoalState) -> float:
     """Return the distance that any member of a goal can move in a tick."""
     most = 0.0

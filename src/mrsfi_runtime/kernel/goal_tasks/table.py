@@ -69,6 +69,9 @@ TRACK = TASKS.index(track.Track)
 STAY = TASKS.index(stay.Stay)
 VISIT = TASKS.index(visit.Visit)
 
+LASTING = tuple(n for n in range(OWN_TASK) if n not in {ENERGY, SAMPLES, VISIT})
+"""Tasks that have a margin at every tick; those of the others are of arrivals, or of the end."""
+
 
 @kernel
 def is_missed(world: State, g: int, violated: int) -> bool:
@@ -89,6 +92,12 @@ def is_missed(world: State, g: int, violated: int) -> bool:
         if task == STAY:
             return stay.is_unfinished(world, g)
     return violated == 1
+
+
+@kernel
+def is_forecast(task: int) -> bool:
+    """Return whether violations of a task are forecasts, which have no margin."""
+    return task == ENERGY or task == SAMPLES  # noqa: PLR1714 - a compiler takes no set
 
 
 @kernel

@@ -8,6 +8,7 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     NEVER,
     NO_MARGIN,
     depth,
+    grace_of,
     kth_best,
     note_presence,
     patience,
@@ -66,18 +67,16 @@ decisive = kth_best(earliness)
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the ticks to spare when the last required member arrives; less the later it is.
+    """Return the ticks to spare when the last required member arrives, or minus how late it is.
 
-    Before that, the margin is undefined.
+    It is undefined before the deadline if a member is awaited. If one still is, it is late.
     """
-    if least < NO_MARGIN:
-        return least, NEVER
-    left = world.goals[g].deadline - world.mission.tick
+    left = world.goals[g].deadline + grace_of(world, g) - world.mission.tick
     wait = int(-decisive(world, g))
     if wait == 0:
-        return float(left), NEVER
+        return (float(left) if least == NO_MARGIN else least), NEVER
     if left <= 0:
-        return left - 1.0, 1
+        return left - 1.0, max(wait - 1, 1)
     return NO_MARGIN, min(wait, left)
 
 
