@@ -90,6 +90,8 @@ UniqueReference (dropped): a list of references names each element once
 LocalReference (file): references between files lead to files of the mission, in its project
 DurationInRange (mission): the duration of a mission or a trigger is 1 to 10,000,000 ticks
 RadiusPositive (mission): an area or a robot has a radius above 0
+AreaShape (mission): an area has either a radius or 3 to 64 corners; only obstacles and the areas of
+    GatherSamples, Patrol and Stay have corners
 SpeedNotNegative (mission): a speed is not below 0
 TurnRateInRange (mission): a turn rate is above 0 and at most 180 degrees per tick
 NoiseNotNegative (mission): a noise is not below 0
@@ -107,6 +109,8 @@ FixedDistancePositive (mission): a fixed distance is above 0
 DelayNotNegative (faults): delays, also of triggers, and block durations are 0 to 2,147,483,647
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
 LikelihoodInRange (faults): the likelihood of a fault is 0 to 1
+PolygonEdges (mission): the edges of a polygon meet at its corners only
+PolygonCenter (mission): the centre of a polygon is inside it
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
 MessageFieldType (mission): a message field is of type Coordinates, Int, Double or String

@@ -61,7 +61,7 @@ IntProperty: attr EString[1] name, attr EInt[1] value
 StringProperty: attr EString[1] name, attr EString[1] value
 DoubleProperty: attr EString[1] name, attr EDouble[1] value
 Coordinates: attr EDouble[?] x, attr EDouble[?] y, attr EDouble[?] z
-Area: {_IDENTIFIED}, attr EDouble[1] radius, val Coordinates[?] center
+Area: {_IDENTIFIED}, attr EDouble[?] radius, val Coordinates[?] center, val Coordinates[*] corners
 Obstacle: {_IDENTIFIED}, val Area[1] area
 Message: {_IDENTIFIED}, attr EString[?] header, ref Station[1] sender, ref Station[1] receiver,
     val MessageData[+] body

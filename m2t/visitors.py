@@ -71,7 +71,11 @@ def call(element: Any) -> Call:
         for name, value in given
         if value not in (None, ()) and (name, value) not in _AS_UNSET
     )
-    return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))
+    is_polygon = metaclass.name == "Area" and len(element.corners) > 0
+    if is_polygon and element.center is None:  # it is calculated, and not the origin
+        arguments = tuple(each for each in arguments if each[0] != "center")
+    name = "polygon" if is_polygon else metaclass.name
+    return Call(name, arguments, is_flat=not any(slot.is_id for slot in known))
 
 
 def _value(element: Any, slot: Slot) -> Expression:

@@ -288,16 +288,20 @@ class Coordinates(Element, ecore.EObject, metaclass=ecore.MetaEClass):
 
 
 @described(
-    "A disc in the plane.",
+    "An area in the plane: a disc, or a polygon if it has corners.",
 )
 class Area(Identified):
     radius = annotated(
-        ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "The radius of the disc in distance units, above 0.",
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "The radius of the disc in distance units, above 0; a polygon has none.",
     )
     center = annotated(
         ecore.EReference(containment=True),
-        "The centre of the disc; the origin if absent.",
+        "The centre of the disc; the origin if absent. Of a polygon, a point inside it, for which robots head; if absent, a point far inside is chosen.",
+    )
+    corners = annotated(
+        ecore.EReference(upper=-1, derived_class=Values, containment=True),
+        "The corners of a polygon, 3 to 64, in order along its edge. A disc has none. Obstacles, and the areas of GatherSamples, Patrol and Stay, may be polygons.",
     )
 
 
@@ -307,7 +311,7 @@ class Area(Identified):
 class Obstacle(Identified):
     area = annotated(
         ecore.EReference(lower=1, containment=True),
-        "The disc that the obstacle occupies.",
+        "The disc or polygon that the obstacle occupies.",
     )
 
 
@@ -553,6 +557,7 @@ Robot.sensors.eType = Sensor.eClass
 Robot.batteries.eType = Battery.eClass
 Robot.motionSources.eType = MotionSource.eClass
 Area.center.eType = Coordinates.eClass
+Area.corners.eType = Coordinates.eClass
 Obstacle.area.eType = Area.eClass
 Message.sender.eType = Station.eClass
 Message.receiver.eType = Station.eClass

@@ -267,25 +267,28 @@ class Coordinates(Element):
     ) -> None: ...
 
 class Area(Identified):
-    """A disc in the plane."""
+    """An area in the plane: a disc, or a polygon if it has corners."""
 
     radius: float
-    """The radius of the disc in distance units, above 0."""
+    """The radius of the disc in distance units, above 0; a polygon has none."""
     center: Coordinates | None
-    """The centre of the disc; the origin if absent."""
+    """The centre of the disc; the origin if absent. Of a polygon, a point inside it, for which robots head; if absent, a point far inside is chosen."""
+    corners: EList[Coordinates]
+    """The corners of a polygon, 3 to 64, in order along its edge. A disc has none. Obstacles, and the areas of GatherSamples, Patrol and Stay, may be polygons."""
     def __init__(
         self,
         *,
         ID: str | None = ...,
         radius: float | None = ...,
         center: Coordinates | None = ...,
+        corners: Iterable[Coordinates] = ...,
     ) -> None: ...
 
 class Obstacle(Identified):
     """Something in the mission area that robots must not touch."""
 
     area: Area
-    """The disc that the obstacle occupies."""
+    """The disc or polygon that the obstacle occupies."""
     def __init__(
         self,
         *,

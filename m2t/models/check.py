@@ -21,7 +21,7 @@ from urllib.parse import unquote
 from pyecore.ecore import EEnum
 
 from m2t.diagnostics import Defect, Report, listed, shown
-from m2t.metaclasses import Slot, concrete_classes, conforms, slots
+from m2t.metaclasses import Slot, base_class, concrete_classes, conforms, slots
 from m2t.read import (
     ROOT_ATTRIBUTES,
     XMI,
@@ -34,6 +34,7 @@ from m2t.read import (
     resolved_path,
 )
 from mrsfi_runtime.model.faults import LAST, MOST
+from mrsfi_runtime.model.polygons import MOST_CORNERS
 
 MAX_NAME_LENGTH = 200
 MAX_TEXT_LENGTH = 2_000
@@ -88,6 +89,9 @@ RANGES: Mapping[str, Range] = {
     "delay": _TICKS,
 }
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
+
+POLYGONS = {("Patrol", "route"), *((of, "area") for of in ("Obstacle", "Goal", "Patrol", "Stay"))}
+"""Classes and their features whose areas may be polygons."""
 
 
 def require_value(slot: Slot, text: str) -> None:
@@ -245,6 +249,24 @@ class _Checker:
             count = given[slot.name]
             if count < slot.lower_bound or (count > 1 and not slot.many):
                 report_count(node, slot, count, self._report)
+        if base_class(metaclass).name == "Area":
+            self._shape(node, given["corners"], has_radius=given["radius"] > 0)
+
+    def _shape(self, node: Node, n_corners: int, *, has_radius: bool) -> None:
+        """Check that an area is a disc, or a polygon where that is allowed."""
+        parent = node.parent
+        owner = "" if parent is None else base_class(parent.metaclass).name
+        if not n_corners:
+            finding = "" if has_radius else "has no radius; expected one, or corners; add one"
+        elif (owner, node.tag) not in POLYGONS:
+            finding = "has corners; expected a disc here; give it a radius instead"
+        elif has_radius:
+            finding = "has a radius and corners; expected one of them; delete the other"
+        else:
+            finding = f"has {n_corners} corners; expected 3 to {MOST_CORNERS}; correct them"
+            finding = "" if 3 <= n_corners <= MOST_CORNERS else finding
+        if finding:
+            self._report.add(node, "AreaShape", finding)
 
     def _attribute(self, node: Node, name: str, text: str) -> int:
         """Check an attribute; return the number of its values."""

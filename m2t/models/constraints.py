@@ -13,7 +13,7 @@ Source paper, section III-B a) and b).
 import math
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -26,6 +26,8 @@ from m2t.models.check import ModelTree
 from m2t.models.write import java_double
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
+from mrsfi_runtime.model.mission import Coordinates, polygon
+from mrsfi_runtime.model.polygons import meeting, near, off_polygon
 
 if TYPE_CHECKING:
     from m2t.read import Node
@@ -59,7 +61,8 @@ def check_mission(mission: Any, report: Report) -> None:
             report.add(entry, "UniquePropertyName", finding)
     outer = mission.missionArea
     for area in areas(mission):
-        if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
+        _check_polygon(area, report)
+        if _reach(area, point(outer.center)) > outer.radius:
             finding = (
                 f"reaches beyond the mission area (radius {number(outer.radius)}); expected an "
                 "area inside it; correct one of them"
@@ -79,6 +82,17 @@ def distance(one: Point, other: Point) -> float:
     """Return the distance between two points, rounded as in ``mission.evl``."""
     dx, dy = one[0] - other[0], one[1] - other[1]
     return math.sqrt(dx * dx + dy * dy)
+
+
+def corners(area: Any) -> list[Coordinates]:
+    """Return the corners of an area; a disc has none."""
+    return [Coordinates(each.x, each.y) for each in area.corners]
+
+
+def _reach(area: Any, place: Point) -> float:
+    """Return the distance of the farthest point of an area."""
+    away = [distance(point(each), place) for each in area.corners]
+    return max(away) if away else distance(point(area.center), place) + area.radius
 
 
 def strangers(goal: Any) -> list[Any]:
@@ -118,6 +132,22 @@ def _ids(elements: Any) -> str:
     return listed([str(element.ID) for element in elements]) or "none"
 
 
+def _check_polygon(area: Any, report: Report) -> None:
+    edge = corners(area)
+    met = meeting(edge) if edge else None
+    if met is not None:
+        finding = (
+            f"has edges {met[0] + 1} and {met[1] + 1}, counted from its first corner, that meet; "
+            "expected edges that meet at their common corners only; correct the corners"
+        )
+        report.add(area, "PolygonEdges", finding)
+        return
+    is_given = bool(edge) and area.center is not None
+    if is_given and off_polygon(edge, 0, len(edge), *point(area.center)) >= -near(edge):
+        finding = "has a center outside its edges; expected one inside; correct or delete it"
+        report.add(area, "PolygonCenter", finding)
+
+
 def _check_robot(mission: Any, robot: Any, report: Report) -> None:
     if is_set(robot, "maxSpeed") and robot.speed > robot.maxSpeed:
         finding = (
@@ -149,7 +179,9 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
 def _check_starts(mission: Any, report: Report) -> None:
     others = Discs(max(robot.radius for robot in mission.robots))
     for obstacle in mission.obstacles:
-        others.add(obstacle, point(obstacle.area.center), obstacle.area.radius)
+        edge = corners(obstacle.area)
+        disc = polygon("", tuple(edge)) if edge else obstacle.area
+        others.add(obstacle, point(disc.center), disc.radius, edge)
     for robot in mission.robots:
         place = point(robot.position)
         touched = others.first_around(place, robot.radius)
@@ -307,15 +339,17 @@ class Discs:
 
     def __init__(self, widest: float = 0.0) -> None:
         self._widest = widest
-        self._discs: list[tuple[Any, Point, float]] = []
+        self._discs: list[tuple[Any, Point, float, Sequence[Coordinates]]] = []
         self._grids: dict[float, dict[tuple[int, int], list[int]]] = {}
 
-    def add(self, element: Any, center: Point, radius: float) -> None:
-        """Add a disc after all others."""
+    def add(
+        self, element: Any, center: Point, radius: float, edge: Sequence[Coordinates] = ()
+    ) -> None:
+        """Add a disc, or a polygon inside it, after all others."""
         width = 2.0 ** math.frexp(radius + self._widest)[1]
         cells = self._grids.setdefault(width, defaultdict(list))
         cells[_cell(center, width)].append(len(self._discs))
-        self._discs.append((element, center, radius))
+        self._discs.append((element, center, radius, edge))
 
     def first_around(self, point: Point, own: float = 0.0) -> Any:
         """Return the element of the first disc that meets one of radius ``own``, or ``None``."""
@@ -324,8 +358,9 @@ class Discs:
             x, y = _cell(point, width)
             for dx, dy in product((-1, 0, 1), repeat=2):
                 for number in cells.get((x + dx, y + dy), ()):
-                    _, center, radius = self._discs[number]
-                    if distance(point, center) < radius + own:
+                    _, center, radius, edge = self._discs[number]
+                    is_near = distance(point, center) < radius + own
+                    if is_near and (not edge or off_polygon(edge, 0, len(edge), *point) < own):
                         found.append(number)
                         break
         return self._discs[min(found)][0] if found else None

@@ -44,5 +44,6 @@ from mrsfi_runtime.model.mission import (
     Sensor,
     Server,
     StringProperty,
+    polygon,
 )
 from mrsfi_runtime.transport.topics import PubSub

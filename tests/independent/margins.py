@@ -92,7 +92,7 @@ def margin(goal: Goal, truth: View) -> float:
             found = kth(goal, [goal.tolerance - each if each >= 0 else math.inf for each in off])
         case "Stay":
             ways = [
-                distance(truth.position[robot], goal.area.center) if has_been else -math.inf
+                goal.area.off(truth.position[robot]) if has_been else -math.inf
                 for robot, has_been in notes.reached.items()
             ]
             found = kth(goal, [goal.area.radius - way for way in ways])

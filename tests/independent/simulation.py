@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 from lxml import etree
 
+from tests.independent.polygon import middle, off_edges
+
 METAMODEL = Path(__file__).parents[2] / "metamodels" / "faults.ecore"
 WORD = 0xFFFFFFFF
 DIRECTIONS = [(math.cos(math.radians(d)), math.sin(math.radians(d))) for d in range(360)]
@@ -109,14 +111,24 @@ def ahead(place: Place, way: float, direction: Direction) -> Place:
     return place[0] + way * direction[0], place[1] + way * direction[1], place[2]
 
 
-class Disc(NamedTuple):
+class Disc(NamedTuple):  # or polygon, with its corners as offsets from the centre
     center: Place
     radius: float
+    corners: Sequence[Direction] = ()
+
+    def off(self, place: Sequence[float], center: Place | None = None) -> float:
+        """Return "the distance from the centre", as [S Polygons] counts it."""
+        x, y, _ = center or self.center
+        if not self.corners:
+            return distance((x, y), place)
+        return self.radius + off_edges(self.corners, place[0] - x, place[1] - y)
 
     def has(self, place: Place) -> bool:
-        return not exceeds(distance(self.center, place), self.radius)
+        return not exceeds(self.off(place), self.radius)
 
     def has_well(self, place: Place) -> bool:
+        if self.corners:
+            return self.radius - self.off(place) >= 0.001 * -off_edges(self.corners, 0, 0)
         return distance(self.center, place) <= 0.999 * self.radius
 
 
@@ -162,7 +174,7 @@ def turned(last: Direction, wanted: Direction, rate: float) -> Direction:
 
 
 def place_of(element: Any) -> Place:
-    """ "a robot without `position` and an area without `center` are at the origin"."""
+    """ "a robot without `position` and a disc without `center` are at the origin"."""
     x, y, z = (0.0 if element is None else float(element.get(axis, 0)) for axis in "xyz")
     return x, y, z
 
@@ -170,7 +182,12 @@ def place_of(element: Any) -> Place:
 def disc_of(element: Any) -> Disc:
     if element is None:
         return Disc((0.0, 0.0, 0.0), 0.0)
-    return Disc(place_of(element.find("center")), float(element.get("radius", 0)))
+    corners = [place_of(each) for each in element.findall("corners")]
+    given = element.find("center")
+    center = place_of(given) if given is not None or not corners else middle(corners)
+    offsets = [(x - center[0], y - center[1]) for x, y, _ in corners]
+    far = max((distance((0, 0), each) for each in offsets), default=0.0)
+    return Disc(center, float(element.get("radius", far)), offsets)
 
 
 class Mission:

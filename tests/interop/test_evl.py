@@ -34,7 +34,7 @@ from tests.support.models.split import PARTS, Parts, split_folder, write_split
 
 TIGHT = MODELS.parent / "tight_margins"
 RATED = MODELS.parent / "undersea"  # requirement R2 and goal r2
-N_MIXED = 120
+N_MIXED = 160
 N_DRAWN = 20
 _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 

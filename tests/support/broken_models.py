@@ -153,6 +153,22 @@ FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
 FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Visit" deadline="9" tolerance="4000.5"><coordinates/></task> | Visit
     task of goals 'g2'
+AreaShape | <area ID="a9" radius="45.0"> | <area ID="a9"> | ID="a9" | area 'a9'
+AreaShape | radius="45.0"> | radius="45.0"><corners/><corners x="9"/><corners y="9"/> | ID="a9"
+    area 'a9'
+AreaShape | radius="45.0"> | ><corners/><corners x="9"/> | ID="a9" | area 'a9'
+AreaShape | radius="2000.0"> | ><corners/><corners x="9"/><corners y="9"/> | ID="a15"
+    missionArea 'a15'
+PolygonEdges | radius="45.0">
+    ><corners x="1"/><corners x="9" y="9"/><corners x="9"/><corners y="9"/> | ID="a9" | area 'a9'
+PolygonEdges | radius="45.0"> | ><corners/><corners/><corners x="9" y="9"/><corners x="500"/>
+    ID="a9" | area 'a9'
+PolygonCenter | radius="45.0"> | ><corners/><corners x="600"/><corners x="700" y="9"/> | ID="a9"
+    area 'a9'
+AreaInsideMission | radius="45.0">\n      <center x="500.0" z="1.0"/>
+    ><corners/><corners x="1999" y="99"/><corners y="9"/> | ID="a9" | area 'a9'
+RobotStartsClear | radius="45.0">\n      <center x="500.0" z="1.0"/>
+    ><corners/><corners x="249.5" y="-249.9"/><corners x="300"/> | ID="r1" | robots 'r1'
 """
 
 _IN_FAULTS = r"""

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.patches import Circle, Patch, Polygon, Rectangle
 from matplotlib.text import Annotation
 
 from mrsfi_runtime.analysis import plots
@@ -26,7 +26,7 @@ from mrsfi_runtime.analysis.plots import BELIEVED, BLUE, GRID, INK, PAPER, ROCK,
 from mrsfi_runtime.analysis.story import Story, window_around, windows, working_window
 from mrsfi_runtime.files import temporary_files_writable
 from mrsfi_runtime.model.fault_types import Range
-from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
+from mrsfi_runtime.model.mission import Coordinates, Goal, Mission, Offsets
 
 Place: TypeAlias = tuple[float, float]
 
@@ -242,14 +242,16 @@ def _draw_mission(
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
         spot = (disc.x, disc.y)
-        axes.add_patch(Circle(spot, disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
-        _disc(axes, spot, disc.radius, "none", colour, 1.2, 1.1)
+        shape = _shape(spot, disc.radius, disc.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
+        axes.add_patch(shape)
+        _disc(axes, spot, disc.radius, "none", colour, 1.2, 1.1, disc.offsets)
     for goal in _with_paths(mission):
         path = [_of(point) for point in goal.terms.path]
         colour = colours.get(goal.members[0], SOFT)
         axes.plot(*zip(*path, strict=True), color=colour, **_TRAJECTORY, zorder=1.5)
     for obstacle in mission.obstacles:
-        _disc(axes, _of(obstacle.area.center), obstacle.area.radius, ROCK, INK, 0.8, 2)
+        area = obstacle.area
+        _disc(axes, _of(area.center), area.radius, ROCK, INK, 0.8, 2, area.offsets)
     size, edge = (14, 0.2) if is_small else (95, 0.8)
     for robot in mission.robots:
         (x, y), colour = _of(robot.position), colours[robot.id]
@@ -266,24 +268,39 @@ def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[
 
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
-        label(f"{disc.label} {disc.goal.name}", (disc.x, disc.y + disc.radius), 5, color=colour)
+        high = max((dy for _, dy in disc.offsets), default=disc.radius)
+        label(f"{disc.label} {disc.goal.name}", (disc.x, disc.y + high), 5, color=colour)
     for goal in _with_paths(mission):
         colour = colours.get(goal.members[0], SOFT)
         for point in goal.terms.trajectory[:1]:
             label(f"{goal.id} {goal.name}", _of(point), 7, color=colour)
     if len(mission.obstacles) <= _MANY_OBSTACLES:
         for obstacle in mission.obstacles:
-            x, y = _of(obstacle.area.center)
-            label(obstacle.id, (x, y - obstacle.area.radius), -13, color=SOFT)
+            area, (x, y) = obstacle.area, _of(obstacle.area.center)
+            low = min((dy for _, dy in area.offsets), default=-area.radius)
+            label(obstacle.id, (x, y + low), -13, color=SOFT)
     for robot in mission.robots:
         label(robot.name or robot.id, _of(robot.position), -18, weight="bold", zorder=4)
     return labels
 
 
 def _disc(
-    axes: Axes, spot: Place, radius: float, face: str, edge: str, width: float, order: float
+    axes: Axes,
+    spot: Place,
+    radius: float,
+    face: str,
+    edge: str,
+    width: float,
+    order: float,
+    offsets: Offsets = (),
 ) -> None:
-    axes.add_patch(Circle(spot, radius, fc=face, ec=edge, lw=width, zorder=order))
+    axes.add_patch(_shape(spot, radius, offsets, fc=face, ec=edge, lw=width, zorder=order))
+
+
+def _shape(spot: Place, radius: float, offsets: Offsets, **style: Any) -> Patch:
+    """Return a disc, or a polygon."""
+    corners = [(spot[0] + dx, spot[1] + dy) for dx, dy in offsets]
+    return Polygon(corners, **style) if corners else Circle(spot, radius, **style)
 
 
 def _with_paths(mission: Mission) -> list[Goal]:

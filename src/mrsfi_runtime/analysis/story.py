@@ -20,7 +20,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.tables import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import Coordinates, GoalDisc, Mission, Offsets
 from mrsfi_runtime.record.observers import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
@@ -210,7 +210,6 @@ class Flown:
 def mission_content(mission: Mission) -> dict[str, Any]:
     """Return what the page shows of a mission without a flight."""
     area, units = mission.area, mission.units
-    obstacles = ((each.id, each.area.center, each.area.radius) for each in mission.obstacles)
     length, speed = units.distance, units.of(Range.SPEED) if units.distance else ""
     return {
         "name": mission.name,
@@ -221,18 +220,24 @@ def mission_content(mission: Mission) -> dict[str, Any]:
             {"id": robot.id, "name": robot.name, "radius": robot.radius} for robot in mission.robots
         ],
         "obstacles": [
-            {"id": name, "x": center.x, "y": center.y, "radius": radius}
-            for name, center, radius in obstacles
+            {"id": each.id, **_shape(each.area.center, each.area.radius, each.area.offsets)}
+            for each in mission.obstacles
         ],
         "goals": [
             {"id": goal.id, "name": goal.name, "label": goal.name or goal.id}
             for goal in mission.goals
         ],
         "discs": [
-            {"goal": disc.label, "x": disc.x, "y": disc.y, "radius": disc.radius}
+            {"goal": disc.label, **_shape(disc, disc.radius, disc.offsets)}
             for disc in mission.goal_discs
         ],
     }
+
+
+def _shape(center: Coordinates | GoalDisc, radius: float, offsets: Offsets) -> dict[str, Any]:
+    """Return a disc; of a polygon also its corners."""
+    found = {"x": center.x, "y": center.y, "radius": radius}
+    return found | ({"corners": offsets} if offsets else {})
 
 
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:

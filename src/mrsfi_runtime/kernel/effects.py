@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mrsfi_runtime.kernel.commands import feasible, reported_place, reports_position, turned
-from mrsfi_runtime.kernel.geometry import inside, scattered
+from mrsfi_runtime.kernel.geometry import scattered, within
 from mrsfi_runtime.kernel.goal_tasks.table import is_reached
 from mrsfi_runtime.kernel.injections import (
     ACTIVATION,
@@ -286,7 +286,8 @@ def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState
         return is_reached(world, trigger.of)
     if trigger.event == ENTERED:
         robot = world.robots[trigger.of]
-        return inside(robot.x, robot.y, trigger.x, trigger.y, trigger.radius)
+        dx, dy = robot.x - trigger.x, robot.y - trigger.y
+        return within(world, trigger.first_corner, trigger.n_corners, trigger.radius, dx, dy)
     for source in range(trigger.first_source, trigger.first_source + trigger.n_sources):
         if plan.tallies[plan.sources[source]].changed > 0:
             return True

@@ -60,6 +60,9 @@ from mrsfi_runtime.kernel.state import (
     kernel,
 )
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Robot
+from mrsfi_runtime.model.polygons import off_polygon
+
+Corners: TypeAlias = tuple[PointState, ...]
 
 Samples: TypeAlias = tuple[bytes, ...]
 """Valid samples of each sensor, one row per tick, each below 256; ``commands.move`` adds them."""
@@ -136,6 +139,9 @@ def initial_state(mission: Mission, seed: int) -> State:
     far as any reaction looks ahead.
     """
     area = mission.area
+    corners = tuple(
+        PointState(float(x), float(y)) for each in mission.polygons for x, y in each.offsets
+    )
     fastest = max((robot.fastest for robot in mission.robots), default=0.0)
     widest = max((robot.radius for robot in mission.robots), default=0.0)
     clearance = max((goal.terms.clearance for goal in mission.goals), default=0.0)
@@ -154,6 +160,8 @@ def initial_state(mission: Mission, seed: int) -> State:
         obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
         traits=tuple(map(_traits, mission.robots)),
         directions=DIRECTIONS,
+        outlines=tuple(_area(mission, corners, each.area) for each in mission.obstacles),
+        corners=corners,
         map=map_,
         cells=cells,
         mapped=shown,
@@ -243,9 +251,12 @@ def _traits(robot: Robot) -> TraitState:
     return TraitState(math.cos(turn), turn_y, noise, radius)
 
 
-def _area(area: Area, tolerance: float) -> AreaState:
-    x, y = float(area.center.x), float(area.center.y)
-    return AreaState(x=x, y=y, radius=float(area.radius) + float(tolerance))
+def _area(mission: Mission, corners: Corners, area: Area, tolerance: float = 0.0) -> AreaState:
+    x, y, radius = float(area.center.x), float(area.center.y), float(area.radius)
+    if not area.corners:
+        return AreaState(x, y, radius + float(tolerance), 0, 0, 0.0)
+    first, n = mission.polygons[area], len(area.corners)
+    return AreaState(x, y, radius, first, n, -off_polygon(corners, first, n, 0.0, 0.0))
 
 
 def _obstacle(area: Area) -> ObstacleState:
@@ -281,7 +292,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
     state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
     state.routes += (RouteState(len(state.areas), len(areas)),) * len(terms.robots)
-    state.areas += tuple(_area(each, terms.tolerance) for each in areas)
+    state.areas += tuple(_area(mission, state.corners, each, terms.tolerance) for each in areas)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

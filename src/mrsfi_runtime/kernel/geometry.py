@@ -1,9 +1,17 @@
-"""Distances and discs in the plane."""
+"""Distances, discs and polygons in the plane.
+
+The distance of a point from the centre of a polygon counts as the polygon's radius plus the signed
+distance from its edges (``away``), so that the rules for discs hold for polygons as they stand.
+"""
 
 import math
 
 from mrsfi_runtime.kernel.randomness import choice, uniform
-from mrsfi_runtime.kernel.state import RESERVE, State, excess, kernel
+from mrsfi_runtime.kernel.state import RESERVE, AreaState, State, excess, kernel
+from mrsfi_runtime.model.polygons import crosses, off_polygon, off_segment, off_way
+
+for each in (crosses, off_polygon, off_segment, off_way):
+    kernel(each)
 
 
 @kernel
@@ -50,10 +58,38 @@ def overlap(dx: float, dy: float, reach: float) -> bool:
 
 
 @kernel
-def off_segment(x: float, y: float, end_x: float, end_y: float) -> float:
-    """Return the distance of a point from the segment between the origin and an end."""
-    length = end_x * end_x + end_y * end_y
-    share = 0.0
-    if length > 0.0:
-        share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0)
-    return distance(x, y, share * end_x, share * end_y)
+def away(view: State, first: int, n: int, radius: float, dx: float, dy: float) -> float:
+    """Return how far a point is from the centre of an area, as it counts for its radius."""
+    if n == 0:
+        return math.sqrt(dx * dx + dy * dy)
+    return radius + off_polygon(view.corners, first, n, dx, dy)
+
+
+@kernel
+def within(view: State, first: int, n: int, radius: float, dx: float, dy: float) -> bool:
+    """Return whether a point at an offset from the centre is inside an area or at its edge."""
+    if n == 0:
+        return inside(dx, dy, 0.0, 0.0, radius)
+    return excess(away(view, first, n, radius, dx, dy), radius) <= 0.0
+
+
+@kernel
+def in_area(view: State, area: AreaState, x: float, y: float) -> bool:
+    """Return whether a point is inside an area or at its edge."""
+    dx, dy = x - area.x, y - area.y
+    return within(view, area.first_corner, area.n_corners, area.radius, dx, dy)
+
+
+@kernel
+def depth_in_area(view: State, area: AreaState, x: float, y: float) -> float:
+    """Return how far inside an area a point is."""
+    dx, dy = x - area.x, y - area.y
+    return area.radius - away(view, area.first_corner, area.n_corners, area.radius, dx, dy)
+
+
+@kernel
+def well_in_area(view: State, area: AreaState, x: float, y: float) -> bool:
+    """Return whether a point is inside an area, and not at its edge; for reactions."""
+    if area.n_corners == 0:
+        return well_inside(x, y, area.x, area.y, area.radius)
+    return depth_in_area(view, area, x, y) >= RESERVE * area.depth

@@ -1,7 +1,7 @@
 """How the reference collective intelligence guides a robot: to a point, or about inside an area."""
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
-from mrsfi_runtime.kernel.geometry import distance, well_inside
+from mrsfi_runtime.kernel.geometry import distance, well_in_area
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import AreaState, GoalState, RobotState, State, kernel
 
@@ -23,28 +23,34 @@ def approach(ci: State, index: int, x: float, y: float) -> None:
 
 
 @kernel
-def roam(ci: State, area: AreaState | GoalState, index: int) -> None:
+def roam(ci: State, goal: GoalState, index: int) -> None:
+    """Head for a goal's area from outside; inside, turn to a random heading before leaving it."""
+    roam_in(ci, ci.areas[ci.routes[goal.first_member].first_area], index)
+
+
+@kernel
+def roam_in(ci: State, area: AreaState, index: int) -> None:
     """Head for an area from outside; inside, turn to a random heading before leaving it."""
     robot = ci.robots[index]
-    if not stays(area, robot, 0.0, 0.0):
+    if not stays(ci, area, robot, 0.0, 0.0):
         steer(ci, index, area.x - robot.x, area.y - robot.y)
         return
     step = pace(ci, index)
     command = ci.commands[index]
-    if stays(area, robot, step * command.heading_x, step * command.heading_y):
+    if stays(ci, area, robot, step * command.heading_x, step * command.heading_y):
         return
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
-        if stays(area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
+        if stays(ci, area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
             steer(ci, index, turn.x, turn.y)
             return
     steer(ci, index, area.x - robot.x, area.y - robot.y)
 
 
 @kernel
-def stays(area: AreaState | GoalState, robot: RobotState, dx: float, dy: float) -> bool:
+def stays(ci: State, area: AreaState, robot: RobotState, dx: float, dy: float) -> bool:
     """Return whether a robot moved by (dx, dy) is inside an area, and not at its edge."""
-    return well_inside(robot.x + dx, robot.y + dy, area.x, area.y, area.radius)
+    return well_in_area(ci, area, robot.x + dx, robot.y + dy)

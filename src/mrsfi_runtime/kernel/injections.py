@@ -86,8 +86,8 @@ class TriggerState:
     """An event that faults wait for; ``fired`` is the tick at whose end it first happened, or -1.
 
     ``event`` is a number of ``Event``. ``of`` is the index of a goal, or of a robot that enters the
-    area of ``x``, ``y`` and ``radius``; or -1 for the effect of timed faults, which are
-    ``n_sources`` numbers in ``Plan.sources`` from ``first_source`` on.
+    area of ``x``, ``y``, ``radius`` and corners, as in an ``AreaState``; or -1 for the effect of
+    timed faults, which are ``n_sources`` numbers in ``Plan.sources`` from ``first_source`` on.
     """
 
     event: int
@@ -95,6 +95,8 @@ class TriggerState:
     x: float
     y: float
     radius: float
+    first_corner: int
+    n_corners: int
     first_source: int
     n_sources: int
     delay: int
@@ -176,7 +178,7 @@ class PlanRows(NamedTuple):
     own: list[OwnRow]
     n_held: int
     n_faults: int
-    triggers: Sequence[tuple[int, int, float, float, float, int, int, int]] = ()
+    triggers: Sequence[tuple[int, int, float, float, float, int, int, int, int, int]] = ()
     waiting: Sequence[tuple[int, int, int, int, int, int]] = ()
     sources: Sequence[int] = ()
 
@@ -275,11 +277,11 @@ def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) 
     triggers = []
     sources: list[int] = []
     for trigger in shapes.pool.triggers:
-        of, x, y, radius = _happens(shapes.mission, trigger)
-        found = [n for n, timed in enumerate(specification) if of < 0 and timed.fault in trigger.of]
-        triggers.append(
-            (int(trigger.event), of, x, y, radius, len(sources), len(found), trigger.delay)
-        )
+        event = int(trigger.event), *_happens(shapes.mission, trigger)
+        found = [
+            n for n, timed in enumerate(specification) if event[1] < 0 and timed.fault in trigger.of
+        ]
+        triggers.append((*event, len(sources), len(found), trigger.delay))
         sources += found
     waiting = []
     lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
@@ -302,15 +304,17 @@ def longest(kind: FaultType, values: Sequence[float], trigger: Trigger) -> int:
     return min(most, int(values[0])) if kind.mode is Mode.BLOCK else most
 
 
-def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, float]:
+def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, float, int, int]:
     """Return the index of an event's goal or robot, -1 for faults, and the area entered."""
     if trigger.event is Event.EFFECT:
-        return -1, 0.0, 0.0, 0.0
+        return -1, 0.0, 0.0, 0.0, 0, 0
     (of,) = trigger.of
-    if trigger.area is None:
-        return mission.goal_ids.index(of), 0.0, 0.0, 0.0
-    center = trigger.area.center
-    return mission.robot_index[of], center.x, center.y, trigger.area.radius
+    area = trigger.area
+    if area is None:
+        return mission.goal_ids.index(of), 0.0, 0.0, 0.0, 0, 0
+    first = mission.polygons[area] if area.corners else 0
+    robot, center = mission.robot_index[of], area.center
+    return robot, center.x, center.y, area.radius, first, len(area.corners)
 
 
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:

@@ -116,7 +116,10 @@ class SensorState:
 
 @dataclass(slots=True)
 class ObstacleState:
-    """An obstacle: its position in this state, its radius, and its position in the model."""
+    """An obstacle: its position in this state, its radius, and its position in the model.
+
+    For a polygon, these are the position of its centre, and the radius of its ``AreaState``.
+    """
 
     x: float
     y: float
@@ -175,11 +178,18 @@ class MemberState:
 
 @dataclass(frozen=True, slots=True)
 class AreaState:
-    """An area of a goal, or its point with the tolerance as radius."""
+    """An area of a goal or an obstacle; of a point, the tolerance is the radius.
+
+    A polygon has ``n_corners`` corners in ``State.corners``, as offsets from its centre, which is
+    ``depth`` inside. Its radius is the distance of the farthest corner. A disc has none.
+    """
 
     x: float
     y: float
     radius: float
+    first_corner: int
+    n_corners: int
+    depth: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,9 +324,10 @@ class State:
 
     Tuples are constant tables, the same in every state of a mission; digests and records leave
     them out. ``traits`` has one entry per robot, ``routes`` one per member, whose areas are in
-    ``areas``; ``directions`` are the unit vectors of whole degrees. ``required`` has for each goal
-    how many members must keep to the rule of its task, ``apart`` the greatest distance of two
-    centres at which robots can be too near for it.
+    ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions`` are the unit
+    vectors of whole degrees. ``required`` has for each goal how many members must keep to the rule
+    of its task, ``apart`` the greatest distance of two centres at which robots can be too near for
+    it.
     ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
     is scratch space. ``grace``, which is empty unless a goal has some, and the ``latest`` margins
     change, but are never recorded or hashed.
@@ -333,6 +344,8 @@ class State:
     traits: tuple[TraitState, ...]
     areas: tuple[AreaState, ...] = ()
     routes: tuple[RouteState, ...] = ()
+    outlines: tuple[AreaState, ...] = ()
+    corners: tuple[PointState, ...] = ()
     chances: tuple[int, ...] = ()
     directions: tuple[DirectionState, ...]
     required: tuple[int, ...] = ()

@@ -14,13 +14,15 @@ References
 Source paper, section III-B a).
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from math import hypot
+from itertools import accumulate
 from operator import add
 from typing import ClassVar, TypeAlias
 
 from mrsfi_runtime.model.fault_types import Field, Range, Units
+from mrsfi_runtime.model.polygons import middle, off_segment
 
 _BRIEF = 120  # letters of a requirement's text inside a sentence
 
@@ -34,13 +36,32 @@ class Coordinates:
     z: float = 0.0
 
 
+Offsets: TypeAlias = tuple[tuple[float, float], ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Area:
-    """A disc in the plane."""
+    """A disc in the plane, or a polygon, which ``polygon`` makes.
+
+    The ``radius`` of a polygon is the distance from its ``center`` to the farthest of its
+    ``corners``.
+    """
 
     id: str
     center: Coordinates
     radius: float
+    corners: tuple[Coordinates, ...] = ()
+
+    @property
+    def offsets(self) -> Offsets:
+        """The corners of a polygon, from its centre."""
+        return tuple((each.x - self.center.x, each.y - self.center.y) for each in self.corners)
+
+
+def polygon(id: str, corners: tuple[Coordinates, ...], center: Coordinates | None = None) -> Area:
+    """Return a polygon by its corners, in order; its centre is a point inside, by default one."""
+    area = Area(id, center or Coordinates(*middle(corners)), 0.0, corners)
+    return replace(area, radius=max(math.sqrt(dx * dx + dy * dy) for dx, dy in area.offsets))
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,13 +291,17 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class GoalDisc:
-    """An area of a goal, a disc, in distance units; of a route, with its number from 1 on."""
+    """An area of a goal, in distance units; of a route, with its number from 1 on.
+
+    It is a disc, or a polygon with corners at ``offsets`` from its centre.
+    """
 
     goal: Goal
     x: float
     y: float
     radius: float
     number: int = 0
+    offsets: Offsets = ()
 
     @property
     def label(self) -> str:
@@ -362,11 +387,24 @@ class Mission:
     def goal_discs(self) -> tuple[GoalDisc, ...]:
         """The areas that the goals' tasks use, in model order; some tasks ignore their area."""
         return tuple(
-            GoalDisc(goal, area.center.x, area.center.y, area.radius + terms.tolerance, number)
+            GoalDisc(
+                *(goal, area.center.x, area.center.y, area.radius + terms.tolerance),
+                *(number, area.offsets),
+            )
             for goal in self.goals
             for terms in (goal.terms,)
             for number, area in enumerate(terms.areas, 1 if terms.route else 0)
         )
+
+    @cached_property
+    def polygons(self) -> dict[Area, int]:
+        """All polygons, each with the number of corners of those before it."""
+        areas = [obstacle.area for obstacle in self.obstacles]
+        for goal in self.goals:
+            areas += (*goal.terms.areas, *filter(None, [goal.area]))
+        found = [*dict.fromkeys(area for area in areas if area.corners)]
+        before = accumulate((len(area.corners) for area in found), initial=0)
+        return dict(zip(found, before, strict=False))
 
     @cached_property
     def message_goal(self) -> dict[str, tuple[Message, Goal]]:
@@ -425,11 +463,8 @@ def _is_elsewhere(areas: tuple[Area, ...], terms: Terms) -> bool:
 
 def _from_leg(start: Area, end: Area, point: Coordinates) -> float:
     """Return the distance of a point from the segment between the centres of two areas."""
-    x, y = point.x - start.center.x, point.y - start.center.y
-    end_x, end_y = end.center.x - start.center.x, end.center.y - start.center.y
-    length = end_x * end_x + end_y * end_y
-    share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0) if length else 0.0
-    return hypot(x - share * end_x, y - share * end_y)
+    x, y = start.center.x, start.center.y
+    return off_segment(point.x - x, point.y - y, end.center.x - x, end.center.y - y)
 
 
 def with_id(name: str, identifier: str) -> str:

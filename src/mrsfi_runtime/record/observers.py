@@ -40,7 +40,7 @@ from mrsfi_runtime.model.faults import (
     robots_of,
     touched,
 )
-from mrsfi_runtime.model.mission import Coordinates, Mission
+from mrsfi_runtime.model.mission import Coordinates, Mission, Offsets
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name
 
 if TYPE_CHECKING:
@@ -467,16 +467,16 @@ def stamped(tick: int, frame: str = "map") -> Message:
 
 def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
     """Return all fixed markers: areas, waypoints, obstacles, and names that move with robots."""
-    markers = [_disc("mission area", _of(mission.area.center), mission.area.radius, _AREA)]
+    markers = [_shape("mission area", _of(mission.area.center), mission.area.radius, (), _AREA)]
     for disc in mission.goal_discs:
         spot = (disc.x, disc.y, 0.0)
-        markers += [_disc("goals", spot, disc.radius, _GOAL), _text("goals", spot, disc.label)]
-    for goal in mission.goals:
-        if path := [_of(each) for each in goal.terms.path]:
-            markers.append(_points("waypoints", _LINE_STRIP, _THIN, path))
+        markers.append(_shape("goals", spot, disc.radius, disc.offsets, _GOAL))
+        markers.append(_text("goals", spot, disc.label))
+    paths = ([_of(each) for each in goal.terms.path] for goal in mission.goals)
+    markers += [_points("waypoints", _LINE_STRIP, _THIN, path) for path in paths if path]
     for obstacle in mission.obstacles:
-        spot = _of(obstacle.area.center)
-        markers.append(_disc("obstacles", spot, obstacle.area.radius, _ROCK))
+        spot, area = _of(obstacle.area.center), obstacle.area
+        markers.append(_shape("obstacles", spot, area.radius, area.offsets, _ROCK))
         markers.append(_text("obstacles", spot, obstacle.id))
     for robot, frame in zip(mission.robots, frames, strict=True):
         name = _text("robots", _ORIGIN, robot.id)
@@ -517,7 +517,8 @@ def robot_markers(
     for obstacle, is_at, is_believed_at in obstacles:
         spot, namespace = (is_believed_at.x, is_believed_at.y, 0.0), "believed obstacles"
         if spot != (is_at.x, is_at.y, 0.0):
-            markers.append(_disc(namespace, spot, obstacle.area.radius, _BELIEVED))
+            area = obstacle.area
+            markers.append(_shape(namespace, spot, area.radius, area.offsets, _BELIEVED))
             markers.append(_text(namespace, spot, obstacle.id))
     return _array(tick, markers)
 
@@ -539,8 +540,12 @@ def _array(tick: int, markers: Iterable[Message]) -> Message:
     }
 
 
-def _disc(namespace: str, spot: Place, radius: float, colour: Colour) -> Message:
-    return _marker(namespace, _CYLINDER, spot, (2.0 * radius, 2.0 * radius, 0.1), colour)
+def _shape(namespace: str, spot: Place, radius: float, offsets: Offsets, colour: Colour) -> Message:
+    """Return a disc, or the edges of a polygon."""
+    if not offsets:
+        return _marker(namespace, _CYLINDER, spot, (2.0 * radius, 2.0 * radius, 0.1), colour)
+    edge = [point((dx, dy, 0.0)) for dx, dy in (*offsets, offsets[0])]
+    return {**_marker(namespace, _LINE_STRIP, spot, (_THIN,) * 3, colour), "points": edge}
 
 
 def _text(namespace: str, spot: Place, text: str) -> Message:

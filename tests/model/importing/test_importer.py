@@ -46,7 +46,7 @@ ERRORS = [
     ('speed="5.0"', 'speed="-5.0"', "SpeedNotNegative"),
     ('samplesPerSecond="5"', "", "SamplesPerSecondPositive"),
     ('type="PRESSURE"', 'type="TASTE"', "EnumLiteral"),
-    ('radius="4.0"', "", "RadiusPositive"),
+    ('radius="4.0"', "", "AreaShape"),
     ("<mission ", "<mission><robots/></mission><mission ", "SingleValue"),
     ("acs_project_setup", "acs_project_other", "RootElement"),
     ("<setup:Setup", "<!DOCTYPE x [<!ENTITY e 'e'>]><setup:Setup", "NoDocumentType"),

@@ -10,7 +10,7 @@ from pyecore.ecore import EClass, EEnum
 
 from m2t.metaclasses import conforms, features
 from m2t.metamodels import load_metamodels
-from m2t.models.check import RANGES
+from m2t.models.check import POLYGONS, RANGES
 from tests.support.features import is_contained, is_reference, reference_type
 from tests.support.models.shapes import JOINT
 
@@ -110,11 +110,11 @@ class _Drawer:
         self._drawn: list[Any] = []
         self._waiting: list[tuple[Any, Any]] = []
 
-    def element(self, metaclass: Any) -> Any:
+    def element(self, metaclass: Any, omitted: tuple[str, ...] = ("corners",)) -> Any:
         """Return an element with its attributes and all that it contains."""
         drawn = metaclass()
         self._drawn.append(drawn)
-        kept = self._features(metaclass)
+        kept = [each for each in self._features(metaclass) if each.name not in omitted]
         for feature in kept:
             if is_reference(feature):
                 self._waiting.append((drawn, feature))
@@ -143,6 +143,8 @@ class _Drawer:
     def _features(self, metaclass: Any) -> list[Any]:
         """Return the features to fill: required ones and some of the others."""
         kept = [feature for feature in features(metaclass) if self._is_kept(feature)]
+        if metaclass.name == "Area":
+            return [each for each in features(metaclass) if each.name == "radius" or each in kept]
         if metaclass.name != "Fault":
             return kept
         kinds = [feature for feature in features(metaclass) if is_contained(feature)]
@@ -160,11 +162,23 @@ class _Drawer:
     def _contain(self, drawn: Any, feature: Any) -> None:
         kinds = _concrete(reference_type(feature))
         if not feature.many:
-            drawn.eSet(feature, self.element(self._rng.choice(kinds)))
+            drawn.eSet(feature, self._child(drawn, feature, self._rng.choice(kinds)))
             return
         n_children = self._rng.randint(*_MANY.get(feature.name, (feature.lowerBound, 3)))
         for _ in range(n_children):
-            drawn.eGet(feature).append(self.element(self._rng.choice(kinds)))
+            drawn.eGet(feature).append(self._child(drawn, feature, self._rng.choice(kinds)))
+
+    def _child(self, drawn: Any, feature: Any, kind: Any) -> Any:
+        """Return an element to contain: in place of a disc a polygon, where that is allowed."""
+        if (drawn.eClass.name, feature.name) not in POLYGONS or self._rng.random() < 0.6:
+            return self.element(kind)
+        area = self.element(kind, ("radius", "center", "corners"))
+        far = self._rng.choice((0.3, 1 / 3, 12345678.9, 1e-5))
+        for x, y in ((0.0, -0.0), (far, 0.1 * far), (far, 2.0 * far), (0.7 * far, far)):
+            corner = kind.ePackage.getEClassifier("Coordinates")()
+            corner.x, corner.y = x, y
+            area.corners.append(corner)
+        return area
 
     def _assign(self, drawn: Any, feature: Any) -> None:
         if isinstance(feature.eType, EEnum):

@@ -5,6 +5,7 @@ are, who is a member of what, and which sampling rates occur. Everything else is
 so that many missions share the one flight that was compiled for their shape.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -234,6 +235,21 @@ class _Parts:
         radius = _number(self._rng, 1.0, 80.0, _ODD_EXTENTS)
         return builder.area(name, radius, self.point())
 
+    def place(self, name: str) -> m.Area:
+        """Return a disc or a polygon; a polygon winds around a point, either way."""
+        rng = self._rng
+        if rng.random() < 0.5:
+            return self.area(name)
+        at, far, n = self.point(), rng.choice((0.01, 30.0, 80.0)), rng.choice((3, 4, 5, 8, 64))
+        way = rng.choice((1, -1)) * 2.0 * math.pi / n
+        turns = [(k + rng.uniform(0.0, 0.4)) * way for k in range(n)]
+        spots = [(rng.uniform(0.3, 1.0) * far, turn) for turn in turns]
+        corners = [
+            builder.point(at.x + away * math.cos(turn), at.y + away * math.sin(turn))
+            for away, turn in spots
+        ]
+        return m.Area(ID=name, corners=corners, center=rng.choice((at, None)))
+
     def mission(self) -> m.Mission:
         whole, robots = self.area("whole"), {each.ID: each for each in self.robots()}
         base = m.Server(ID="base", name="")
@@ -246,7 +262,7 @@ class _Parts:
             task = getattr(m, goal.task)(**self._task(n, goal, members, robots, obstacles))
             more: dict[str, Any] = {}
             if goal.task == "GatherSamples":
-                more = {"area": self.area(f"ga{n}")}
+                more = {"area": self.place(f"ga{n}")}
             elif goal.task not in JOINT and self._rng.random() < 0.5:
                 more = {"requiredMembers": self._rng.randint(0, len(members))}
             messages = [
@@ -312,7 +328,7 @@ class _Parts:
         elif goal.task == "Patrol":
             found = {"period": rng.randint(1, 40)}
             n_areas = rng.choice((0, 0, 1, 2, 3))
-            found["route"] = [self.area(f"ta{n}{letter}") for letter in "xyz"[:n_areas]]
+            found["route"] = [self.place(f"ta{n}{letter}") for letter in "xyz"[:n_areas]]
         elif goal.task == "Visit":
             found |= {"deadline": rng.randint(1, 70), "coordinates": self.point()}
         elif goal.task == "Track":
@@ -321,5 +337,5 @@ class _Parts:
         elif goal.task == "FixedDistanceBetweenRobots":
             found["fixedDistance"] = _number(rng, 1.0, 80.0, _ODD_EXTENTS)
         if goal.task in ("Patrol", "Stay") and not found.get("route"):
-            found["area"] = self.area(f"ta{n}")
+            found["area"] = self.place(f"ta{n}")
         return found

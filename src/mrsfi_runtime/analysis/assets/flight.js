@@ -213,10 +213,11 @@ class FlightView {
     const began = performance.now();
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.spots = [];
-    const disc = (x, y, radius, { fill, stroke, dash = [], width = 1, least = 0 }) => {
+    const disc = (x, y, radius, { fill, stroke, dash = [], width = 1, least = 0, corners }) => {
       const [px, py, scale] = this.project(x, y);
       context.beginPath();
-      context.arc(px, py, Math.max(radius * scale, least * ratio), 0, 2 * Math.PI);
+      if (corners) { for (const [dx, dy] of corners) context.lineTo(...this.project(x + dx, y + dy).slice(0, 2)); context.closePath(); }
+      else context.arc(px, py, Math.max(radius * scale, least * ratio), 0, 2 * Math.PI);
       if (fill) { context.fillStyle = fill; context.fill(); }
       if (stroke) { context.strokeStyle = stroke; context.setLineDash(dash.map((d) => d * ratio)); context.lineWidth = width * ratio; context.stroke(); context.setLineDash([]); }
       return [px, py];
@@ -224,13 +225,14 @@ class FlightView {
     const labels = [];
     const label = (text, px, py, style) => labels.push([text.slice(0, 24), px + 8 * ratio, py - 6 * ratio, style]);
     disc(...mission.area, { stroke: colour("soft"), width: 1.5 });
-    for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3] }); label(area.goal, px, py, colour("soft")); }
+    for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3], corners: area.corners }); label(area.goal, px, py, colour("soft")); }
     mission.obstacles.forEach((obstacle) => {
-      const [px, py] = disc(obstacle.x, obstacle.y, obstacle.radius, { fill: colour("rock") });
-      this.spots.push([px, py, `${obstacle.id}: obstacle at ${this.place(obstacle.x, obstacle.y)}, radius ${this.withUnit(number(obstacle.radius))}`]);
+      const [px, py] = disc(obstacle.x, obstacle.y, obstacle.radius, { fill: colour("rock"), corners: obstacle.corners });
+      this.spots.push([px, py, `${obstacle.id}: obstacle at ${this.place(obstacle.x, obstacle.y)}, ${obstacle.corners ? `${obstacle.corners.length} corners` : `radius ${this.withUnit(number(obstacle.radius))}`}`]);
     });
     for (const [from, to, x, y, id, radius] of this.data.displaced) if (from <= tick && tick <= to) {
-      const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3] });
+      const { corners } = mission.obstacles.find((each) => each.id === id);
+      const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3], corners });
       this.spots.push([px, py, `${id}: obstacle believed at ${this.place(x, y)}`]);
     }
     for (const [at, goal, x, y] of this.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });

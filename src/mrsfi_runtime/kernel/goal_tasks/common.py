@@ -19,8 +19,8 @@ import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
-from mrsfi_runtime.kernel.geometry import distance, inside
-from mrsfi_runtime.kernel.guidance import roam
+from mrsfi_runtime.kernel.geometry import depth_in_area, in_area
+from mrsfi_runtime.kernel.guidance import roam_in
 from mrsfi_runtime.kernel.state import AreaState, GoalState, State, kernel
 
 NO_MARGIN: Final = math.inf
@@ -120,8 +120,7 @@ def note_presence(view: State, g: int) -> None:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = view.members[m]
         robot = view.robots[member.robot]
-        area = next_area(view, m)
-        if inside(robot.x, robot.y, area.x, area.y, area.radius):
+        if in_area(view, next_area(view, m), robot.x, robot.y):
             member.since = view.mission.tick
             member.reached = 1
             after = member.waypoint + 1
@@ -131,8 +130,8 @@ def note_presence(view: State, g: int) -> None:
 @kernel
 def depth(view: State, m: int) -> float:
     """Return how far inside its next area, or within tolerance of its point, a member is."""
-    robot, area = view.robots[view.members[m].robot], next_area(view, m)
-    return area.radius - distance(robot.x, robot.y, area.x, area.y)
+    robot = view.robots[view.members[m].robot]
+    return depth_in_area(view, next_area(view, m), robot.x, robot.y)
 
 
 @kernel
@@ -140,4 +139,4 @@ def roam_area(ci: State, g: int) -> None:
     """Let every member head for its next area from outside, and roam inside it."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        roam(ci, next_area(ci, m), ci.members[m].robot)
+        roam_in(ci, next_area(ci, m), ci.members[m].robot)

@@ -5,9 +5,9 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.forecast import endurance, sample_reserve, ticks_left
-from mrsfi_runtime.kernel.geometry import inside
+from mrsfi_runtime.kernel.geometry import in_area
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, next_area
-from mrsfi_runtime.kernel.guidance import roam
+from mrsfi_runtime.kernel.guidance import roam_in
 from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
@@ -35,7 +35,7 @@ def progress(view: State, g: int) -> None:
     robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
     new = sensor.count - goal.seen
     goal.seen = sensor.count
-    if new <= 0 or not inside(robot.x, robot.y, area.x, area.y, area.radius):
+    if new <= 0 or not in_area(view, area, robot.x, robot.y):
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
@@ -54,7 +54,7 @@ def violated(view: State, g: int) -> bool:
         return False
     sensor = view.sensors[goal.sensor]
     robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
-    if sensor.active == 0 or not inside(robot.x, robot.y, area.x, area.y, area.radius):
+    if sensor.active == 0 or not in_area(view, area, robot.x, robot.y):
         return True
     return sample_reserve(view, goal) < 0.0
 
@@ -99,4 +99,4 @@ def react(ci: State, g: int) -> None:
     goal = ci.goals[g]
     sensor = ci.sensors[goal.sensor]
     switch_sensor(ci, goal.sensor, 1 if goal.count < goal.target else 0)
-    roam(ci, next_area(ci, goal.first_member), sensor.robot)
+    roam_in(ci, next_area(ci, goal.first_member), sensor.robot)

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import set_speed
-from mrsfi_runtime.kernel.geometry import inside, off_segment
+from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, kth_best, too_many
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import GoalState, State, excess, kernel
 from mrsfi_runtime.model.mission import Coordinates, GoalTask
+from mrsfi_runtime.model.polygons import off_segment
 
 
 @dataclass(frozen=True, slots=True)
