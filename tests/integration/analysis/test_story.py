@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.patches import Polygon
 
 from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
 from mrsfi_runtime.analysis.story import (
@@ -22,7 +23,7 @@ from mrsfi_runtime.analysis.story import (
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger, numbered
-from mrsfi_runtime.model.mission import Area, Coordinates
+from mrsfi_runtime.model.mission import Area, Coordinates, polygon
 from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
@@ -189,6 +190,24 @@ def crowded(n):
     return replace(mission, goals=(*mission.goals, *others, track))
 
 
+def test_polygons_are_drawn_with_their_corners():
+    mission = paper_mission()
+    corners = ((-300.0, 200.0), (-200.0, 200.0), (-250.0, 220.0), (-250.0, 300.0))
+    area = polygon("shore", tuple(Coordinates(*each) for each in corners))
+    sampling = replace(mission.goals[3], area=area)
+    rock = replace(mission.obstacles[0], area=polygon("pier", area.corners, Coordinates(-250, 210)))
+    mission = replace(mission, goals=(sampling,), obstacles=(rock,))
+
+    figure, content = mission_map(mission), mission_content(mission)
+
+    drawn = [each for each in figure.axes[0].patches if isinstance(each, Polygon)]
+    assert [each.get_xy().tolist() for each in drawn] == [[*map(list, (*corners, corners[0]))]] * 3
+    (disc,), (obstacle,) = content["discs"], content["obstacles"]
+    assert [(disc["x"] + x, disc["y"] + y) for x, y in disc["corners"]] == [*corners]
+    assert obstacle["corners"] == ((-50, -10), (50, -10), (0, 10), (0, 90))
+    assert "corners" not in mission_content(paper_mission())["obstacles"][0]
+
+
 def test_labels_on_one_another_are_parted():
     figure = mission_map(crowded(3))
     axes = figure.axes[0]
@@ -204,7 +223,7 @@ def test_trajectories_are_drawn(tmp_path):
 
     paths = [line.get_xydata().tolist() for line in figure.axes[0].lines]
     assert [[-250, 250], [0, 0], [300, 100]] in paths
-    assert {"g8 Round", "trajectory of a goal"} < {*texts(svg)}
+    assert {"g8 Round", "trajectory or route of a goal"} < {*texts(svg)}
 
 
 @slow

@@ -142,6 +142,9 @@ def _triggers(
         found.append(("ENTERED", {"robot": robot, "area": entered}))
     found += [("EFFECT", {"faults": rng.sample(faults, 5)}) for _ in range(3)]
     found.append(("ENTERED", {"robot": robots[0], "at": mission.missionArea}))
+    areas = [area for goal in goals for area in (goal.area, getattr(goal.task, "area", None))]
+    areas = [*filter(None, areas), *(each.area for each in mission.obstacles)]
+    found.append(("ENTERED", {"robot": robots[-1], "at": rng.choice(areas)}))
     for n, (event, about) in enumerate(found):
         lasts = rng.choice(({}, {}, {"duration": 1}, {"duration": rng.randint(2, 30)}))
         delay = rng.choice((0, 0, 1, 7))

@@ -11,8 +11,14 @@ from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import Event, Fault, FaultPool, TimedFault, Trigger
-from mrsfi_runtime.model.mission import Area, Coordinates
-from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults, robot_markers
+from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle, polygon
+from mrsfi_runtime.record.observers import (
+    Events,
+    SimulationLog,
+    map_markers,
+    named_faults,
+    robot_markers,
+)
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Measure, ticks
 from tests.support.campaigns import outcome
@@ -58,6 +64,23 @@ def test_robots_of_one_radius_are_one_list_of_spheres():
         ("robots", 2.0, 2),
         ("believed robots", 2.0, 2),
     ]
+
+
+def test_polygons_are_lines_from_corner_to_corner_and_move_with_their_centre():
+    mission = paper_mission()
+    corners = (Coordinates(-2.0, 0.0), Coordinates(3.0, 0.0), Coordinates(1.0, 5.0))
+    area = polygon("a", corners, Coordinates(1.0, 1.0, 2.0))
+    mission = replace(mission, obstacles=(Obstacle("o", area),), goals=())
+    world, belief = initial_state(mission, 1), initial_state(mission, 1)
+    belief.obstacles[0].x += 7.0
+
+    edge = [{"x": x, "y": y, "z": 0.0} for x, y in ((-3, -1), (2, -1), (0, 4), (-3, -1))]
+    placed = map_markers(mission, ["r"] * 3)["markers"][1]
+    *_, believed, _ = robot_markers(mission, (), world, belief)["markers"]
+    assert [each["type"] for each in (placed, believed)] == [4, 4]
+    assert [each["points"] for each in (placed, believed)] == [edge, edge]
+    assert placed["pose"]["position"] == {"x": 1.0, "y": 1.0, "z": 2.0}
+    assert believed["pose"]["position"] == {"x": 8.0, "y": 1.0, "z": 0.0}
 
 
 def test_the_log_shows_what_is_believed_beside_what_is_so():
