@@ -33,6 +33,15 @@ if TYPE_CHECKING:
     from m2t.read import Node
 
 
+_IGNORING = {
+    "turnRate": ("Track", "FixedDistanceBetweenRobots"),
+    "positionNoise": ("Visit", "Track", "FixedDistanceBetweenRobots"),
+}
+"""Tasks whose built-in reactions assume instant turns, or exact positions."""
+_OWN = (
+    "it may be violated without any fault; expected a reaction that knows of it; write one, or "
+    "correct the robot"
+)
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 _LENGTHS = {
     "Robot": ("speed", "maxSpeed", "positionNoise", "radius"),
@@ -156,14 +165,7 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
         )
         report.add(robot, "SpeedWithinMaximum", finding)
     _check_figures(mission, robot, report)
-    for name, assumed in (("turnRate", 180.0), ("positionNoise", 0.0)):
-        if is_set(robot, name) and getattr(robot, name) != assumed:
-            finding = (
-                f"has {name} {number(getattr(robot, name))}, which the built-in reactions ignore, "
-                "so that goals may be violated without any fault; expected none; delete it, or "
-                "write reactions that use it"
-            )
-            report.add(robot, "AsReactionsAssume", finding)
+    _check_reactions(mission, robot, report)
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
         finding = (
@@ -174,6 +176,46 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
     if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
         finding = "has no energy to begin with and will never move; expected a battery; add one"
         report.add(robot, "RobotHasBattery", finding)
+
+
+def _check_reactions(mission: Any, robot: Any, report: Report) -> None:
+    for name, assumed in (("turnRate", 180.0), ("positionNoise", 0.0)):
+        if is_set(robot, name) and getattr(robot, name) != assumed:
+            has = f"has {name} {number(getattr(robot, name))}, "
+            for goal in mission.goals:
+                if robot in goal.members and base_class(goal.task.eClass).name in _IGNORING[name]:
+                    finding = (
+                        f"{has}which the built-in reaction of goal '{goal.ID}' ignores; {_OWN}"
+                    )
+                    report.add(robot, "AsReactionsAssume", finding)
+    for goal in mission.goals:
+        for area in _kept_in(mission, goal, robot):
+            if not area.corners and _leeway(robot) >= area.radius:
+                finding = (
+                    f"needs more room to turn back than goal '{goal.ID}' has in '{area.ID}' "
+                    f"(radius {number(area.radius)}), with its turnRate and positionNoise; {_OWN}"
+                )
+                report.add(robot, "AsReactionsAssume", finding)
+
+
+def _kept_in(mission: Any, goal: Any, robot: Any) -> list[Any]:
+    """Return the areas in which the built-in reaction of a goal keeps a robot."""
+    task, base = goal.task, base_class(goal.task.eClass).name
+    if base == "GatherSamples":
+        return [goal.area] if task.sensor.eContainer() is robot and goal.area is not None else []
+    kept = {
+        "StayWithinMissionArea": lambda: [mission.missionArea],
+        "Patrol": lambda: [*filter(None, [task.area]), *task.route],
+        "Stay": lambda: [task.area],
+    }
+    return kept[base]() if base in kept and robot in goal.members else []
+
+
+def _leeway(robot: Any) -> float:
+    """Return how far from an edge the built-in reactions turn a robot back."""
+    rate = robot.turnRate if is_set(robot, "turnRate") else 180.0
+    width = 1.0 / max(math.sin(math.radians(rate) / 2), 1e-12) + 0.5 if rate < 180.0 else 0.0
+    return float(2.0 * robot.positionNoise + robot.speed * width)
 
 
 def _check_starts(mission: Any, report: Report) -> None:

@@ -4,6 +4,8 @@ Each mission is a small model with one goal of the task; the code is what `mrsfi
 makes of it, unedited.
 """
 
+from dataclasses import replace
+
 import pytest
 
 from m2t.generate import generate
@@ -63,6 +65,9 @@ TASKS = {
     "FixedDistanceBetweenRobots": (ALONE + BESIDE, 'fixedDistance="50.0" tolerance="12.0"', ""),
 }
 
+KNOWING = [task for task in TASKS if task not in ("Visit", "Track", "FixedDistanceBetweenRobots")]
+"""Tasks whose reactions know of turn rates and noise."""
+
 STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
 HIT = Fault("hit", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (60.0, 0.0, 0.0))
 DRAINED = Fault("drained", FAULT_TYPES["ZeroRemainingEnergyCapacityReport"], "from_a")
@@ -92,6 +97,18 @@ def test_every_task_has_a_mission_here():
 
 def test_without_faults_the_reference_behaviour_keeps_the_goal(flown):
     _, code = flown
+
+    for seed in range(5):
+        outcome = ReferenceEngine(code, seed).evaluate(())
+        assert (outcome.believed, outcome.true) == ((0,), (0,)), seed
+
+
+@pytest.mark.parametrize("flown", KNOWING, indirect=True)
+def test_robots_that_turn_slowly_and_report_inexactly_keep_the_goal_too(flown):
+    _, code = flown
+    odd = {"turn_rate": 45.0, "position_noise": 1.0}
+    robots = tuple(replace(robot, **odd) for robot in code.mission.robots)
+    code = replace(code, mission=replace(code.mission, robots=robots))
 
     for seed in range(5):
         outcome = ReferenceEngine(code, seed).evaluate(())

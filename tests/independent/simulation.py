@@ -126,10 +126,10 @@ class Disc(NamedTuple):  # or polygon, with its corners as offsets from the cent
     def has(self, place: Place) -> bool:
         return not exceeds(self.off(place), self.radius)
 
-    def has_well(self, place: Place) -> bool:
+    def has_well(self, place: Place, leeway: float = 0.0) -> bool:
         if self.corners:
-            return self.radius - self.off(place) >= 0.001 * -off_edges(self.corners, 0, 0)
-        return distance(self.center, place) <= 0.999 * self.radius
+            return self.radius - self.off(place) >= 0.001 * -off_edges(self.corners, 0, 0) + leeway
+        return distance(self.center, place) <= 0.999 * self.radius - leeway
 
 
 class Sensor:  # absent features have "the default of their metamodel, 0 if that names none"
@@ -148,6 +148,8 @@ class Robot:  # [S What the model says]
         self.max_speed = float(element.get("maxSpeed", 2 * self.speed))
         self.turn_rate = float(element.get("turnRate", 180))
         self.noise = float(element.get("positionNoise", 0))
+        half = math.sin(0.5 * math.radians(self.turn_rate))  # "1 / sin(turn rate / 2)"
+        self.width = 1.0 if self.turn_rate == 180 else 1.0 / max(half, 1e-12)
         self.radius = float(element.get("radius", 1))
         self.position = place_of(element.find("position"))
         self.energy = added(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
@@ -330,6 +332,12 @@ class Intelligence(View):  # the belief, and commands as they stand [S Reference
         """ "the larger of the CI's own speed command, as it stands now, and its nominal speed"."""
         return max(self.command[robot], self.mission.robots[robot].speed)
 
+    def leeway(self, robot: int) -> float:
+        """ "2 × noise + pace × (turn width + 0.5)", without what it does not need."""
+        model = self.mission.robots[robot]
+        turning = self.pace(robot) * (model.width + 0.5) if model.turn_rate < 180 else 0.0
+        return 2 * model.noise + turning
+
     def after(self, steps: int, robot: int, direction: Direction) -> Place:
         return ahead(self.position[robot], steps * self.pace(robot), direction)
 
@@ -463,7 +471,8 @@ def react(goal: Goal, ci: Intelligence) -> None:
     for before, robot in zip([-1, *goal.members], goal.members, strict=False):
         match goal.task:
             case "StayWithinMissionArea":
-                if not ci.mission.area.has_well(ci.after(2, robot, ci.heading[robot])):
+                place = ci.after(2, robot, ci.heading[robot])
+                if not ci.mission.area.has_well(place, ci.leeway(robot)):
                     ci.head_to(robot, ci.mission.area.center)
             case "SufficientEnergy":
                 regulate(ci, robot)
@@ -480,11 +489,11 @@ def react(goal: Goal, ci: Intelligence) -> None:
 
 
 def approach(ci: Intelligence, robot: int, points: list[Place]) -> None:
-    """ "towards it, at the smaller of nominal speed and distance"; then nominal speed."""
+    """ "towards it, at the smaller of nominal speed and distance / turn width"; then nominal."""
     speed = ci.mission.robots[robot].speed
     for point in points[:1]:
         ci.head_to(robot, point)
-        speed = min(speed, distance(ci.position[robot], point))
+        speed = min(speed, distance(ci.position[robot], point) / ci.mission.robots[robot].width)
     ci.set_speed(robot, speed)
 
 
@@ -510,12 +519,13 @@ def regulate(ci: Intelligence, robot: int) -> None:
 
 def roam(ci: Intelligence, robot: int, area: Disc) -> None:
     """The paragraph "Roaming"."""
-    if not area.has_well(ci.position[robot]):
+    leeway = ci.leeway(robot)
+    if not area.has_well(ci.position[robot], leeway):
         ci.head_to(robot, area.center)
-    elif not area.has_well(ci.after(1, robot, ci.heading[robot])):
+    elif not area.has_well(ci.after(1, robot, ci.heading[robot]), leeway):
         for attempt in range(8):
             direction = ci.weather.direction(ci.tick, 8 * robot + attempt, ROAMING)
-            if area.has_well(ci.after(2, robot, direction)):
+            if area.has_well(ci.after(2, robot, direction), leeway):
                 ci.head(robot, *direction)
                 return
         ci.head_to(robot, area.center)

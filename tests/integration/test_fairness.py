@@ -1,5 +1,7 @@
 """The world is fair: no finding is made by rounding, an unknown beginning, or impossible speeds."""
 
+from dataclasses import replace
+
 import pytest
 
 from mrsfi_runtime.engine.flights import ReferenceEngine
@@ -7,6 +9,7 @@ from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.world import code_of, paper_code
 from tests.tiers import seeds
 
+ODD = {"turn_rate": 45.0, "position_noise": 1.0}
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 
 
@@ -49,3 +52,19 @@ def test_without_faults_nothing_is_violated_or_missed_and_every_sample_taken(mis
     assert (outcome.believed, outcome.true, outcome.missed) == ((0,) * len(goals),) * 3
     for goal, taken in zip(goals, outcome.samples, strict=True):
         assert taken >= getattr(goal.task, "target_sample_number", 0)
+
+
+@pytest.mark.parametrize("seed", seeds(range(20), 2, 6))
+@pytest.mark.parametrize("mission", ["uuv_sampling", "tight_energy", "undersea"])
+@pytest.mark.parametrize("given", [["turn_rate"], ["position_noise"], [*ODD]])
+def test_robots_that_turn_slowly_or_report_inexactly_violate_nothing_either(mission, seed, given):
+    code = code_of(mission)
+    odd = {name: ODD[name] for name in given}
+    robots = tuple(replace(robot, **odd) for robot in code.mission.robots)
+
+    outcome = ReferenceEngine(
+        replace(code, mission=replace(code.mission, robots=robots)), seed
+    ).evaluate(())
+
+    n_goals = len(code.mission.goals)
+    assert (outcome.believed, outcome.true, outcome.missed) == ((0,) * n_goals,) * 3

@@ -142,8 +142,8 @@ AvoidCollisionMembers | members="r2 r3 r1" | members="r2 r3" | mission:AvoidColl
 DeadlineInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Visit" deadline="1000"><coordinates/></task> | Visit
     task of goals 'g2'
-AsReactionsAssume | speed="4.0" | speed="4.0" turnRate="90.0" | ID="r2" | robots 'r2'
-AsReactionsAssume | speed="4.0" | speed="4.0" positionNoise="0.5" | ID="r2" | robots 'r2'
+AsReactionsAssume | speed="4.0" | speed="4.0" turnRate="0.5" | ID="r2" | robots 'r2'
+AsReactionsAssume | speed="4.0" | speed="4.0" positionNoise="75.5" | ID="r2" | robots 'r2'
 FigureInsideMission | speed="4.0" | speed="40000.0" | ID="r2" | robots 'r2'
 FigureInsideMission | "mission:AvoidCollision" | "mission:AvoidCollision" clearance="4000.5"
     mission:AvoidCollision | task of goals 'g1'

@@ -45,9 +45,11 @@ def inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) 
 
 
 @kernel
-def well_inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) -> bool:
-    """Return whether a point is inside a disc, and not at its edge; for reactions."""
-    return distance(x, y, middle_x, middle_y) <= (1.0 - RESERVE) * radius
+def well_inside(
+    x: float, y: float, middle_x: float, middle_y: float, radius: float, edge: float = 0.0
+) -> bool:
+    """Return whether a point is inside a disc, and farther than ``edge`` from its edge."""
+    return distance(x, y, middle_x, middle_y) <= (1.0 - RESERVE) * radius - edge
 
 
 @kernel
@@ -88,8 +90,8 @@ def depth_in_area(view: State, area: AreaState, x: float, y: float) -> float:
 
 
 @kernel
-def well_in_area(view: State, area: AreaState, x: float, y: float) -> bool:
-    """Return whether a point is inside an area, and not at its edge; for reactions."""
+def well_in_area(view: State, area: AreaState, x: float, y: float, edge: float) -> bool:
+    """Return whether a point is inside an area, and farther than ``edge`` from its edge."""
     if area.n_corners == 0:
-        return well_inside(x, y, area.x, area.y, area.radius)
-    return depth_in_area(view, area, x, y) >= RESERVE * area.depth
+        return well_inside(x, y, area.x, area.y, area.radius, edge)
+    return depth_in_area(view, area, x, y) >= RESERVE * area.depth + edge

@@ -15,11 +15,30 @@ def pace(ci: State, index: int) -> float:
 
 
 @kernel
+def leeway(ci: State, index: int) -> float:
+    """Return how far from an edge a robot has to turn back, as it turns slowly and is misplaced.
+
+    If it turns at once and reports its exact position, that is 0. Otherwise it flies straight on
+    for a tick, then along its turning circle; it is within its noise of where it says, and says it
+    within its noise.
+    """
+    trait = ci.traits[index]
+    reserve = 2.0 * trait.position_noise
+    if trait.turn_y != 0.0:
+        reserve += pace(ci, index) * (trait.turn_width + 0.5)
+    return reserve
+
+
+@kernel
 def approach(ci: State, index: int, x: float, y: float) -> None:
-    """Head for a point at nominal speed, slower only for the last step."""
+    """Head for a point at nominal speed, slower only where its turning circle might miss it.
+
+    For a robot that turns at once, that is the last step.
+    """
     robot = ci.robots[index]
     steer(ci, index, x - robot.x, y - robot.y)
-    set_speed(ci, index, min(robot.nominal_speed, distance(robot.x, robot.y, x, y)))
+    slow = distance(robot.x, robot.y, x, y) / ci.traits[index].turn_width
+    set_speed(ci, index, min(robot.nominal_speed, slow))
 
 
 @kernel
@@ -31,26 +50,26 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
 @kernel
 def roam_in(ci: State, area: AreaState, index: int) -> None:
     """Head for an area from outside; inside, turn to a random heading before leaving it."""
-    robot = ci.robots[index]
-    if not stays(ci, area, robot, 0.0, 0.0):
+    robot, edge = ci.robots[index], leeway(ci, index)
+    if not stays(ci, area, robot, 0.0, 0.0, edge):
         steer(ci, index, area.x - robot.x, area.y - robot.y)
         return
     step = pace(ci, index)
     command = ci.commands[index]
-    if stays(ci, area, robot, step * command.heading_x, step * command.heading_y):
+    if stays(ci, area, robot, step * command.heading_x, step * command.heading_y, edge):
         return
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
-        if stays(ci, area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
+        if stays(ci, area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y, edge):
             steer(ci, index, turn.x, turn.y)
             return
     steer(ci, index, area.x - robot.x, area.y - robot.y)
 
 
 @kernel
-def stays(ci: State, area: AreaState, robot: RobotState, dx: float, dy: float) -> bool:
-    """Return whether a robot moved by (dx, dy) is inside an area, and not at its edge."""
-    return well_in_area(ci, area, robot.x + dx, robot.y + dy)
+def stays(ci: State, area: AreaState, robot: RobotState, dx: float, dy: float, edge: float) -> bool:
+    """Return whether a robot moved by (dx, dy) is inside an area, and not near its edge."""
+    return well_in_area(ci, area, robot.x + dx, robot.y + dy, edge)

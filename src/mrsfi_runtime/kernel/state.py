@@ -86,12 +86,14 @@ class TraitState:
     """Turn rate, position noise and size of a robot.
 
     ``turn_x`` and ``turn_y`` are the unit vector that it can turn to from 0 degrees in a tick, to
-    the left; ``turn_y`` is 0 if it turns at once. ``position_noise`` is a distance, ``radius`` that
-    of its disc.
+    the left; ``turn_y`` is 0 if it turns at once. ``turn_width`` is the diameter of its turning
+    circle in units of its speed, 1 if it turns at once. ``position_noise`` is a distance,
+    ``radius`` that of its disc.
     """
 
     turn_x: float
     turn_y: float
+    turn_width: float
     position_noise: float
     radius: float
 

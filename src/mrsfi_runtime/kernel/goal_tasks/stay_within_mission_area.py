@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.geometry import distance, inside, well_inside
 from mrsfi_runtime.kernel.goal_tasks.common import kth_best, patience, too_many, top_speed
-from mrsfi_runtime.kernel.guidance import pace
+from mrsfi_runtime.kernel.guidance import leeway, pace
 from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
@@ -53,5 +53,5 @@ def react(ci: State, g: int) -> None:
         command = ci.commands[index]
         step = 2.0 * pace(ci, index)
         x, y = robot.x + step * command.heading_x, robot.y + step * command.heading_y
-        if not well_inside(x, y, mission.x, mission.y, mission.radius):
+        if not well_inside(x, y, mission.x, mission.y, mission.radius, leeway(ci, index)):
             steer(ci, index, mission.x - robot.x, mission.y - robot.y)
