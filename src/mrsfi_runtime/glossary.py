@@ -270,7 +270,7 @@ TERMS = (
         "digest",
         "A SHA-256 of everything that a flight or a campaign recorded; equal digests mean equal "
         "results.",
-        "5d7e81bc…",
+        "3966486e…",
         "checksum, fingerprint",
     ),
 )

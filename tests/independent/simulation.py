@@ -272,12 +272,23 @@ class View:  # what one side, truth or belief, knows at a tick
         self.notes = [Notes(goal) for goal in mission.goals]
         self.broken: list[list[bool]] = [[] for _ in mission.goals]  # rules, at each tick
         self.forget()
+        self.before = [*self.position], [*self.obstacle]
+        self.jumped: tuple[set[int], set[int]] = set(), set()
 
     def forget(self) -> None:
         """ "What travels in no message starts anew from the model at every tick" [S Belief]."""
         self.obstacle = [disc.center for disc in self.mission.obstacles]
         self.rate: list[float] = [sensor.rate for sensor in self.mission.sensors]
         self.cost = [sensor.cost for sensor in self.mission.sensors]
+
+    def look_back(self) -> None:
+        """Note "what jumps" in belief [S Goals, "Gap"]."""
+        robots = enumerate(zip(self.mission.robots, *(self.before[0], self.position), strict=True))
+        ways = enumerate(zip(self.before[1], self.obstacle, strict=True))
+        self.jumped = (
+            {k for k, (r, a, b) in robots if exceeds(distance(a, b), r.max_speed + 2 * r.noise)},
+            {k for k, (a, b) in ways if a[:2] != b[:2]},
+        )
 
     def of(self, prop: str) -> list[Any]:
         """Return the values of a property, in words of the metamodel."""
@@ -307,6 +318,7 @@ class Intelligence(View):  # the belief, and commands as they stand [S Reference
         self.sent_speed = list(self.command)
         self.sent_switch = list(self.switch)
         self.taken: set[tuple[str, int]] = set()
+        self.denied: dict[int, tuple[int, Direction | None]] = {}
 
     def take(self, channel: str, index: int) -> bool:
         """ "The first goal that commands a channel in this tick keeps it" [S The story]."""
@@ -317,8 +329,12 @@ class Intelligence(View):  # the belief, and commands as they stand [S Reference
     def head(self, robot: int, x: float, y: float) -> None:
         """ "One of length 1e-9 or less commands nothing, and leaves the channel free"."""
         length = distance((0, 0), (x, y))
-        if length > 1e-9 and self.take("heading", robot):
-            self.heading[robot] = (x / length, y / length)
+        if length > 1e-9:
+            way = x / length, y / length
+            if self.take("heading", robot):
+                self.heading[robot] = way
+            elif self.denied.get(robot) == (self.tick, None):
+                self.denied[robot] = self.tick, way
 
     def head_to(self, robot: int, place: Place) -> None:
         self.head(robot, place[0] - self.position[robot][0], place[1] - self.position[robot][1])
@@ -376,11 +392,22 @@ def note_samples(goal: Goal, view: View, notes: Notes) -> None:
 
 
 def gaps(goal: Goal, view: View) -> Iterator[tuple[float, float]]:
-    """Yield for each pair of AvoidCollision its distance and "the sum of both radii" and more."""
-    places = [(view.position[k], view.mission.robots[k].radius) for k in goal.robots]
-    rocks = [(view.obstacle[k], view.mission.obstacles[k].radius) for k in goal.obstacles]
-    for (a, one), (b, other) in (*combinations(places, 2), *product(places, rocks)):
-        yield distance(a, b), one + other + goal.clearance
+    """Yield for each pair its least distance and "the sum of both radii and the clearance"."""
+
+    def discs(own: list[int], kind: int, radii: list[float]) -> list[tuple[Any, ...]]:
+        now = (view.position, view.obstacle)[kind]
+        return [(now[k], view.before[kind][k], radii[k], k in view.jumped[kind]) for k in own]
+
+    robots = discs(goal.robots, 0, [robot.radius for robot in view.mission.robots])
+    rocks = discs(goal.obstacles, 1, [disc.radius for disc in view.mission.obstacles])
+    for one, other in (*combinations(robots, 2), *product(robots, rocks)):
+        (a, a_was, radius, has_jumped), (b, b_was, its_radius, it_has) = one, other
+        x, y = b[0] - a[0], b[1] - a[1]
+        was_x, was_y = b_was[0] - a_was[0], b_was[1] - a_was[1]
+        wx, wy = (0.0, 0.0) if has_jumped or it_has else (was_x - x, was_y - y)
+        square = wx * wx + wy * wy
+        s = within(-(x * wx + y * wy) / square, 0, 1) if square else 0
+        yield distance((0, 0), (x + s * wx, y + s * wy)), radius + its_radius + goal.clearance
 
 
 def too_few(goal: Goal, keeping: Iterable[bool]) -> bool:  # "fewer than k members"
@@ -534,7 +561,11 @@ def roam(ci: Intelligence, robot: int, area: Disc) -> None:
 def evade(goal: Goal, ci: Intelligence, robot: int) -> None:
     """The paragraph "Evading"."""
     radius = ci.mission.robots[robot].radius
-    if not falls_short(gap_along(goal, ci, robot, ci.heading[robot], radius), radius):
+    tick, denied = ci.denied.get(robot, (-2, None))
+    ways = [ci.heading[robot]]
+    if denied is not None and tick == ci.tick - 1:
+        ways.append(denied)
+    if not any(falls_short(gap_along(goal, ci, robot, way, radius), radius) for way in ways):
         return
     best: tuple[float, Direction] | None = None
     for direction in DIRECTIONS[::15]:
@@ -542,7 +573,8 @@ def evade(goal: Goal, ci: Intelligence, robot: int) -> None:
             gap = gap_along(goal, ci, robot, direction, 20 * ci.pace(robot))
             if best is None or gap - best[0] > 1e-9:
                 best = gap, direction
-    if best is not None:
+    if best is not None and ("heading", robot) not in ci.taken:
+        ci.denied[robot] = ci.tick, None
         ci.head(robot, *best[1])
 
 
@@ -563,10 +595,11 @@ def gap_along(goal: Goal, ci: Intelligence, robot: int, way: Direction, limit: f
 
 
 def closest(own: Place, other: Place, vx: float, vy: float) -> float:
-    """ "|Δ + s·v| with s = -(Δ·v)/(v·v) within 1 and 10, and 1 if v·v = 0"."""
+    """ "|Δ + s·v| with s = -(Δ·v)/(v·v), at most 10, and 1 if that is not above 0 or v·v = 0"."""
     dx, dy = other[0] - own[0], other[1] - own[1]
     square = vx * vx + vy * vy
-    s = within(-(dx * vx + dy * vy) / square, 1, 10) if square else 1
+    s = -(dx * vx + dy * vy) / square if square else 0
+    s = min(s, 10) if s > 0 else 1
     return distance((0, 0), (dx + s * vx, dy + s * vy))
 
 
@@ -751,11 +784,14 @@ class Flight:
         for tick in range(self.mission.duration):
             self.truth.tick = self.belief.tick = tick
             self.truth.left = self.belief.left = self.mission.duration - 1 - tick  # [S Goals]
+            for view in (self.truth, self.belief):
+                view.before = [*view.position], [*view.obstacle]
             for robot in self.mission.robots:
                 self.move(robot)
             self.publish()
             self.true = self.judge(self.truth)
             self.deliver()
+            self.belief.look_back()
             self.believed = self.judge(self.belief)
             self.set_off(tick)
             self.belief.taken = set()

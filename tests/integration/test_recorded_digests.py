@@ -20,8 +20,8 @@ from tests.tiers import slow
 
 MISSION = "uuv_sampling"
 DIGESTS = {
-    "a": "5d7e81bcf28d1f0edf89c65a70f07a24bbbe3970d431311c358df85600db938c",
-    "b": "5695e2ebf01ba9e7503215429548f0ca7ea87fbfa5e69f4afc6982d3e0c81b99",
+    "a": "3966486edcec5897ad332c0b5fca95d4e61af8579535aa52390d33f35b515eaa",
+    "b": "82da852f34bb334fba0a46bf13123c15a38e62254298fa598e88f58edab88c3e",
 }
 
 

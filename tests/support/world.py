@@ -90,6 +90,12 @@ def mission(
     )
 
 
+def stand(view: State) -> None:
+    """Let the robots of a state have stood where they are for a tick."""
+    for robot, wake in zip(view.robots, view.wakes, strict=False):
+        wake.x, wake.y, wake.step, wake.has_jumped = robot.x, robot.y, 0.0, 0
+
+
 def state(*tasks: GoalTask, **layout: Any) -> State:
     """Return the state of such a mission before its first tick."""
     return initial_state(mission(*tasks, **layout), seed=1)

@@ -35,6 +35,7 @@ from mrsfi_runtime.kernel.flight import (
     valid_samples,
 )
 from mrsfi_runtime.kernel.flight import initial_state as first_state
+from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.injections import OwnEffect, OwnFault, Plan
 from mrsfi_runtime.kernel.state import (
     COLUMNS,
@@ -356,7 +357,7 @@ def true_values(world: State, index: int) -> list[float]:
 
 def take_true_values(world: State, index: int, topic: Heard) -> None:
     """Copy a message of ``true_values`` about a robot into a state."""
-    robot = world.robots[index]
+    robot, wake = world.robots[index], world.wakes[index]
     values = topic.take()["data"]
     expected = 5 + 2 * robot.n_sensors
     if len(values) != expected:
@@ -364,7 +365,9 @@ def take_true_values(world: State, index: int, topic: Heard) -> None:
             f"{topic.name} carried {values!r}; expected {expected} numbers: "
             "x, y, z, speed, energy, then count and active of each of its sensors"
         )
+    wake.x, wake.y = robot.x, robot.y
     robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
+    wake.step = distance(wake.x, wake.y, robot.x, robot.y)
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]
         count, active = values[5 + 2 * offset : 7 + 2 * offset]

@@ -52,7 +52,7 @@ def release(ci: State) -> None:
 
 @kernel
 def steer(ci: State, index: int, x: float, y: float) -> None:
-    """Command the heading of a robot, unless an earlier goal did.
+    """Command the heading of a robot, unless an earlier goal did; to evade, the wish is noted.
 
     Parameters
     ----------
@@ -63,11 +63,15 @@ def steer(ci: State, index: int, x: float, y: float) -> None:
     x, y
         Direction of any length; one shorter than ``TOLERANCE`` is ignored.
     """
-    command = ci.commands[index]
+    command, wish = ci.commands[index], ci.wishes[index]
     length = math.sqrt(x * x + y * y)
-    if command.heading_claimed == 0 and length > TOLERANCE:
+    if length <= TOLERANCE:
+        return
+    if command.heading_claimed == 0:
         command.heading_claimed = 1
         command.heading_x, command.heading_y = x / length, y / length
+    elif wish.tick == ci.mission.tick and wish.x == 0.0 and wish.y == 0.0:
+        wish.x, wish.y = x / length, y / length
 
 
 @kernel
@@ -103,9 +107,10 @@ def move(world: State, valid: Sequence[int], tick: int) -> None:
     """
     world.mission.tick = tick
     for index in range(len(world.robots)):
-        robot = world.robots[index]
+        robot, wake = world.robots[index], world.wakes[index]
+        wake.x, wake.y = robot.x, robot.y
         if robot.energy <= 0.0:
-            robot.speed = 0.0
+            wake.step = robot.speed = 0.0
             for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
                 world.sensors[k].active = 0
             continue
@@ -113,7 +118,7 @@ def move(world: State, valid: Sequence[int], tick: int) -> None:
         speed = feasible(robot, command.speed)
         robot.x += command.heading_x * speed
         robot.y += command.heading_y * speed
-        robot.speed = speed
+        wake.step = robot.speed = speed
         spent = speed * robot.energy_per_distance
         for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
             sensor = world.sensors[k]

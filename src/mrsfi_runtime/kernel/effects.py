@@ -342,8 +342,9 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     """
     remember(ci, plan)
     for index in range(len(ci.robots)):
-        robot = ci.robots[index]
+        robot, wake = ci.robots[index], ci.wakes[index]
         sent = inbox.robots[index]
+        wake.x, wake.y = robot.x, robot.y
         robot.x, robot.y, robot.z = sent.x, sent.y, sent.z
         robot.speed = sent.speed
         robot.energy = sent.energy

@@ -27,7 +27,11 @@ from typing import NamedTuple, TypeAlias, get_type_hints
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.effects import Orders, arm, deliver, disturb, falsify, issue
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import (
+    LOOK_AHEAD,
+    AvoidCollision,
+    look_back,
+)
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.table import (
     LASTING,
@@ -57,6 +61,8 @@ from mrsfi_runtime.kernel.state import (
     State,
     SwitchState,
     TraitState,
+    WakeState,
+    WishState,
     kernel,
 )
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Robot
@@ -171,6 +177,8 @@ def initial_state(mission: Mission, seed: int) -> State:
         _add_robot(state, robot)
     for goal in mission.goals:
         _add_goal(state, mission, goal)
+    state.wishes = [WishState() for _ in state.robots]
+    state.wakes = [WakeState(each.x, each.y) for each in (*state.robots, *state.obstacles)]
     if any(goal.grace for goal in mission.goals):
         for each, goal in zip(state.goals, mission.goals, strict=True):
             is_lasting = goal.grace > 0 and each.task in LASTING
@@ -384,6 +392,7 @@ def hear(
     """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
+    look_back(ci)
     judge(functions, ci, verdicts.is_believed)
     if len(plan.triggers) > 0:
         arm(world, plan, verdicts.is_true, tick)

@@ -53,13 +53,6 @@ def well_inside(
 
 
 @kernel
-def overlap(dx: float, dy: float, reach: float) -> bool:
-    """Return whether two discs overlap whose radii add up to ``reach``."""
-    square = dx * dx + dy * dy
-    return square < reach * reach and excess(math.sqrt(square), reach) < 0.0
-
-
-@kernel
 def away(view: State, first: int, n: int, radius: float, dx: float, dy: float) -> float:
     """Return how far a point is from the centre of an area, as it counts for its radius."""
     if n == 0:

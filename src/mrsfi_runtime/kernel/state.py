@@ -99,6 +99,19 @@ class TraitState:
 
 
 @dataclass(slots=True)
+class WakeState:
+    """Where a robot or an obstacle was a tick ago, and how far it has moved since.
+
+    ``has_jumped`` is 1 if it cannot have moved so far: only its present place counts.
+    """
+
+    x: float
+    y: float
+    step: float = 0.0
+    has_jumped: int = 0
+
+
+@dataclass(slots=True)
 class SensorState:
     """A sensor: valid samples so far, activation (0 or 1), samples per tick, energy per sample.
 
@@ -248,6 +261,15 @@ class CommandState:
 
 
 @dataclass(slots=True)
+class WishState:
+    """When a robot evaded last, and the heading that a later goal was denied then; 0, 0 if none."""
+
+    tick: int = -2
+    x: float = 0.0
+    y: float = 0.0
+
+
+@dataclass(slots=True)
 class SwitchState:
     """The last command of a sensor (0 or 1), and whether a goal gave it in this tick."""
 
@@ -261,7 +283,8 @@ class MapState:
 
     A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
     ``is_wrong`` is 1 if the believed position of an obstacle may differ from the model's; code
-    that moves an obstacle must set it.
+    that moves an obstacle must set it. ``was_wrong`` is 1 if it was 1 a tick ago, or an obstacle
+    has moved since.
     """
 
     x: float
@@ -269,6 +292,7 @@ class MapState:
     cells_per_unit: float
     reach: float
     is_wrong: int
+    was_wrong: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,10 +353,11 @@ class State:
     ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions`` are the unit
     vectors of whole degrees. ``required`` has for each goal how many members must keep to the rule
     of its task, ``apart`` the greatest distance of two centres at which robots can be too near for
-    it.
-    ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin. ``lookup``
-    is scratch space. ``grace``, which is empty unless a goal has some, and the ``latest`` margins
-    change, but are never recorded or hashed.
+    it. ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin.
+
+    The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then
+    one per obstacle; ``wishes`` one per robot; ``grace``, empty unless a goal has some, one per
+    goal, whose ``latest`` margins follow. ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -354,6 +379,8 @@ class State:
     apart: tuple[float, ...] = ()
     commands: list[CommandState] = field(default_factory=list)
     switches: list[SwitchState] = field(default_factory=list)
+    wakes: list[WakeState] = field(default_factory=list)
+    wishes: list[WishState] = field(default_factory=list)
     map: MapState
     cells: tuple[int, ...]
     mapped: tuple[MappedState, ...]

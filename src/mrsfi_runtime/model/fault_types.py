@@ -245,7 +245,7 @@ def plain_name(text: str) -> str:
     return re.sub(r"[_. -]+", "_", text).strip("_").lower()
 
 
-SEMANTICS = 2  # the version that this runtime flies
+SEMANTICS = 3  # the version that this runtime flies
 
 
 def difference(found: int) -> str:

@@ -29,7 +29,7 @@ from mrsfi_runtime.kernel.goal_tasks.table import is_missed
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import GraceState, excess
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle, Outcome
-from tests.support.world import MEMBERS, mission, robot, state
+from tests.support.world import MEMBERS, mission, robot, stand, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 ROCK = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
@@ -56,6 +56,7 @@ def test_a_task_is_violated_beyond_its_edge_whatever_is_rounded(task, robot, kep
     found = {}
     for value in (*(share * edge for edge in kept for share in ROUNDED), *violated):
         setattr(moved, axis, value)
+        stand(view)
         found[value] = sys.modules[type(task).__module__].violated(view, 0)
 
     assert {value for value, is_violated in found.items() if is_violated} == {*violated}

@@ -1,9 +1,11 @@
 """AvoidCollision: the discs of robots and obstacles keep a clearance, and never overlap.
 
-A gap is the distance of two centres minus both radii and the clearance; the goal is violated while
-one is below 0. Checks and margins compare the distances of one tick. Reactions look ``LOOK_AHEAD``
-ticks ahead, as if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough
-to matter, so that few pairs are compared; the results equal those of comparing all pairs.
+A gap is the least distance of two centres on their way from the tick before to this one, minus both
+radii and the clearance; the goal is violated while one is below 0. In belief, a position that a
+fault moves may jump: nothing was on the way, and only its end counts. ``look_back`` tells which
+have. Reactions look ``LOOK_AHEAD`` ticks ahead, as if all robots kept heading and speed.
+``kernel.neighbours`` finds those near enough to matter, so that few pairs are compared; the results
+equal those of comparing all pairs.
 
 Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
 """
@@ -12,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.geometry import distance, overlap, well_inside
+from mrsfi_runtime.kernel.geometry import distance, off_segment, well_inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.neighbours import (
@@ -47,8 +49,32 @@ class AvoidCollision(GoalTask):
 
 
 @kernel
+def look_back(ci: State) -> None:
+    """Note how far everything has moved in belief since the last tick, and what has jumped.
+
+    A robot has if it moved farther than its maximum speed and position noise allow, an obstacle if
+    it moved at all.
+    """
+    n_robots = len(ci.robots)
+    for index in range(n_robots):
+        robot, wake = ci.robots[index], ci.wakes[index]
+        wake.step = distance(wake.x, wake.y, robot.x, robot.y)
+        most = robot.max_speed + 2.0 * ci.traits[index].position_noise
+        wake.has_jumped = int(excess(wake.step, most) > 0.0)
+        if wake.has_jumped:
+            wake.step = 0.0
+    if ci.map.is_wrong + ci.map.was_wrong > 0:
+        ci.map.was_wrong = ci.map.is_wrong
+        for k in range(len(ci.obstacles)):
+            obstacle, wake = ci.obstacles[k], ci.wakes[n_robots + k]
+            wake.has_jumped = int(obstacle.x != wake.x or obstacle.y != wake.y)
+            ci.map.was_wrong = max(ci.map.was_wrong, wake.has_jumped)
+            wake.x, wake.y = obstacle.x, obstacle.y
+
+
+@kernel
 def violated(view: State, g: int) -> bool:
-    """Return whether two discs are too near among a goal's robots and obstacles."""
+    """Return whether two discs were too near among a goal's robots and obstacles."""
     return hits_obstacle(view, view.goals[g]) or hits_robot(view, g)
 
 
@@ -60,73 +86,95 @@ def size(view: State, goal: GoalState, index: int) -> float:
 
 @kernel
 def hits_obstacle(view: State, goal: GoalState) -> bool:
-    """Return whether a disc of a goal's robots is too near to one of its obstacles."""
+    """Return whether a disc of a goal's robots was too near to one of its obstacles.
+
+    All obstacles are checked if the map does not reach as far as the robot has moved.
+    """
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        robot = view.robots[view.members[m].robot]
-        own = size(view, goal, view.members[m].robot)
+        index = view.members[m].robot
+        robot = view.robots[index]
+        reach = size(view, goal, index) + view.wakes[index].step
         cell = cell_at(view, robot.x, robot.y)
         for k in range(view.cells[cell], view.cells[cell + 1]):
             mapped = view.mapped[k]
-            if mapped.gap >= own:
+            if mapped.gap >= reach:
                 break
-            index = mapped.obstacle
-            if hits(view, robot.x, robot.y, own, index) and is_listed(view, goal, index):
+            obstacle = mapped.obstacle
+            if gap_to(view, goal, index, obstacle, 0.0) < 0.0 and is_listed(view, goal, obstacle):
                 return True
-    return view.map.is_wrong == 1 and hits_displaced(view, goal)
-
-
-@kernel
-def hits_displaced(view: State, goal: GoalState) -> bool:
-    """Return whether a robot is too near to an obstacle that is off its model position."""
-    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-        if is_displaced(view, view.hazards[h]):
-            for m in range(goal.first_member, goal.first_member + goal.n_members):
-                robot = view.robots[view.members[m].robot]
-                own = size(view, goal, view.members[m].robot)
-                if hits(view, robot.x, robot.y, own, view.hazards[h]):
-                    return True
+        if (view.map.is_wrong == 1 or reach > view.map.reach) and hits_any(view, goal, index):
+            return True
     return False
 
 
 @kernel
-def hits(view: State, x: float, y: float, own: float, index: int) -> bool:
-    """Return whether a robot of a ``size`` at a point is too near to an obstacle."""
-    obstacle = view.obstacles[index]
-    return overlap(obstacle.x - x, obstacle.y - y, obstacle.radius + own)
+def hits_any(view: State, goal: GoalState, index: int) -> bool:
+    """Return whether a robot was too near to any obstacle of a goal, wherever that is."""
+    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+        if gap_to(view, goal, index, view.hazards[h], 0.0) < 0.0:
+            return True
+    return False
+
+
+@kernel
+def gap_to(view: State, goal: GoalState, index: int, hazard: int, limit: float) -> float:
+    """Return the gap between a robot and an obstacle, or ``limit`` if that is less."""
+    robot, obstacle, wake = view.robots[index], view.obstacles[hazard], view.wakes[index]
+    dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
+    both = view.traits[index].radius + obstacle.radius + goal.distance
+    near = (limit + both + wake.step) * SURE
+    if dx * dx + dy * dy >= near * near:
+        return limit
+    has_jumped = wake.has_jumped + view.wakes[len(view.robots) + hazard].has_jumped
+    was_x, was_y = obstacle.x - wake.x, obstacle.y - wake.y
+    return min(gap_of(dx, dy, was_x, was_y, has_jumped, both), limit)
+
+
+@kernel
+def gap_of(dx: float, dy: float, was_x: float, was_y: float, has_jumped: int, both: float) -> float:
+    """Return the least distance of two centres minus the least that is allowed, ``both``.
+
+    (dx, dy) leads from one to the other at the end of the tick, (was_x, was_y) at its begin, which
+    does not count if one ``has_jumped``.
+    """
+    if has_jumped > 0:
+        was_x, was_y = dx, dy
+    return excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both)
 
 
 @kernel
 def hits_robot(view: State, g: int) -> bool:
-    """Return whether two discs of a goal's robots are too near to each other."""
+    """Return whether two discs of a goal's robots were too near to each other."""
     goal = view.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
-        return hits_neighbour(view, goal, view.apart[g])
+        return gap_between_neighbours(view, goal, view.apart[g], 0.0) < 0.0
     for m in range(goal.first_member, last):
         index = view.members[m].robot
-        x, y, own = view.robots[index].x, view.robots[index].y, size(view, goal, index)
+        robot = view.robots[index]
+        x, y, reach = robot.x, robot.y, size(view, goal, index) + view.wakes[index].step
         for n in range(m + 1, last):
             other = view.members[n].robot
             second = view.robots[other]
-            if overlap(second.x - x, second.y - y, own + view.traits[other].radius):
+            dx, dy = second.x - x, second.y - y
+            near = reach + view.traits[other].radius + view.wakes[other].step
+            if dx * dx + dy * dy < near * near and gap_between(view, goal, index, other, 0.0) < 0.0:
                 return True
     return False
 
 
 @kernel
-def hits_neighbour(view: State, goal: GoalState, apart: float) -> bool:
-    """Return whether two of many robots, of which none beyond ``apart`` count, are too near."""
-    chart(view, goal, apart)
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        index = view.members[m].robot
-        robot, own = view.robots[index], size(view, goal, index)
-        for k in range(gather(view, goal, index, apart)):
-            other = view.lookup.nearby[k]
-            second = view.robots[other]
-            both = own + view.traits[other].radius
-            if overlap(second.x - robot.x, second.y - robot.y, both):
-                return True
-    return False
+def gap_between(view: State, goal: GoalState, index: int, other: int, limit: float) -> float:
+    """Return the gap between two robots, or ``limit`` if that is less."""
+    robot, second = view.robots[index], view.robots[other]
+    wake, trail = view.wakes[index], view.wakes[other]
+    dx, dy = second.x - robot.x, second.y - robot.y
+    both = view.traits[index].radius + view.traits[other].radius + goal.distance
+    near = (limit + both + wake.step + trail.step) * SURE
+    if dx * dx + dy * dy >= near * near:
+        return limit
+    has_jumped = wake.has_jumped + trail.has_jumped
+    return min(gap_of(dx, dy, trail.x - wake.x, trail.y - wake.y, has_jumped, both), limit)
 
 
 @kernel
@@ -147,90 +195,76 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
     """Return the least gap between robots and obstacles of a goal, at their model positions."""
     least = NO_MARGIN
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        robot = world.robots[world.members[m].robot]
-        own = size(world, goal, world.members[m].robot)
+        index = world.members[m].robot
+        robot = world.robots[index]
+        reach = size(world, goal, index) + world.wakes[index].step
         cell = cell_at(world, robot.x, robot.y)
         for k in range(world.cells[cell], world.cells[cell + 1]):
             mapped = world.mapped[k]
-            if mapped.gap - own >= least:
+            if mapped.gap - reach >= least:
                 break
-            gap = gap_to(world, robot.x, robot.y, own, mapped.obstacle, least)
+            gap = gap_to(world, goal, index, mapped.obstacle, least)
             if gap < least and is_listed(world, goal, mapped.obstacle):
                 least = gap
-        if least > world.map.reach - own:  # no cell lists obstacles beyond
+        if least > world.map.reach - reach:  # no cell lists obstacles beyond
             for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-                least = gap_to(world, robot.x, robot.y, own, world.hazards[h], least)
+                least = gap_to(world, goal, index, world.hazards[h], least)
     return least
 
 
 @kernel
-def gap_to(view: State, x: float, y: float, own: float, index: int, limit: float) -> float:
-    """Return the gap between a robot of a ``size`` at a point and an obstacle, or ``limit``."""
-    obstacle = view.obstacles[index]
-    dx, dy = obstacle.x - x, obstacle.y - y
-    square = dx * dx + dy * dy
-    both = obstacle.radius + own
-    if square >= (limit + both) * (limit + both):
-        return limit
-    return math.sqrt(square) - both
-
-
-@kernel
 def gap_between_robots(world: State, g: int, limit: float) -> float:
-    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``.
-
-    A square root is taken only where the gap may be less than those before.
-    """
+    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``."""
     goal = world.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
         return gap_between_neighbours(world, goal, world.apart[g], limit)
     least = NO_MARGIN
     for m in range(goal.first_member, last):
-        index = world.members[m].robot
-        x, y, own = world.robots[index].x, world.robots[index].y, size(world, goal, index)
         for n in range(m + 1, last):
-            other = world.members[n].robot
-            dx, dy = world.robots[other].x - x, world.robots[other].y - y
-            both = own + world.traits[other].radius
-            square = dx * dx + dy * dy
-            if square < (least + both) * (least + both) * SURE:
-                least = min(least, math.sqrt(square) - both)
+            index, other = world.members[m].robot, world.members[n].robot
+            least = gap_between(world, goal, index, other, least)
     return least
 
 
 @kernel
-def gap_between_neighbours(world: State, goal: GoalState, apart: float, limit: float) -> float:
+def gap_between_neighbours(view: State, goal: GoalState, apart: float, limit: float) -> float:
     """Return the least gap between two of more than ``FEW`` robots, at most ``limit``.
 
-    No two robots beyond ``apart`` have a gap below 0.
+    No two robots beyond ``apart`` have a gap below 0 where they are.
     """
     least = limit
-    chart(world, goal, apart)
+    longest = 0.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        index = world.members[m].robot
-        robot, own = world.robots[index], size(world, goal, index)
-        for k in range(gather(world, goal, index, apart + least)):
-            other = world.lookup.nearby[k]
-            second = world.robots[other]
-            both = own + world.traits[other].radius
-            least = min(least, distance(robot.x, robot.y, second.x, second.y) - both)
+        longest = max(longest, view.wakes[view.members[m].robot].step)
+    chart(view, goal, apart + 2.0 * max(longest, top_speed(view, goal)))
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = view.members[m].robot
+        reach = apart + least + view.wakes[index].step + longest
+        for k in range(gather(view, goal, index, reach)):
+            least = gap_between(view, goal, index, view.lookup.nearby[k], least)
     return least
 
 
 @kernel
 def react(ci: State, g: int) -> None:
-    """Turn every member whose gap will soon be below its radius to the heading with the widest."""
+    """Turn every member whose gap will soon be below its radius to the heading with the widest.
+
+    One that evaded in the tick before is also judged by the heading that a later goal was denied
+    then, as that goal would lead it back.
+    """
     goal = ci.goals[g]
     farthest = LOOK_AHEAD * fastest(ci, goal)
     chart(ci, goal, 0.5 * ci.apart[g] + 2.0 * farthest + ci.apart[g])
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = ci.members[m].robot
-        command = ci.commands[index]
+        command, wish = ci.commands[index], ci.wishes[index]
         least = ci.traits[index].radius
         n_near = gather(ci, goal, index, sight(ci, g, index, least, farthest))
-        x, y = command.heading_x, command.heading_y
-        if excess(gap_along(ci, goal, index, n_near, x, y, least), least) < 0.0:
+        gap = gap_along(ci, goal, index, n_near, command.heading_x, command.heading_y, least)
+        if wish.tick + 1 == ci.mission.tick and (wish.x != 0.0 or wish.y != 0.0):
+            gap = min(gap, gap_along(ci, goal, index, n_near, wish.x, wish.y, least))
+        if excess(gap, least) < 0.0:
             evade(ci, g, index, farthest)
 
 
@@ -256,7 +290,9 @@ def evade(ci: State, g: int, index: int, farthest: float) -> None:
             if best < 0 or gap > most + TOLERANCE:
                 best = degrees
                 most = gap
-    if best >= 0:
+    if best >= 0 and ci.commands[index].heading_claimed == 0:
+        wish = ci.wishes[index]
+        wish.tick, wish.x, wish.y = ci.mission.tick, 0.0, 0.0
         steer(ci, index, ci.directions[best].x, ci.directions[best].y)
 
 
@@ -346,10 +382,14 @@ def gap_to_obstacle(
 
 @kernel
 def closest(dx: float, dy: float, vx: float, vy: float) -> float:
-    """Return the least distance of a moving point from the origin in ticks 1 … LOOK_AHEAD."""
+    """Return the least distance of a moving point from the origin until ``LOOK_AHEAD`` ticks later.
+
+    A point that moves away counts from the next tick on: where it is now cannot be mended.
+    """
     square = vx * vx + vy * vy
-    when = 1.0
+    when = 0.0
     if square > 0.0:
-        when = min(max(-(dx * vx + dy * vy) / square, 1.0), float(LOOK_AHEAD))
+        when = -(dx * vx + dy * vy) / square
+    when = min(when, float(LOOK_AHEAD)) if when > 0.0 else 1.0
     x, y = dx + when * vx, dy + when * vy
     return math.sqrt(x * x + y * y)
