@@ -149,8 +149,8 @@ AvoidCollisionMembers (mission): robots that avoid collisions are members of the
 DeadlineInsideMission (mission): a deadline lies inside the mission
 FigureInsideMission (mission): speeds, distances, noises, radii of robots, clearances and tolerances
     are at most the width of the mission area; periods are at most the duration of the mission
-AsReactionsAssume (mission): a robot turns at once and reports its exact position where a built-in
-    reaction assumes that, and has room to turn back where one keeps it in an area
+AsReactionsAssume (mission): a robot has the room that built-in reactions need for its turn rate and
+    its noise: areas and tolerances are wide enough
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
 TriggerCanHappen (faults): a trigger of an effect waits for a fault that does not wait for it

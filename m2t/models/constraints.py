@@ -33,15 +33,10 @@ if TYPE_CHECKING:
     from m2t.read import Node
 
 
-_IGNORING = {
-    "turnRate": ("Track", "FixedDistanceBetweenRobots"),
-    "positionNoise": ("Visit", "Track", "FixedDistanceBetweenRobots"),
-}
-"""Tasks whose built-in reactions assume instant turns, or exact positions."""
-_OWN = (
-    "it may be violated without any fault; expected a reaction that knows of it; write one, or "
-    "correct the robot"
-)
+_TOLERATING = {"Visit": 1.0, "Track": 1.0, "FixedDistanceBetweenRobots": 2.0}
+"""How many times the leeway of a robot the tolerance of a task has to be."""
+_NEEDS = "needs more room for its turnRate and positionNoise than it has"
+_OWN = "the goal may be violated without any fault; expected more room, or another reaction"
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 _LENGTHS = {
     "Robot": ("speed", "maxSpeed", "positionNoise", "radius"),
@@ -179,23 +174,18 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
 
 
 def _check_reactions(mission: Any, robot: Any, report: Report) -> None:
-    for name, assumed in (("turnRate", 180.0), ("positionNoise", 0.0)):
-        if is_set(robot, name) and getattr(robot, name) != assumed:
-            has = f"has {name} {number(getattr(robot, name))}, "
-            for goal in mission.goals:
-                if robot in goal.members and base_class(goal.task.eClass).name in _IGNORING[name]:
-                    finding = (
-                        f"{has}which the built-in reaction of goal '{goal.ID}' ignores; {_OWN}"
-                    )
-                    report.add(robot, "AsReactionsAssume", finding)
+    """Check that a robot has room for its turn rate and noise where built-in reactions steer it."""
     for goal in mission.goals:
         for area in _kept_in(mission, goal, robot):
             if not area.corners and _leeway(robot) >= area.radius:
-                finding = (
-                    f"needs more room to turn back than goal '{goal.ID}' has in '{area.ID}' "
-                    f"(radius {number(area.radius)}), with its turnRate and positionNoise; {_OWN}"
-                )
-                report.add(robot, "AsReactionsAssume", finding)
+                room = f"area '{area.ID}' of goal '{goal.ID}' (radius {number(area.radius)})"
+                report.add(robot, "AsReactionsAssume", f"{_NEEDS} in {room}; {_OWN}")
+        base = base_class(goal.task.eClass).name
+        share = _TOLERATING.get(base, 0.0) if robot in goal.members else 0.0
+        needed = 2.0 * robot.positionNoise if base == "Visit" else _leeway(robot)
+        if share and share * needed > goal.task.tolerance:
+            room = f"the tolerance of goal '{goal.ID}' ({number(goal.task.tolerance)})"
+            report.add(robot, "AsReactionsAssume", f"{_NEEDS} in {room}; {_OWN}")
 
 
 def _kept_in(mission: Any, goal: Any, robot: Any) -> list[Any]:

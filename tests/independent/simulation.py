@@ -256,6 +256,7 @@ class Notes:  # "Progress of goals is noted in belief and in truth on their own"
         self.since = dict.fromkeys(goal.members, -1)
         self.reached = dict.fromkeys(goal.members, False)
         self.waypoint = dict.fromkeys(goal.members, 0)
+        self.surely = dict.fromkeys(goal.members, 0)
         self.memory = [0.0] * 8
 
 
@@ -508,11 +509,24 @@ def react(goal: Goal, ci: Intelligence) -> None:
             case "Stay":
                 roam(ci, robot, goal.area)
             case "Visit":
-                approach(ci, robot, [] if notes.reached[robot] else [goal.point.center])
+                n_passed = passed(ci, goal, robot, [goal.point.center], int(notes.reached[robot]))
+                approach(ci, robot, [goal.point.center][n_passed:])
             case "Track":
-                approach(ci, robot, goal.trajectory[notes.waypoint[robot] :])
+                n_passed = passed(ci, goal, robot, goal.trajectory, notes.waypoint[robot])
+                approach(ci, robot, goal.trajectory[n_passed:])
             case "FixedDistanceBetweenRobots" if before >= 0:
                 keep_distance(goal, ci, robot, before)
+
+
+def passed(ci: Intelligence, goal: Goal, robot: int, points: list[Place], noted: int) -> int:
+    """Return the points passed; with noise, only those that the robot was "surely at"."""
+    surely, noise = ci.notes[goal.index].surely, ci.mission.robots[robot].noise
+    reach = max(goal.tolerance - noise, goal.tolerance / 2)
+    for point in points[surely[robot] : noted]:
+        if exceeds(distance(ci.position[robot], point), reach):
+            break
+        surely[robot] += 1
+    return surely[robot] if noise > 0 else noted
 
 
 def approach(ci: Intelligence, robot: int, points: list[Place]) -> None:

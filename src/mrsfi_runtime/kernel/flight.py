@@ -179,6 +179,8 @@ def initial_state(mission: Mission, seed: int) -> State:
         _add_goal(state, mission, goal)
     state.wishes = [WishState() for _ in state.robots]
     state.wakes = [WakeState(each.x, each.y) for each in (*state.robots, *state.obstacles)]
+    if any(robot.position_noise for robot in mission.robots):
+        state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):
         for each, goal in zip(state.goals, mission.goals, strict=True):
             is_lasting = goal.grace > 0 and each.task in LASTING

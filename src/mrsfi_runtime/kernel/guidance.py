@@ -1,7 +1,7 @@
 """How the reference collective intelligence guides a robot: to a point, or about inside an area."""
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
-from mrsfi_runtime.kernel.geometry import distance, well_in_area
+from mrsfi_runtime.kernel.geometry import distance, inside, well_in_area
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import AreaState, GoalState, RobotState, State, kernel
 
@@ -39,6 +39,17 @@ def approach(ci: State, index: int, x: float, y: float) -> None:
     steer(ci, index, x - robot.x, y - robot.y)
     slow = distance(robot.x, robot.y, x, y) / ci.traits[index].turn_width
     set_speed(ci, index, min(robot.nominal_speed, slow))
+
+
+@kernel
+def is_surely_at(ci: State, index: int, x: float, y: float, tolerance: float) -> bool:
+    """Return whether a robot is within tolerance of a point, wherever its noise has it.
+
+    If its noise is more than half the tolerance, it is within half the tolerance by belief.
+    """
+    robot = ci.robots[index]
+    reach = max(tolerance - ci.traits[index].position_noise, 0.5 * tolerance)
+    return inside(robot.x, robot.y, x, y, reach)
 
 
 @kernel

@@ -357,7 +357,8 @@ class State:
 
     The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then
     one per obstacle; ``wishes`` one per robot; ``grace``, empty unless a goal has some, one per
-    goal, whose ``latest`` margins follow. ``lookup`` is scratch space.
+    goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
+    waypoints each member has surely passed. ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -386,6 +387,7 @@ class State:
     mapped: tuple[MappedState, ...]
     lookup: LookupState
     grace: list[GraceState] = field(default_factory=list)
+    aims: list[int] = field(default_factory=list)
     latest: list[float] = field(default_factory=list)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, kth_best, too_many
-from mrsfi_runtime.kernel.guidance import approach
+from mrsfi_runtime.kernel.guidance import approach, is_surely_at
 from mrsfi_runtime.kernel.state import GoalState, State, excess, kernel
 from mrsfi_runtime.model.mission import Coordinates, GoalTask
 from mrsfi_runtime.model.polygons import off_segment
@@ -79,13 +79,27 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:  # noqa: AR
 
 
 @kernel
+def next_aim(ci: State, goal: GoalState, m: int) -> int:
+    """Return the waypoint that a member heads for: its next one, or one that it may have missed."""
+    member = ci.members[m]
+    if ci.traits[member.robot].position_noise <= 0.0:
+        return member.waypoint
+    while ci.aims[m] < member.waypoint:
+        point = ci.waypoints[goal.first_waypoint + ci.aims[m]]
+        if not is_surely_at(ci, member.robot, point.x, point.y, goal.tolerance):
+            break
+        ci.aims[m] += 1
+    return ci.aims[m]
+
+
+@kernel
 def react(ci: State, g: int) -> None:
     """Head for every member's next waypoint, with a last step no longer than needed."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        member = ci.members[m]
-        if member.waypoint < goal.n_waypoints:
-            point = ci.waypoints[goal.first_waypoint + member.waypoint]
+        member, aim = ci.members[m], next_aim(ci, goal, m)
+        if aim < goal.n_waypoints:
+            point = ci.waypoints[goal.first_waypoint + aim]
             approach(ci, member.robot, point.x, point.y)
         else:
             set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)

@@ -14,7 +14,7 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     patience,
     too_many,
 )
-from mrsfi_runtime.kernel.guidance import approach
+from mrsfi_runtime.kernel.guidance import approach, is_surely_at
 from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
@@ -81,12 +81,23 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 
 @kernel
+def may_have_missed(ci: State, goal: GoalState, m: int) -> bool:
+    """Return whether a member that reports inexactly was at the point only by belief until now."""
+    index = ci.members[m].robot
+    if ci.traits[index].position_noise <= 0.0:
+        return False
+    if is_surely_at(ci, index, goal.x, goal.y, goal.tolerance):
+        ci.aims[m] = 1
+    return ci.aims[m] == 0
+
+
+@kernel
 def react(ci: State, g: int) -> None:
     """Head for the point until it has been reached, with a last step no longer than needed."""
     goal = ci.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         member = ci.members[m]
-        if member.reached == 0:
+        if member.reached == 0 or may_have_missed(ci, goal, m):
             approach(ci, member.robot, goal.x, goal.y)
         else:
             set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)
