@@ -355,6 +355,11 @@ class Intelligence(View):  # the belief, and commands as they stand [S Reference
         turning = self.pace(robot) * (model.width + 0.5) if model.turn_rate < 180 else 0.0
         return 2 * model.noise + turning
 
+    def berth(self, robot: int) -> float:
+        """Return "noise + pace × (turn width - 1) / 2"."""
+        model = self.mission.robots[robot]
+        return model.noise + self.pace(robot) * (model.width - 1) / 2
+
     def after(self, steps: int, robot: int, direction: Direction) -> Place:
         return ahead(self.position[robot], steps * self.pace(robot), direction)
 
@@ -583,7 +588,7 @@ def evade(goal: Goal, ci: Intelligence, robot: int) -> None:
         return
     best: tuple[float, Direction] | None = None
     for direction in DIRECTIONS[::15]:
-        if ci.mission.area.has_well(ci.after(10, robot, direction)):
+        if ci.mission.area.has_well(ci.after(10, robot, direction), ci.leeway(robot)):
             gap = gap_along(goal, ci, robot, direction, 20 * ci.pace(robot))
             if best is None or gap - best[0] > 1e-9:
                 best = gap, direction
@@ -596,14 +601,14 @@ def gap_along(goal: Goal, ci: Intelligence, robot: int, way: Direction, limit: f
     """Return the gap: "every robot and obstacle of the goal counts"."""
     place, pace = ci.position[robot], ci.pace(robot)
     x, y = pace * way[0], pace * way[1]
-    gap, own = limit, ci.mission.robots[robot].radius + goal.clearance
+    gap, own = limit, ci.mission.robots[robot].radius + goal.clearance + ci.berth(robot)
     for k in goal.obstacles:
         size = ci.mission.obstacles[k].radius + own
         gap = min(gap, closest(place, ci.obstacle[k], -x, -y) - size)
     for other in goal.robots:
         if other != robot:
             its_x, its_y = (ci.pace(other) * part for part in ci.heading[other])
-            size = ci.mission.robots[other].radius + own
+            size = own + (ci.mission.robots[other].radius + ci.berth(other))
             gap = min(gap, closest(place, ci.position[other], its_x - x, its_y - y) - size)
     return gap
 

@@ -30,6 +30,17 @@ def leeway(ci: State, index: int) -> float:
 
 
 @kernel
+def berth(ci: State, index: int) -> float:
+    """Return by how much wider a robot counts, as it turns slowly and reports inexactly.
+
+    It is its noise, and by how much its turning circle is wider than that of one that turns at
+    once, in radius.
+    """
+    trait = ci.traits[index]
+    return trait.position_noise + 0.5 * pace(ci, index) * (trait.turn_width - 1.0)
+
+
+@kernel
 def approach(ci: State, index: int, x: float, y: float) -> None:
     """Head for a point at nominal speed, slower only where its turning circle might miss it.
 

@@ -205,6 +205,8 @@ def fleets(draw, most):
         replace(
             robot(f"r{n}", x, y, speed=draw(st.sampled_from([0.0, 1.0, 4.0]))),
             radius=draw(st.sampled_from([1.0, 0.25, 12.5])),
+            turn_rate=draw(st.sampled_from([180.0, 45.0, 5.0])),
+            position_noise=draw(st.sampled_from([0.0, 1.5])),
         )
         for n, (x, y) in enumerate(draw(st.lists(points, min_size=1, max_size=most)))
     )
@@ -252,6 +254,7 @@ def shortfalls(view):
 def least_gap(ci, index, x, y, limit):
     """Return the gap along a heading, by looking at all robots and obstacles."""
     own, size = ci.robots[index], ci.traits[index].radius + ci.goals[0].distance
+    size += guidance.berth(ci, index)
     step = guidance.pace(ci, index)
     least = limit
     for h in ci.hazards:
@@ -263,7 +266,8 @@ def least_gap(ci, index, x, y, limit):
             pace, command = guidance.pace(ci, other), ci.commands[other]
             vx, vy = pace * command.heading_x - step * x, pace * command.heading_y - step * y
             away = avoid_collision.closest(each.x - own.x, each.y - own.y, vx, vy)
-            least = min(least, away - (size + ci.traits[other].radius))
+            wide = ci.traits[other].radius + guidance.berth(ci, other)
+            least = min(least, away - (size + wide))
     return least
 
 
@@ -322,7 +326,7 @@ def test_gathering_finds_every_member_within_reach_once_however_robots_have_move
 def test_the_gap_along_a_heading_is_the_least_of_all_gaps(ci, limit, degrees):
     goal = ci.goals[0]
     heading = ci.directions[degrees]
-    farthest = max(10 * guidance.pace(ci, index) for index in range(len(ci.robots)))
+    farthest = avoid_collision.foreseen(ci, goal)
     neighbours.chart(ci, goal, 2.0 * (farthest + 10.0))
 
     for index in range(len(ci.robots)):

@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.geometry import distance, off_segment, well_inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
-from mrsfi_runtime.kernel.guidance import pace
+from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
     FEW,
     cell_at,
     chart,
-    fastest,
     gather,
     is_displaced,
     is_listed,
@@ -254,7 +253,7 @@ def react(ci: State, g: int) -> None:
     then, as that goal would lead it back.
     """
     goal = ci.goals[g]
-    farthest = LOOK_AHEAD * fastest(ci, goal)
+    farthest = foreseen(ci, goal)
     chart(ci, goal, 0.5 * ci.apart[g] + 2.0 * farthest + ci.apart[g])
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = ci.members[m].robot
@@ -285,7 +284,7 @@ def evade(ci: State, g: int, index: int, farthest: float) -> None:
         heading = ci.directions[degrees]
         mission = ci.mission
         x, y = robot.x + reach * heading.x, robot.y + reach * heading.y
-        if well_inside(x, y, mission.x, mission.y, mission.radius):
+        if well_inside(x, y, mission.x, mission.y, mission.radius, leeway(ci, index)):
             gap = gap_along(ci, goal, index, n_near, heading.x, heading.y, limit)
             if best < 0 or gap > most + TOLERANCE:
                 best = degrees
@@ -300,9 +299,25 @@ def evade(ci: State, g: int, index: int, farthest: float) -> None:
 def sight(ci: State, g: int, index: int, limit: float, farthest: float) -> float:
     """Return the distance beyond which another robot's gap cannot fall below ``limit``.
 
-    ``farthest`` is the most that any other robot moves within the look-ahead.
+    ``farthest`` is the most that any other robot moves within the look-ahead, with its berth.
     """
-    return limit + LOOK_AHEAD * pace(ci, index) + farthest + ci.apart[g]
+    return limit + LOOK_AHEAD * pace(ci, index) + berth(ci, index) + farthest + ci.apart[g]
+
+
+@kernel
+def foreseen(ci: State, goal: GoalState) -> float:
+    """Return the most that a member moves within the look-ahead, with its berth."""
+    most = 0.0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        most = max(most, LOOK_AHEAD * pace(ci, index) + berth(ci, index))
+    return most
+
+
+@kernel
+def room(ci: State, goal: GoalState, index: int) -> float:
+    """Return the radius of a robot plus the clearance and its berth: what reactions keep."""
+    return size(ci, goal, index) + berth(ci, index)
 
 
 @kernel
@@ -318,12 +333,12 @@ def gap_along(
     robot = ci.robots[index]
     step = pace(ci, index)
     least = gap_to_obstacles_along(ci, goal, index, step * x, step * y, limit)
-    own = size(ci, goal, index)
+    own = room(ci, goal, index)
     for k in range(n_near):
         other = ci.lookup.nearby[k]
         dx, dy = ci.robots[other].x - robot.x, ci.robots[other].y - robot.y
         other_step = pace(ci, other)
-        both = own + ci.traits[other].radius
+        both = own + (ci.traits[other].radius + berth(ci, other))
         near = least + LOOK_AHEAD * (step + other_step) + both
         if abs(dx) < near and abs(dy) < near:
             command = ci.commands[other]
@@ -341,7 +356,7 @@ def gap_to_obstacles_along(
 
     If the map does not reach as far as the robot may move, all obstacles are checked.
     """
-    robot, own = ci.robots[index], size(ci, goal, index)
+    robot, own = ci.robots[index], room(ci, goal, index)
     reach = limit + LOOK_AHEAD * pace(ci, index) + own
     is_mapped = reach <= ci.map.reach
     least = limit
