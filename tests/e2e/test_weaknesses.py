@@ -67,6 +67,9 @@ def test_every_witness_breaks_its_goal_and_no_part_of_it_does(place, told, monke
         assert counts[0] > most >= max(counts[1:]), one
         assert one["faults"] == sorted(timed.fault for timed in witness)
         assert 0.0 < one["share"] <= 1.0
+        depth = outcomes[witness].depths[goal]
+        assert one["depth"] == (depth and {"value": depth[0], "tick": depth[1]})
+    assert sum(one["depth"] is not None for one in told) > 10
 
 
 def test_bounds_of_what_was_not_found_are_told_for_every_goal_and_measure(place, told, approved):
@@ -218,6 +221,7 @@ def test_a_column_that_a_record_lacks_prints_not_recorded(place, tmp_path):
     mrsfi("replay", "run", "--engine", "reference", cwd=tmp_path)
     found = mrsfi_json("weaknesses", "run", cwd=tmp_path)
     assert {one["detection"] for one in found} == {None}
+    assert {one["depth"] for one in found} == {None}
 
 
 def test_failure_modes_are_titled_with_the_name_of_the_mission_as_commands_know_it(place, tmp_path):

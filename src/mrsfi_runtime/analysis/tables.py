@@ -308,22 +308,29 @@ def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
 
 
 def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
-    """Return the closest approaches of goals that did not break; empty without such goals."""
+    """Return how near goals came to their limits, or how far beyond; empty without such goals."""
     about = "Closest approach of unbroken goals to their limits"
     if outcome.margins is None:
         return f"{about}: not recorded"
-    found = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
+    judged = zip(mission.goals, outcome.margins, outcome.true, outcome.missed, strict=True)
     approaches = [
         f"{goal.id} {nearness(mission, goal, margin)} at tick {margin[1]}"
-        for goal, margin, *n_broken in found
+        for goal, margin, *n_broken in judged
         if margin is not None and not any(n_broken)
     ]
-    return f"{about}: {', '.join(approaches)}" if approaches else ""
+    depths = [
+        f"{goal.id} by {nearness(mission, goal, depth)} at tick {depth[1]}"
+        for goal, depth in zip(mission.goals, outcome.depths, strict=True)
+        if depth is not None
+    ]
+    found = {about: approaches, "Beyond their limits": depths}
+    return ". ".join(f"{about}: {', '.join(some)}" for about, some in found.items() if some)
 
 
 def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
-    """Return a goal's margin with its unit."""
-    return mission.units.quantity(margin[0], goal.task.spares)
+    """Return a goal's margin, or its depth, with its unit."""
+    quantity = mission.units.quantity(margin[0], goal.task.spares)
+    return quantity if " " in quantity else f"{quantity} units"
 
 
 def _samples(goal: Goal, n_samples: int) -> str:

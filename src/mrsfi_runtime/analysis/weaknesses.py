@@ -112,14 +112,15 @@ def weakness_table(
         shares[weakness.shown.column.kind] += "*" * weakness.is_undetected
         seeds = f"{weakness.shown.n_held}/{weakness.shown.n_seeds}"
         by = map(shares.get, MEASURES)
-        head: tuple[Cell, ...] = (weakness.number, weakness.goal, *by, weakness.shown.since, seeds)
+        found = weakness.shown.since, depth_in_words(mission, weakness), seeds
+        head: tuple[Cell, ...] = (weakness.number, weakness.goal, *by, *found)
         for named in named_faults(mission, pool, weakness.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
             how = named.fault.type, window, named.target, named.values_in_words
             rows.append((*head, named.name, *how))
             head = ("", "and", *[""] * (len(head) - 2))
     folded = ("type", "window", "target", "values")
-    columns = ("#", "goal", *MEASURES[:2], "failed", "since", "seeds", "fault", *folded)
+    columns = ("#", "goal", *MEASURES[:2], "failed", "since", "depth", "seeds", "fault", *folded)
     words, texts = ("#", "goal", "fault", *folded[::2]), folded[1::2]
     return Table(title, columns, rows, words, texts, is_compact=True, folded=("how", folded))
 
@@ -338,7 +339,9 @@ def _verdict(
         detected = "" if state is State.FALSE_ALARM else detection(weakness, mission.units)
     if weakness is not None:
         seeds = f"in {weakness.shown.n_held} of {counted(weakness.shown.n_seeds, 'mission seeds')}"
-        strength = seeds, weakness.shown.share_in_words
+        depth = depth_in_words(mission, weakness)
+        beyond = (f"{depth} beyond its limit at worst",) if depth else ()
+        strength = *beyond, seeds, weakness.shown.share_in_words
     others = "other random specifications"
     limit = f"{others} that break it: at most {100 * unknown:.0f} % ({known.known.confidence})"
     needed = max(known.known.flights_to_bound(Column(goal.id, measure)) for measure in MEASURES)
@@ -369,7 +372,15 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
         if found.margin[0] >= 0.0:
             near = nearness(mission, goal, found.margin)
             return f"closest approach: {near} from its limit, {where}"
+        beyond = nearness(mission, goal, (-found.margin[0], 0))
+        return f"{beyond} beyond its limit {where}, which no known weakness explains"
     return f"violated {where}, which no known weakness explains"
+
+
+def depth_in_words(mission: Mission, weakness: GoalWeakness) -> str | None:
+    """Return how far its goal is beyond its limit at worst, with the unit; ``None`` if unknown."""
+    goal, depth = mission.goals[mission.goal_ids.index(weakness.goal)], weakness.shown.depth
+    return nearness(mission, goal, depth) if depth else None
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, weakness: GoalWeakness) -> str:

@@ -484,6 +484,8 @@ def _nearest(
     for evaluation, true, margins in store.margins() if places else ():
         for place in places:
             margin = margins[place]
+            if margin and true[place] and not store.has_depths:
+                margin = None
             left = margin[0] if margin else -math.inf if true[place] else math.inf
             if left < least[place]:
                 least[place] = left

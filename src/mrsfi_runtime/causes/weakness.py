@@ -23,7 +23,7 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Mission, Outcome
+from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Mission, Outcome
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 from mrsfi_runtime.search.space import Draw, SearchSpace, drawn_as, draws
@@ -367,7 +367,8 @@ class Weakness:
     to isolate them; ``n_broken`` of these broke it. ``weighted`` is, for one fault, the share by
     the chance of each variant. In ``n_held`` of the ``n_seeds`` that were flown, the witness breaks
     it and no part of the witness does. All weaknesses of a goal and a set share one ``detection``,
-    ``None`` for false alarms or if not recorded.
+    ``None`` for false alarms or if not recorded. ``depth`` is how far the goal is beyond its limit
+    under the witness, at worst, and at which tick; ``None`` without a margin too.
     """
 
     column: Column
@@ -380,6 +381,7 @@ class Weakness:
     since: int | None = None
     detection: Detection | None = None
     weighted: Share | None = None
+    depth: Margin | None = None
 
     @property
     def share(self) -> float:
@@ -411,6 +413,7 @@ class Weakness:
             "broken": self.n_broken,
             "interval": self.weighted and [*self.weighted[1:]],
             "since": self.since,
+            "depth": self.depth and {"value": self.depth[0], "tick": self.depth[1]},
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "detection": self.detection and asdict(self.detection),
             "label": self.label,
@@ -480,14 +483,18 @@ def detected(
     weaknesses: Sequence[Weakness],
     more: Iterable[RecordedFlight] = (),
 ) -> tuple[Weakness, ...]:
-    """Return weaknesses with their detection in all flights of a campaign, and in ``more``."""
+    """Return weaknesses with their depth, and their detection in all flights and in ``more``."""
     flights = [*store.flown_with({frozenset(each.faults) for each in weaknesses}), *more]
     yardsticks: dict[int, Yardstick] = {}
     late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
+    depths: dict[tuple[str, Specification], Margin | None] = {}
     for each in sorted(flights, key=lambda each: len(each.specification)):  # first without faults
         if isinstance(each.found, Outcome):
             variant, fault_free = form(each.specification), Yardstick.of(mission, each.found)
             yardstick = yardsticks.setdefault(each.mission_seed, fault_free)
+            if each.mission_seed == store.settings.mission_seed and store.has_depths:
+                reached = zip(mission.goal_ids, each.found.depths, strict=True)
+                depths |= {(goal, variant): depth for goal, depth in reached}
             for goal, ticks in yardstick.late(each.found):
                 variants = late[goal, faults_of(variant)]
                 variants[variant] = max(ticks, variants.get(variant, 0))
@@ -496,7 +503,12 @@ def detected(
     }
     of = {(goal, faults): Detection.of(late[goal, frozenset(faults)]) for goal, faults in truly}
     return tuple(
-        replace(each, detection=of.get((each.column.goal, each.faults))) for each in weaknesses
+        replace(
+            each,
+            detection=of.get((each.column.goal, each.faults)),
+            depth=depths.get((each.column.goal, form(each.witness))),
+        )
+        for each in weaknesses
     )
 
 

@@ -479,7 +479,7 @@ RESULTS = (*COUNTED, "missed_since")
 """What is listed of each goal: its counts, and the tick from which on it was missed."""
 
 Margin: TypeAlias = tuple[float, int]
-"""The least distance of a goal from a violation, and its tick."""
+"""The least distance of a goal from a violation, below 0 if violated, and its tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -510,7 +510,8 @@ class Outcome:
         SHA-256 over all of the above and the final true and believed states, as IEEE-754 bits.
     margins
         The closest approach of each goal to a true violation, in the unit of its task, and its
-        tick; ``None`` for a goal without a margin. ``None`` as a whole if not recorded.
+        tick; below 0 how far it was beyond its limit, at worst. ``None`` for a goal without a
+        margin. ``None`` as a whole if not recorded.
     detection
         For each goal, the ticks since it was first truly violated or missed, and how many of these
         passed before the belief showed a violation. ``None`` as a whole if not recorded.
@@ -527,6 +528,13 @@ class Outcome:
     digest: str
     margins: tuple[Margin | None, ...] | None = None
     detection: tuple[tuple[int, int], ...] | None = None
+
+    @property
+    def depths(self) -> tuple[Margin | None, ...]:
+        """How far each violated goal was beyond its limit, above 0, and when; else ``None``."""
+        margins = self.margins or [None] * len(self.true)
+        found = zip(margins, self.true, strict=True)
+        return tuple((-it[0], it[1]) if it and n and it[0] < 0.0 else None for it, n in found)
 
     def missed_since(self, duration: int) -> tuple[int | None, ...]:
         """Return the tick from which on each goal was missed, ``None`` if it was met."""

@@ -28,6 +28,7 @@ from mrsfi_runtime.record.settings import COVER, COVERING, CampaignSettings
 
 T = TypeVar("T")
 
+_DEEP = 3  # the first semantics whose margins below 0 are of the worst tick, not of the first one
 _BATCH = 2000  # evaluations whose texts are held at once
 
 
@@ -154,6 +155,11 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
                 f"mrsfi has version {COVER}, which does not repeat it; continue and read the "
                 f"campaign with mrsfi {release}, or begin a new one"
             )
+
+    @property
+    def has_depths(self) -> bool:
+        """Whether margins say how far goals were beyond their limits at worst."""
+        return self.manifest.semantics >= _DEEP
 
     def close(self) -> None:
         """Close the file; everything appended stays."""

@@ -6,9 +6,10 @@ from random import Random
 import numpy as np
 import pytest
 
+from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
 from mrsfi_runtime.causes.mildest import least
-from mrsfi_runtime.causes.weakness import MEASURES, faults_of
+from mrsfi_runtime.causes.weakness import MEASURES, Weakness, detected, faults_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
 from mrsfi_runtime.generated_code import load_code
@@ -161,6 +162,24 @@ def test_what_was_violated_came_near_even_where_nothing_tells_by_how_much(tmp_pa
         found = harvest(space, store, lambda some, _: [held] * len(some), None)
 
     assert found.nearest == {"g1": ((0.5, 7), 0), "g2": (None, 1), "g3": ((1.0, 9), 1)}
+
+
+@pytest.mark.parametrize(("semantics", "depth"), [(2, None), (3, (-4.5, 7))])
+def test_only_records_of_semantics_3_say_how_far_a_goal_was_beyond_its_limit(
+    tmp_path, space, semantics, depth
+):
+    """Earlier ones have the margin of the first violation."""
+    flown = replace(outcome_of(0, 0, 0), true=(2, 0, 0), margins=((-4.5, 7), (2.5, 7), (2.5, 7)))
+    manifest = replace(Manifest(), semantics=semantics)
+    with CampaignStore.create(tmp_path, CampaignSettings(), manifest) as store:
+        store.append([Evaluation(0, 0, flown, (0.0,), 1, ())])
+
+        near = harvest(space, store, lambda some, _: [flown] * len(some), None).nearest
+        told = Weakness(Column("g1", "true"), (), (), 1, 1)
+        (found,) = detected(space.gate.mission, store, [told])
+
+    assert near["g1"] == (depth, 0)
+    assert found.depth == (depth and (4.5, 7))
 
 
 def test_what_is_recorded_is_not_flown_again(store, space, engine):
