@@ -900,7 +900,7 @@ class Flight:
             if mode == "FIXED":
                 return tuple(values)
             # "C + R × √u × direction"; "a robot keeps its reported z" [F Random values]
-            center, radius = self.mission.area
+            center, radius, _ = self.mission.area
             return *self.weather.scattered(center, radius, tick, k, PURPOSES[prop])[:2], v[2]
         number = {
             "ZERO": lambda: 0,
