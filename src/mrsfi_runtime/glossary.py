@@ -238,7 +238,7 @@ TERMS = (
     ),
     Term(
         "margin",
-        "How far a goal was from its violation, at its closest tick. Below 0, how far it was "
+        "How far a goal was from its violation, at its closest tick; below 0, how far it was "
         "beyond its limit, at worst.",
         "12050 energy units above its limit at tick 999.",
         "robustness degree, safety margin",
