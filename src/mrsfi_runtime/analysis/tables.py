@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from mrsfi_runtime.errors import printable
+from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     COUNTED,
@@ -329,6 +330,8 @@ def nearest_in_words(mission: Mission, outcome: Outcome) -> str:
 
 def nearness(mission: Mission, goal: Goal, margin: Margin) -> str:
     """Return a goal's margin, or its depth, with its unit."""
+    if goal.task.spares is Range.TICKS:
+        return mission.units.ticks(int(margin[0]))
     quantity = mission.units.quantity(margin[0], goal.task.spares)
     return quantity if " " in quantity else f"{quantity} units"
 

@@ -112,7 +112,8 @@ def weakness_table(
         shares[weakness.shown.column.kind] += "*" * weakness.is_undetected
         seeds = f"{weakness.shown.n_held}/{weakness.shown.n_seeds}"
         by = map(shares.get, MEASURES)
-        found = weakness.shown.since, depth_in_words(mission, weakness), seeds
+        depth = (depth_in_words(mission, weakness) or "").removesuffix(" units") or None
+        found = weakness.shown.since, depth, seeds
         head: tuple[Cell, ...] = (weakness.number, weakness.goal, *by, *found)
         for named in named_faults(mission, pool, weakness.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
