@@ -93,7 +93,7 @@ def mission(
 def stand(view: State) -> None:
     """Let the robots of a state have stood where they are for a tick."""
     for robot, wake in zip(view.robots, view.wakes, strict=False):
-        wake.x, wake.y, wake.step, wake.has_jumped = robot.x, robot.y, 0.0, 0
+        wake.x, wake.y = robot.x, robot.y
 
 
 def state(*tasks: GoalTask, **layout: Any) -> State:

@@ -367,7 +367,7 @@ def take_true_values(world: State, index: int, topic: Heard) -> None:
         )
     wake.x, wake.y = robot.x, robot.y
     robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
-    wake.step = distance(wake.x, wake.y, robot.x, robot.y)
+    wake.reach = max(wake.reach, distance(wake.x, wake.y, robot.x, robot.y))  # never a jump
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]
         count, active = values[5 + 2 * offset : 7 + 2 * offset]

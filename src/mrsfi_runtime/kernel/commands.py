@@ -110,7 +110,7 @@ def move(world: State, valid: Sequence[int], tick: int) -> None:
         robot, wake = world.robots[index], world.wakes[index]
         wake.x, wake.y = robot.x, robot.y
         if robot.energy <= 0.0:
-            wake.step = robot.speed = 0.0
+            robot.speed = 0.0
             for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
                 world.sensors[k].active = 0
             continue
@@ -118,7 +118,7 @@ def move(world: State, valid: Sequence[int], tick: int) -> None:
         speed = feasible(robot, command.speed)
         robot.x += command.heading_x * speed
         robot.y += command.heading_y * speed
-        wake.step = robot.speed = speed
+        robot.speed = speed
         spent = speed * robot.energy_per_distance
         for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
             sensor = world.sensors[k]

@@ -27,11 +27,7 @@ from typing import NamedTuple, TypeAlias, get_type_hints
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.effects import Orders, arm, deliver, disturb, falsify, issue
 from mrsfi_runtime.kernel.forecast import ticks_left
-from mrsfi_runtime.kernel.goal_tasks.avoid_collision import (
-    LOOK_AHEAD,
-    AvoidCollision,
-    look_back,
-)
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.table import (
     LASTING,
@@ -178,7 +174,9 @@ def initial_state(mission: Mission, seed: int) -> State:
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     state.wishes = [WishState() for _ in state.robots]
-    state.wakes = [WakeState(each.x, each.y) for each in (*state.robots, *state.obstacles)]
+    for each, trait in zip(state.robots, state.traits, strict=True):
+        state.wakes.append(WakeState(each.x, each.y, each.max_speed + 2.0 * trait.position_noise))
+    state.wakes += [WakeState(each.x, each.y) for each in state.obstacles]
     if any(robot.position_noise for robot in mission.robots):
         state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):
@@ -394,7 +392,6 @@ def hear(
     """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
-    look_back(ci)
     judge(functions, ci, verdicts.is_believed)
     if len(plan.triggers) > 0:
         arm(world, plan, verdicts.is_true, tick)

@@ -100,15 +100,14 @@ class TraitState:
 
 @dataclass(slots=True)
 class WakeState:
-    """Where a robot or an obstacle was a tick ago, and how far it has moved since.
+    """Where a robot or an obstacle was a tick ago, and how far it can have moved since.
 
-    ``has_jumped`` is 1 if it cannot have moved so far: only its present place counts.
+    One that is farther away has jumped in belief.
     """
 
     x: float
     y: float
-    step: float = 0.0
-    has_jumped: int = 0
+    reach: float = 0.0
 
 
 @dataclass(slots=True)
@@ -283,8 +282,7 @@ class MapState:
 
     A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
     ``is_wrong`` is 1 if the believed position of an obstacle may differ from the model's; code
-    that moves an obstacle must set it. ``was_wrong`` is 1 if it was 1 a tick ago, or an obstacle
-    has moved since.
+    that moves an obstacle must set it. ``was_wrong`` is 1 if it was so a tick ago.
     """
 
     x: float

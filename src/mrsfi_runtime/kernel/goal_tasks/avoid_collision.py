@@ -2,10 +2,9 @@
 
 A gap is the least distance of two centres on their way from the tick before to this one, minus both
 radii and the clearance; the goal is violated while one is below 0. In belief, a position that a
-fault moves may jump: nothing was on the way, and only its end counts. ``look_back`` tells which
-have. Reactions look ``LOOK_AHEAD`` ticks ahead, as if all robots kept heading and speed.
-``kernel.neighbours`` finds those near enough to matter, so that few pairs are compared; the results
-equal those of comparing all pairs.
+fault moves may jump: nothing was on the way, and only its end counts. Reactions look ``LOOK_AHEAD``
+ticks ahead, as if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough
+to matter, so that few pairs are compared; the results equal those of comparing all pairs.
 
 Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
 """
@@ -25,7 +24,14 @@ from mrsfi_runtime.kernel.neighbours import (
     is_displaced,
     is_listed,
 )
-from mrsfi_runtime.kernel.state import TOLERANCE, GoalState, State, excess, kernel
+from mrsfi_runtime.kernel.state import (
+    TOLERANCE,
+    GoalState,
+    State,
+    WakeState,
+    excess,
+    kernel,
+)
 from mrsfi_runtime.model.mission import GoalTask
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
@@ -45,30 +51,6 @@ class AvoidCollision(GoalTask):
     robots: tuple[str, ...]
     obstacles: tuple[str, ...] = ()
     clearance: float = 0.0
-
-
-@kernel
-def look_back(ci: State) -> None:
-    """Note how far everything has moved in belief since the last tick, and what has jumped.
-
-    A robot has if it moved farther than its maximum speed and position noise allow, an obstacle if
-    it moved at all.
-    """
-    n_robots = len(ci.robots)
-    for index in range(n_robots):
-        robot, wake = ci.robots[index], ci.wakes[index]
-        wake.step = distance(wake.x, wake.y, robot.x, robot.y)
-        most = robot.max_speed + 2.0 * ci.traits[index].position_noise
-        wake.has_jumped = int(excess(wake.step, most) > 0.0)
-        if wake.has_jumped:
-            wake.step = 0.0
-    if ci.map.is_wrong + ci.map.was_wrong > 0:
-        ci.map.was_wrong = ci.map.is_wrong
-        for k in range(len(ci.obstacles)):
-            obstacle, wake = ci.obstacles[k], ci.wakes[n_robots + k]
-            wake.has_jumped = int(obstacle.x != wake.x or obstacle.y != wake.y)
-            ci.map.was_wrong = max(ci.map.was_wrong, wake.has_jumped)
-            wake.x, wake.y = obstacle.x, obstacle.y
 
 
 @kernel
@@ -92,7 +74,7 @@ def hits_obstacle(view: State, goal: GoalState) -> bool:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]
-        reach = size(view, goal, index) + view.wakes[index].step
+        reach = size(view, goal, index) + view.wakes[index].reach
         cell = cell_at(view, robot.x, robot.y)
         for k in range(view.cells[cell], view.cells[cell + 1]):
             mapped = view.mapped[k]
@@ -121,24 +103,20 @@ def gap_to(view: State, goal: GoalState, index: int, hazard: int, limit: float) 
     robot, obstacle, wake = view.robots[index], view.obstacles[hazard], view.wakes[index]
     dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
     both = view.traits[index].radius + obstacle.radius + goal.distance
-    near = (limit + both + wake.step) * SURE
+    near = (limit + both + wake.reach) * SURE
     if dx * dx + dy * dy >= near * near:
         return limit
-    has_jumped = wake.has_jumped + view.wakes[len(view.robots) + hazard].has_jumped
     was_x, was_y = obstacle.x - wake.x, obstacle.y - wake.y
-    return min(gap_of(dx, dy, was_x, was_y, has_jumped, both), limit)
+    has_jumped = jumps(wake, robot.x, robot.y)
+    if has_jumped or jumps(view.wakes[len(view.robots) + hazard], obstacle.x, obstacle.y):
+        was_x, was_y = dx, dy
+    return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
 
 
 @kernel
-def gap_of(dx: float, dy: float, was_x: float, was_y: float, has_jumped: int, both: float) -> float:
-    """Return the least distance of two centres minus the least that is allowed, ``both``.
-
-    (dx, dy) leads from one to the other at the end of the tick, (was_x, was_y) at its begin, which
-    does not count if one ``has_jumped``.
-    """
-    if has_jumped > 0:
-        was_x, was_y = dx, dy
-    return excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both)
+def jumps(wake: WakeState, x: float, y: float) -> bool:
+    """Return whether a robot or an obstacle is farther from where it was than it can have moved."""
+    return excess(distance(wake.x, wake.y, x, y), wake.reach) > 0.0
 
 
 @kernel
@@ -151,12 +129,12 @@ def hits_robot(view: State, g: int) -> bool:
     for m in range(goal.first_member, last):
         index = view.members[m].robot
         robot = view.robots[index]
-        x, y, reach = robot.x, robot.y, size(view, goal, index) + view.wakes[index].step
+        x, y, reach = robot.x, robot.y, size(view, goal, index) + view.wakes[index].reach
         for n in range(m + 1, last):
             other = view.members[n].robot
             second = view.robots[other]
             dx, dy = second.x - x, second.y - y
-            near = reach + view.traits[other].radius + view.wakes[other].step
+            near = (reach + view.traits[other].radius + view.wakes[other].reach) * SURE
             if dx * dx + dy * dy < near * near and gap_between(view, goal, index, other, 0.0) < 0.0:
                 return True
     return False
@@ -169,11 +147,13 @@ def gap_between(view: State, goal: GoalState, index: int, other: int, limit: flo
     wake, trail = view.wakes[index], view.wakes[other]
     dx, dy = second.x - robot.x, second.y - robot.y
     both = view.traits[index].radius + view.traits[other].radius + goal.distance
-    near = (limit + both + wake.step + trail.step) * SURE
+    near = (limit + both + wake.reach + trail.reach) * SURE
     if dx * dx + dy * dy >= near * near:
         return limit
-    has_jumped = wake.has_jumped + trail.has_jumped
-    return min(gap_of(dx, dy, trail.x - wake.x, trail.y - wake.y, has_jumped, both), limit)
+    was_x, was_y = trail.x - wake.x, trail.y - wake.y
+    if jumps(wake, robot.x, robot.y) or jumps(trail, second.x, second.y):
+        was_x, was_y = dx, dy
+    return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
 
 
 @kernel
@@ -196,7 +176,7 @@ def gap_to_obstacles(world: State, goal: GoalState) -> float:
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = world.members[m].robot
         robot = world.robots[index]
-        reach = size(world, goal, index) + world.wakes[index].step
+        reach = size(world, goal, index) + world.wakes[index].reach
         cell = cell_at(world, robot.x, robot.y)
         for k in range(world.cells[cell], world.cells[cell + 1]):
             mapped = world.mapped[k]
@@ -235,11 +215,14 @@ def gap_between_neighbours(view: State, goal: GoalState, apart: float, limit: fl
     least = limit
     longest = 0.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        longest = max(longest, view.wakes[view.members[m].robot].step)
+        robot, wake = view.robots[view.members[m].robot], view.wakes[view.members[m].robot]
+        step = distance(wake.x, wake.y, robot.x, robot.y)
+        if excess(step, wake.reach) <= 0.0:
+            longest = max(longest, step)
     chart(view, goal, apart + 2.0 * max(longest, top_speed(view, goal)))
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
-        reach = apart + least + view.wakes[index].step + longest
+        reach = apart + least + 2.0 * longest
         for k in range(gather(view, goal, index, reach)):
             least = gap_between(view, goal, index, view.lookup.nearby[k], least)
     return least
