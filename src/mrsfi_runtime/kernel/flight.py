@@ -174,9 +174,9 @@ def initial_state(mission: Mission, seed: int) -> State:
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     state.wishes = [WishState() for _ in state.robots]
-    for each, trait in zip(state.robots, state.traits, strict=True):
-        state.wakes.append(WakeState(each.x, each.y, each.max_speed + 2.0 * trait.position_noise))
-    state.wakes += [WakeState(each.x, each.y) for each in state.obstacles]
+    for own, trait in zip(state.robots, state.traits, strict=True):
+        state.wakes.append(WakeState(own.x, own.y, own.max_speed + 2.0 * trait.position_noise))
+    state.wakes += [WakeState(rock.x, rock.y) for rock in state.obstacles]
     if any(robot.position_noise for robot in mission.robots):
         state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):

@@ -244,7 +244,7 @@ def shortfalls(view):
     for a, (at, was, radius, most) in enumerate(discs[:n_robots]):
         for to, had, its_radius, its_most in discs[a + 1 :]:
             off, back = to - at, (had - was) - (to - at)
-            square = abs(back) ** 2
+            square = back.real * back.real + back.imag * back.imag
             share = -(off * back.conjugate()).real / square if square else 0.0
             on_way = abs(off + min(max(share, 0.0), 1.0) * back)
             both = radius + its_radius + view.goals[0].distance
@@ -286,7 +286,8 @@ def test_discs_that_stand_are_too_near_exactly_where_some_pair_is(view):
 @given(fleets(most=60), steps, st.sampled_from([0.01, 1.0, 20.0]))
 @law(150)
 def test_discs_that_move_are_too_near_exactly_where_some_pair_is_on_its_way(view, steps, share):
-    assume(all(max(abs(each.x), abs(each.y)) < 1e7 for each in view.robots))
+    placed = (*view.robots, *view.obstacles)
+    assume(all(max(abs(each.x), abs(each.y)) < 1e7 for each in placed))
     for each, (dx, dy) in zip(view.robots, steps, strict=False):
         each.x, each.y = each.x + share * dx, each.y + share * dy
     found = [on_way for _, on_way in shortfalls(view)]

@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.geometry import distance, off_segment, well_inside
+from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
 from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
@@ -33,6 +33,7 @@ from mrsfi_runtime.kernel.state import (
     kernel,
 )
 from mrsfi_runtime.model.mission import GoalTask
+from mrsfi_runtime.model.polygons import off_segment
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 
