@@ -81,8 +81,14 @@ def hits_obstacle(view: State, goal: GoalState) -> bool:
             mapped = view.mapped[k]
             if mapped.gap >= reach:
                 break
-            obstacle = mapped.obstacle
-            if gap_to(view, goal, index, obstacle, 0.0) < 0.0 and is_listed(view, goal, obstacle):
+            obstacle = view.obstacles[mapped.obstacle]
+            dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
+            near = (reach + obstacle.radius) * SURE
+            if (
+                dx * dx + dy * dy < near * near
+                and gap_to(view, goal, index, mapped.obstacle, 0.0) < 0.0
+                and is_listed(view, goal, mapped.obstacle)
+            ):
                 return True
         if (view.map.is_wrong == 1 or reach > view.map.reach) and hits_any(view, goal, index):
             return True
