@@ -31,10 +31,15 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[m.Mission, f.Fa
         odd = next(turns) | next(widths)
         robots.append(robot(f"r{n}", place(), speed, 900.0, 1.0, maxSpeed=6.0, **odd))
     base = m.Server(ID="base", name="")
-    hazards = [
-        m.Obstacle(ID=f"o{n}", area=area(f"o{n}a", rng.choice((0.5, 2.0, 7.0)), place()))
-        for n in range(20)
-    ]
+
+    def rock(name: str) -> m.Area:
+        far, at = rng.choice((0.5, 2.0, 7.0)), place()
+        if rng.random() < 0.8:
+            return area(name, far, at)
+        spots = ((-far, -far), (far, -far), (far, far), (0.25 * far, 0.0), (-far, far))
+        return m.Area(ID=name, corners=[point(at.x + x, at.y + y) for x, y in spots])
+
+    hazards = [m.Obstacle(ID=f"o{n}", area=rock(f"o{n}a")) for n in range(20)]
     reports = [message(f"m{r.ID}", r, base, POSITION="Coordinates", SPEED="Double") for r in robots]
     goals = []
     for n, share in enumerate((1.0, 0.9, 0.3)):

@@ -35,6 +35,24 @@ def off_edges(corners: Sequence[Point], x: float, y: float) -> float:
     return -away if is_inside(corners, x, y) else away
 
 
+def meets(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Return whether two segments have a point in common, unless they are parallel."""
+    (px, py), (qx, qy) = (b[0] - a[0], b[1] - a[1]), (d[0] - c[0], d[1] - c[1])
+    flat = px * qy - py * qx
+    if flat == 0.0:
+        return False
+    x, y = c[0] - a[0], c[1] - a[1]
+    return 0.0 <= (x * qy - y * qx) / flat <= 1.0 and 0.0 <= (x * py - y * px) / flat <= 1.0
+
+
+def off_way(corners: Sequence[Point], a: Point, b: Point) -> float:
+    """Return the "least distance of a robot from a polygon on a way"."""
+    ends = min(off_edges(corners, *a), off_edges(corners, *b))
+    if any(meets(a, b, c, d) for c, d in edges(corners)):
+        return min(ends, 0.0)
+    return min(ends, *(off_edge(a, b, *corner) for corner in corners))
+
+
 def middle(corners: Sequence[Point]) -> tuple[float, float, float]:
     """Return the centre of a polygon whose model gives none."""
     low, *_, high = levels = sorted({each[1] for each in corners})

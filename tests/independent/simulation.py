@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from lxml import etree
 
-from tests.independent.polygon import middle, off_edges
+from tests.independent.polygon import middle, off_edges, off_way
 
 METAMODEL = Path(__file__).parents[2] / "metamodels" / "faults.ecore"
 WORD = 0xFFFFFFFF
@@ -400,20 +400,23 @@ def note_samples(goal: Goal, view: View, notes: Notes) -> None:
 def gaps(goal: Goal, view: View) -> Iterator[tuple[float, float]]:
     """Yield for each pair its least distance and "the sum of both radii and the clearance"."""
 
-    def discs(own: list[int], kind: int, radii: list[float]) -> list[tuple[Any, ...]]:
+    def discs(own: list[int], kind: int, shapes: list[Any]) -> list[tuple[Any, ...]]:
         now = (view.position, view.obstacle)[kind]
-        return [(now[k], view.before[kind][k], radii[k], k in view.jumped[kind]) for k in own]
+        return [(now[k], view.before[kind][k], shapes[k], k in view.jumped[kind]) for k in own]
 
-    robots = discs(goal.robots, 0, [robot.radius for robot in view.mission.robots])
-    rocks = discs(goal.obstacles, 1, [disc.radius for disc in view.mission.obstacles])
+    robots = discs(goal.robots, 0, [Disc(r.position, r.radius) for r in view.mission.robots])
+    rocks = discs(goal.obstacles, 1, view.mission.obstacles)
     for one, other in (*combinations(robots, 2), *product(robots, rocks)):
-        (a, a_was, radius, has_jumped), (b, b_was, its_radius, it_has) = one, other
+        (a, a_was, (_, radius, _), has_jumped), (b, b_was, its, it_has) = one, other
         x, y = b[0] - a[0], b[1] - a[1]
         was_x, was_y = b_was[0] - a_was[0], b_was[1] - a_was[1]
         wx, wy = (0.0, 0.0) if has_jumped or it_has else (was_x - x, was_y - y)
         square = wx * wx + wy * wy
         s = within(-(x * wx + y * wy) / square, 0, 1) if square else 0
-        yield distance((0, 0), (x + s * wx, y + s * wy)), radius + its_radius + goal.clearance
+        least = distance((0, 0), (x + s * wx, y + s * wy))
+        if its.corners:
+            least = its.radius + off_way(its.corners, (-x, -y), (-x - wx, -y - wy))
+        yield least, radius + its.radius + goal.clearance
 
 
 def too_few(goal: Goal, keeping: Iterable[bool]) -> bool:  # "fewer than k members"
@@ -603,14 +606,30 @@ def gap_along(goal: Goal, ci: Intelligence, robot: int, way: Direction, limit: f
     x, y = pace * way[0], pace * way[1]
     gap, own = limit, ci.mission.robots[robot].radius + goal.clearance + ci.berth(robot)
     for k in goal.obstacles:
-        size = ci.mission.obstacles[k].radius + own
-        gap = min(gap, closest(place, ci.obstacle[k], -x, -y) - size)
+        shape = ci.mission.obstacles[k]
+        if shape.corners:
+            if distance(ci.obstacle[k], place) - shape.radius - own - 10 * pace > gap:
+                continue  # no way leads as near
+            away = closest_to_polygon(shape, place, ci.obstacle[k], x, y) - own
+        else:
+            away = closest(place, ci.obstacle[k], -x, -y) - (shape.radius + own)
+        gap = min(gap, away)
     for other in goal.robots:
         if other != robot:
             its_x, its_y = (ci.pace(other) * part for part in ci.heading[other])
             size = own + (ci.mission.robots[other].radius + ci.berth(other))
             gap = min(gap, closest(place, ci.position[other], its_x - x, its_y - y) - size)
     return gap
+
+
+def closest_to_polygon(shape: Disc, own: Place, center: Place, vx: float, vy: float) -> float:
+    """ "if that is where it is now, the least on the way from tick 1 to tick 10"."""
+    x, y = own[0] - center[0], own[1] - center[1]
+    end = x + 10 * vx, y + 10 * vy
+    least = off_way(shape.corners, (x, y), end)
+    if least < off_edges(shape.corners, x, y):
+        return least
+    return off_way(shape.corners, (x + vx, y + vy), end)
 
 
 def closest(own: Place, other: Place, vx: float, vy: float) -> float:

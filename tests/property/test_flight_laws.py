@@ -10,9 +10,9 @@ from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field, Range
 from mrsfi_runtime.model.faults import Event, Gate, TimedFault, Trigger, touched
-from mrsfi_runtime.model.mission import Area, Coordinates, polygon
+from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.trace import TraceDigest, fields_of
-from tests.support.world import code_of, paper_code, specification
+from tests.support.world import code_of, cornered, paper_code, specification
 from tests.tiers import law, slow
 
 DURATION = 60
@@ -188,19 +188,10 @@ def crowded():
     """Return the mission with robots so large, and kept so far apart, that they evade."""
     sizes = zip(CODE.mission.robots, (60.0, 100.0, 0.25), strict=True)
     robots = tuple(replace(robot, radius=radius) for robot, radius in sizes)
-    first, *others = (replace(goal, area=cornered(goal.area)) for goal in CODE.mission.goals)
+    mission = cornered(CODE.mission)
+    first, *others = mission.goals
     goals = (replace(first, task=replace(first.task, clearance=45.0)), *others)
-    obstacles = (replace(rock, area=cornered(rock.area)) for rock in CODE.mission.obstacles)
-    return replace(CODE.mission, robots=robots, goals=goals, obstacles=tuple(obstacles))
-
-
-def cornered(area):
-    """Return a polygon in place of a disc, which is not convex."""
-    if area is None:
-        return None
-    x, y, far = area.center.x, area.center.y, area.radius
-    spots = ((x - far, y - far), (x + far, y - far), (x + far, y + far), (x + far / 4, y - far / 8))
-    return polygon(area.id, tuple(Coordinates(*spot) for spot in spots))
+    return replace(mission, robots=robots, goals=goals)
 
 
 def is_without_length(timed):

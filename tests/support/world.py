@@ -19,6 +19,7 @@ from mrsfi_runtime.model.mission import (
     Obstacle,
     Robot,
     Sensor,
+    polygon,
 )
 from mrsfi_runtime.search.space import SearchSpace, random_specification
 from tests.support.tree import ROOT
@@ -37,6 +38,22 @@ def code_of(mission: str, duration: int | None = None) -> MissionCode:
 def paper_code(duration: int | None = None) -> MissionCode:
     """Return the committed code of the paper's mission, shortened if a duration is given."""
     return code_of("uuv_sampling", duration)
+
+
+def cornered(mission: Mission) -> Mission:
+    """Return a mission with polygons, which are not convex, in place of discs."""
+    rocks = (replace(each, area=_cornered(each.area)) for each in mission.obstacles)
+    goals = (
+        each if each.area is None else replace(each, area=_cornered(each.area))
+        for each in mission.goals
+    )
+    return replace(mission, obstacles=tuple(rocks), goals=tuple(goals))
+
+
+def _cornered(area: Area) -> Area:
+    x, y, far = area.center.x, area.center.y, area.radius
+    spots = ((x - far, y - far), (x + far, y - far), (x + far, y + far), (x + far / 4, y - far / 8))
+    return polygon(area.id, tuple(Coordinates(*spot) for spot in spots))
 
 
 def specification(code: MissionCode, seed: int, n_faults: int = 20) -> Specification:

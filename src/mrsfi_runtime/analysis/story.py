@@ -21,6 +21,7 @@ from mrsfi_runtime.analysis.tables import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, GoalDisc, Mission, Offsets
+from mrsfi_runtime.model.polygons import off_polygon
 from mrsfi_runtime.record.observers import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
@@ -98,6 +99,9 @@ def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
                 yield Collision(f"{robot.id} and {mission.robots[i].id}", k, window)
         hits = np.hypot(*np.moveaxis(true[:, k] - centres, -1, 0)) < radii[k] + sizes
         for j in np.flatnonzero(hits.any(axis=1)):
+            edge = discs[j].corners
+            for tick in np.flatnonzero(hits[j]) if edge else ():
+                hits[j, tick] = off_polygon(edge, 0, len(edge), *true[tick, k]) < radii[k]
             for window in runs(hits[j]):
                 yield Collision(f"{robot.id} and {mission.obstacles[j].id}", k, window)
 

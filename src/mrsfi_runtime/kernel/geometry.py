@@ -8,9 +8,9 @@ import math
 
 from mrsfi_runtime.kernel.randomness import choice, uniform
 from mrsfi_runtime.kernel.state import RESERVE, AreaState, State, excess, kernel
-from mrsfi_runtime.model.polygons import crosses, off_polygon, off_segment, off_way
+from mrsfi_runtime.model.polygons import crosses, off_polygon, off_segment, off_way, square_off
 
-for each in (crosses, off_polygon, off_segment, off_way):
+for each in (crosses, off_polygon, off_segment, off_way, square_off):
     kernel(each)
 
 

@@ -31,12 +31,17 @@ class Corner(Protocol):
 
 def off_segment(x: float, y: float, end_x: float, end_y: float) -> float:
     """Return the distance of a point from the segment between the origin and an end."""
+    return math.sqrt(square_off(x, y, end_x, end_y))
+
+
+def square_off(x: float, y: float, end_x: float, end_y: float) -> float:
+    """Return the square of the distance of ``off_segment``."""
     length = end_x * end_x + end_y * end_y
     share = 0.0
     if length > 0.0:
         share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0)
     dx, dy = share * end_x - x, share * end_y - y
-    return math.sqrt(dx * dx + dy * dy)
+    return dx * dx + dy * dy
 
 
 def off_polygon(corners: Sequence[Corner], first: int, n: int, x: float, y: float) -> float:
@@ -48,11 +53,11 @@ def off_polygon(corners: Sequence[Corner], first: int, n: int, x: float, y: floa
         after = corners[k]
         edge_x, edge_y = after.x - before.x, after.y - before.y
         dx, dy = x - before.x, y - before.y
-        least = min(least, off_segment(dx, dy, edge_x, edge_y))
+        least = min(least, square_off(dx, dy, edge_x, edge_y))
         if (before.y > y) != (after.y > y) and (edge_x * dy > edge_y * dx) == (edge_y > 0.0):
             is_inside = not is_inside
         before = after
-    return -least if is_inside else least
+    return -math.sqrt(least) if is_inside else math.sqrt(least)
 
 
 def off_way(
@@ -62,19 +67,21 @@ def off_way(
 
     If the way meets the polygon, only the distances of its two ends count, and 0.
     """
-    least = off_polygon(corners, first, n, x, y)
+    ends = off_polygon(corners, first, n, x, y)
     if way_x == 0.0 and way_y == 0.0:
-        return least
-    least = min(least, off_polygon(corners, first, n, x + way_x, y + way_y))
+        return ends
+    ends = min(ends, off_polygon(corners, first, n, x + way_x, y + way_y))
+    if ends <= 0.0:
+        return ends
+    least = math.inf
     before = corners[first + n - 1]
     for k in range(first, first + n):
         after = corners[k]
-        dx, dy = after.x - x, after.y - y
         if crosses(before, after, x, y, way_x, way_y):
-            least = min(least, 0.0)
-        least = min(least, off_segment(dx, dy, way_x, way_y))
+            return 0.0
+        least = min(least, square_off(after.x - x, after.y - y, way_x, way_y))
         before = after
-    return least
+    return min(ends, math.sqrt(least))
 
 
 def crosses(before: Corner, after: Corner, x: float, y: float, way_x: float, way_y: float) -> bool:

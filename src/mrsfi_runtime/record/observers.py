@@ -25,7 +25,7 @@ from mrsfi_runtime.cosimulation.bus_topics import CLOCK
 from mrsfi_runtime.cosimulation.lockstep import RobotTopics, SensorTopics, true_values
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
-from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.geometry import depth_in_area, distance
 from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
 from mrsfi_runtime.kernel.state import PROPERTIES, RobotState, State
 from mrsfi_runtime.model.fault_types import Units, plain_name
@@ -223,9 +223,9 @@ class Events:
         for (first, a), (second, b) in combinations(robots, 2):
             gap = distance(a.x, a.y, b.x, b.y) - (first.radius + second.radius)
             yield f"{first.id} and {second.id}", gap
-        for obstacle, area in zip(self._mission.obstacles, world.obstacles, strict=True):
+        for obstacle, area in zip(self._mission.obstacles, world.outlines, strict=True):
             for robot, a in robots:
-                gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - robot.radius
+                gap = -depth_in_area(world, area, a.x, a.y) - robot.radius
                 yield f"{robot.id} and {obstacle.id}", gap
 
 

@@ -27,7 +27,7 @@ from mrsfi_runtime.model.mission import Area, Coordinates, polygon
 from mrsfi_runtime.record.observers import Events, SimulationLog, named_faults
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
-from tests.support.world import paper_code, specification
+from tests.support.world import cornered, paper_code, specification
 from tests.tiers import slow
 
 SEED = 2
@@ -227,8 +227,10 @@ def test_trajectories_are_drawn(tmp_path):
 
 
 @slow
-def test_collisions_are_those_of_the_log():
+@pytest.mark.parametrize("shaped", [replace, cornered])
+def test_collisions_are_those_of_the_log(shaped):
     code, met = paper_code(), 0
+    code = replace(code, mission=shaped(code.mission))
     engine = ReferenceEngine(code, 3)
     for drawn in (1, 2):
         chosen, stream = specification(code, drawn), StringIO()

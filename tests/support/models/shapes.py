@@ -257,7 +257,7 @@ class _Parts:
         whole, robots = self.area("whole"), {each.ID: each for each in self.robots()}
         base = m.Server(ID="base", name="")
         obstacles = [
-            m.Obstacle(ID=f"o{n}", area=self.area(f"oa{n}")) for n in range(self._of.n_obstacles)
+            m.Obstacle(ID=f"o{n}", area=self.place(f"oa{n}")) for n in range(self._of.n_obstacles)
         ]
         goals = []
         for n, goal in enumerate(self._of.goals):

@@ -4,6 +4,18 @@ const palette = ["#1b6ca8", "#d9622b", "#2a8c6a", "#8a5aa8", "#b8902a", "#c2476f
 
 const believedTrail = 50; // ticks; longer trails of random positions would hide the mission
 
+// The distance of a point from the edges of a polygon, negative inside; as mrsfi_runtime.model.polygons.
+function offPolygon(corners, x, y) {
+  let least = Infinity, inside = false, [ax, ay] = corners[corners.length - 1];
+  for (const [bx, by] of corners) {
+    const [ex, ey, dx, dy] = [bx - ax, by - ay, x - ax, y - ay], share = Math.min(Math.max((dx * ex + dy * ey) / (ex * ex + ey * ey), 0), 1);
+    least = Math.min(least, Math.hypot(share * ex - dx, share * ey - dy));
+    if ((ay > y) !== (by > y) && (ex * dy > ey * dx) === (ey > 0)) inside = !inside;
+    [ax, ay] = [bx, by];
+  }
+  return inside ? -least : least;
+}
+
 class Flight {
   constructor(data, mission) {
     Object.assign(this, data);
@@ -286,7 +298,7 @@ class FlightView {
 
   touches(flight, robot, x, y) {
     const { mission, tick } = this, { radius } = mission.robots[robot];
-    return mission.obstacles.some((each) => Math.hypot(x - each.x, y - each.y) < each.radius + radius)
+    return mission.obstacles.some((each) => (each.corners ? offPolygon(each.corners, x - each.x, y - each.y) : Math.hypot(x - each.x, y - each.y) - each.radius) < radius)
       || (mission.robots.length <= 200 && mission.robots.some((each, r) => r !== robot && Math.hypot(x - flight.at("x", r, tick), y - flight.at("y", r, tick)) < each.radius + radius));
   }
 

@@ -26,6 +26,7 @@ from mrsfi_runtime.kernel.neighbours import (
 )
 from mrsfi_runtime.kernel.state import (
     TOLERANCE,
+    AreaState,
     GoalState,
     State,
     WakeState,
@@ -33,7 +34,7 @@ from mrsfi_runtime.kernel.state import (
     kernel,
 )
 from mrsfi_runtime.model.mission import GoalTask
-from mrsfi_runtime.model.polygons import off_segment
+from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 
@@ -117,7 +118,12 @@ def gap_to(view: State, goal: GoalState, index: int, hazard: int, limit: float) 
     has_jumped = jumps(wake, robot.x, robot.y)
     if has_jumped or jumps(view.wakes[len(view.robots) + hazard], obstacle.x, obstacle.y):
         was_x, was_y = dx, dy
-    return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
+    shape = view.outlines[hazard]
+    if shape.n_corners == 0:
+        return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
+    first, n = shape.first_corner, shape.n_corners
+    off = off_way(view.corners, first, n, -dx, -dy, dx - was_x, dy - was_y)
+    return min(excess(obstacle.radius + off, both), limit)
 
 
 @kernel
@@ -356,14 +362,15 @@ def gap_to_obstacles_along(
             mapped = ci.mapped[k]
             if mapped.gap >= reach:
                 break
-            gap = gap_to_obstacle(ci, index, own, mapped.obstacle, vx, vy, reach)
+            gap = gap_to_obstacle(ci, index, own, mapped.obstacle, vx, vy, reach - limit + least)
             if gap < least and is_listed(ci, goal, mapped.obstacle):
                 least = gap
         if ci.map.is_wrong == 0:
             return least
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
         if not is_mapped or is_displaced(ci, ci.hazards[h]):
-            least = min(least, gap_to_obstacle(ci, index, own, ci.hazards[h], vx, vy, reach))
+            near = reach - limit + least
+            least = min(least, gap_to_obstacle(ci, index, own, ci.hazards[h], vx, vy, near))
     return least
 
 
@@ -382,6 +389,12 @@ def gap_to_obstacle(
     near = reach + obstacle.radius
     if abs(dx) >= near or abs(dy) >= near:
         return reach
+    shape = ci.outlines[hazard]
+    if shape.n_corners > 0:
+        off = off_segment(dx, dy, LOOK_AHEAD * vx, LOOK_AHEAD * vy)
+        if off >= near - LOOK_AHEAD * pace(ci, index):
+            return reach
+        return closest_to_polygon(ci, shape, -dx, -dy, vx, vy) - own
     return closest(dx, dy, -vx, -vy) - obstacle.radius - own
 
 
@@ -398,3 +411,16 @@ def closest(dx: float, dy: float, vx: float, vy: float) -> float:
     when = min(when, float(LOOK_AHEAD)) if when > 0.0 else 1.0
     x, y = dx + when * vx, dy + when * vy
     return math.sqrt(x * x + y * y)
+
+
+@kernel
+def closest_to_polygon(
+    ci: State, shape: AreaState, x: float, y: float, vx: float, vy: float
+) -> float:
+    """Return the least distance of a moving point from a polygon; otherwise as ``closest``."""
+    first, n, last = shape.first_corner, shape.n_corners, float(LOOK_AHEAD)
+    least = off_way(ci.corners, first, n, x, y, last * vx, last * vy)
+    if least < off_polygon(ci.corners, first, n, x, y):
+        return least
+    rest = last - 1.0
+    return off_way(ci.corners, first, n, x + vx, y + vy, rest * vx, rest * vy)
