@@ -21,7 +21,7 @@ from mrsfi_runtime.analysis.tables import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import Coordinates, GoalDisc, Mission, Offsets
-from mrsfi_runtime.model.polygons import off_polygon
+from mrsfi_runtime.model.polygons import off_way
 from mrsfi_runtime.record.observers import NamedFault, Window
 
 Places: TypeAlias = npt.NDArray[np.float64]
@@ -86,30 +86,50 @@ def story_of(
 
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
-    """Yield the windows in which robots overlapped each other or an obstacle."""
+    """Yield the windows in which robots overlapped each other or an obstacle, at ticks or before.
+
+    A tick counts if discs overlapped on their way to it from the tick before, as in
+    ``kernel.goal_tasks.avoid_collision``.
+    """
     radii = np.array([robot.radius for robot in mission.robots])
-    near = _near(true, radii)
+    start = [(robot.position.x, robot.position.y) for robot in mission.robots]
+    before = np.concatenate((np.array(start).reshape(1, -1, 2), true[:-1]))
+    near = _near(before, true, radii)
     discs = [each.area for each in mission.obstacles]
     centres = np.array([(disc.center.x, disc.center.y) for disc in discs]).reshape(-1, 1, 2)
-    sizes = np.array([disc.radius for disc in discs]).reshape(-1, 1)
     for k, robot in enumerate(mission.robots):
+        now, was = true[:, k], before[:, k]
         for i in near(k):
-            is_hit = np.hypot(*(true[:, k] - true[:, i]).T) < radii[k] + radii[i]
-            for window in runs(is_hit):
+            off = _least(now - true[:, i], was - before[:, i])
+            for window in runs(off < radii[k] + radii[i]):
                 yield Collision(f"{robot.id} and {mission.robots[i].id}", k, window)
-        hits = np.hypot(*np.moveaxis(true[:, k] - centres, -1, 0)) < radii[k] + sizes
-        for j in np.flatnonzero(hits.any(axis=1)):
-            edge = discs[j].corners
-            for tick in np.flatnonzero(hits[j]) if edge else ():
-                hits[j, tick] = off_polygon(edge, 0, len(edge), *true[tick, k]) < radii[k]
-            for window in runs(hits[j]):
-                yield Collision(f"{robot.id} and {mission.obstacles[j].id}", k, window)
+        for disc, obstacle, off in zip(
+            discs, mission.obstacles, _least(now - centres, was - centres), strict=True
+        ):
+            hits = off < radii[k] + disc.radius
+            for tick in np.flatnonzero(hits) if disc.corners else ():
+                edge, end, way = disc.corners, now[tick], was[tick] - now[tick]
+                hits[tick] = off_way(edge, 0, len(edge), *end, *way) < radii[k]
+            for window in runs(hits):
+                yield Collision(f"{robot.id} and {obstacle.id}", k, window)
 
 
-def _near(true: Places, radii: npt.NDArray[np.float64]) -> Callable[[int], Iterable[int]]:
+def _least(now: Places, was: Places) -> npt.NDArray[np.float64]:
+    """Return the least distances from the origin on straight ways, one for each pair of points."""
+    way = was - now
+    square = (way * way).sum(-1)
+    share = np.divide(-(now * way).sum(-1), square, out=np.zeros_like(square), where=square > 0.0)
+    least: Places = np.hypot(*np.moveaxis(now + share.clip(0.0, 1.0)[..., None] * way, -1, 0))
+    return least
+
+
+def _near(
+    before: Places, true: Places, radii: npt.NDArray[np.float64]
+) -> Callable[[int], Iterable[int]]:
     """Return a function of a robot's index that returns earlier ones whose boxes come near."""
     begins = np.arange(0, len(true), 32)  # first ticks of the parts of a path that have a box
-    low, high = (reach.reduceat(true, begins) for reach in (np.fmin, np.fmax))
+    low = np.fmin.reduceat(np.fmin(before, true), begins)
+    high = np.fmax.reduceat(np.fmax(before, true), begins)
 
     def near(k: int) -> Iterable[int]:
         apart = np.maximum(low[:, :k] - high[:, k, None], low[:, k, None] - high[:, :k])

@@ -25,7 +25,6 @@ from mrsfi_runtime.cosimulation.bus_topics import CLOCK
 from mrsfi_runtime.cosimulation.lockstep import RobotTopics, SensorTopics, true_values
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
-from mrsfi_runtime.kernel.geometry import depth_in_area, distance
 from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
 from mrsfi_runtime.kernel.state import PROPERTIES, RobotState, State
 from mrsfi_runtime.model.fault_types import Units, plain_name
@@ -41,6 +40,7 @@ from mrsfi_runtime.model.faults import (
     touched,
 )
 from mrsfi_runtime.model.mission import Coordinates, Mission, Offsets
+from mrsfi_runtime.model.polygons import off_segment, off_way
 from mrsfi_runtime.transport.topics import Topic, time_of, type_name
 
 if TYPE_CHECKING:
@@ -218,15 +218,24 @@ class Events:
                 yield "verdict", f"{goal} {what}", "yes" if flag else "no"
 
     def _gaps(self, world: State) -> Iterator[tuple[str, float]]:
-        """Yield the gap between the discs of every two robots, and of robots and obstacles."""
-        robots = list(zip(self._mission.robots, world.robots, strict=True))
-        for (first, a), (second, b) in combinations(robots, 2):
-            gap = distance(a.x, a.y, b.x, b.y) - (first.radius + second.radius)
-            yield f"{first.id} and {second.id}", gap
+        """Yield the gap between the discs of every two robots, and of robots and obstacles.
+
+        It is the least on their way from the tick before, as in ``goal_tasks.avoid_collision``.
+        """
+        robots = list(zip(self._mission.robots, world.robots, world.wakes, strict=False))
+        for (first, a, was_a), (second, b, was_b) in combinations(robots, 2):
+            dx, dy = b.x - a.x, b.y - a.y
+            gap = off_segment(-dx, -dy, was_b.x - was_a.x - dx, was_b.y - was_a.y - dy)
+            yield f"{first.id} and {second.id}", gap - (first.radius + second.radius)
         for obstacle, area in zip(self._mission.obstacles, world.outlines, strict=True):
-            for robot, a in robots:
-                gap = -depth_in_area(world, area, a.x, a.y) - robot.radius
-                yield f"{robot.id} and {obstacle.id}", gap
+            for robot, a, was in robots:
+                dx, dy, way_x, way_y = a.x - area.x, a.y - area.y, was.x - a.x, was.y - a.y
+                if area.n_corners:
+                    corners = world.corners, area.first_corner, area.n_corners
+                    gap = off_way(*corners, dx, dy, way_x, way_y)
+                else:
+                    gap = off_segment(-dx, -dy, way_x, way_y) - area.radius
+                yield f"{robot.id} and {obstacle.id}", gap - robot.radius
 
 
 class TraceTable:

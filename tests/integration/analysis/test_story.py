@@ -88,15 +88,17 @@ def test_discs_collide_and_are_drawn_by_their_radii():
     robots = tuple(replace(robot, radius=radius) for robot, radius in sizes)
     mission = replace(mission, robots=robots, obstacles=mission.obstacles[:1])
     rock = mission.obstacles[0].area
-    true = np.full((3, 3, 2), -900.0)
-    true[:, 1:, 0] = (-896.6, 900.0), (-896.4, 900.0), (-896.4, 900.0)  # apart by 3.4, then by 3.6
+    true = np.full((5, 3, 2), -900.0)
+    true[:, 1:, 0] = -903.6, 900.0
+    true[0, 1, 0] = -903.4  # apart by 3.4, then by 3.6
     true[1, 2] = rock.center.x + rock.radius + 0.9, rock.center.y
     true[2, 0] = rock.center.x, rock.center.y + rock.radius + 2.9
 
     found = [(each.names, each.window) for each in collisions(mission, true)]
     circles = {(each.center, each.radius) for each in mission_map(mission).axes[0].patches}
 
-    assert found == [("r1 and o1", (2, 2)), ("r2 and r1", (0, 0)), ("r3 and o1", (1, 1))]
+    # the way away from a collision begins with it
+    assert found == [("r1 and o1", (2, 3)), ("r2 and r1", (0, 1)), ("r3 and o1", (1, 2))]
     assert [each["radius"] for each in mission_content(mission)["robots"]] == [3.0, 0.5, 1.0]
     assert circles >= {((each.position.x, each.position.y), each.radius) for each in robots}
 
