@@ -34,6 +34,7 @@ OTHERS = (
     "atlas_search",
     "atlas_crossing",
     "fleet_30",
+    "depot",
 )
 ENGINES = {
     "reference": EngineSettings("reference"),

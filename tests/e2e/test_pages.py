@@ -31,6 +31,7 @@ RUN = (
     "examples/nodes/README.md",
     "docs/find-weaknesses.md",
     "docs/requirements.md",
+    "docs/missions.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
 

@@ -39,7 +39,7 @@ HARBOUR = Path(__file__).parent / "harbour"
 """A mission with all tasks and odd robots, and a pool of all types with odd targets."""
 SHORT = ("tight_margins", "harbour")
 LONG = ("uuv_sampling", "tight_energy")
-PUBLISHED = ("undersea", "atlas_search", "atlas_crossing", "fleet_30")
+PUBLISHED = ("depot", "undersea", "atlas_search", "atlas_crossing", "fleet_30")
 MISSIONS = (*SHORT, *LONG)
 N_SPECIFICATIONS = 25
 SEEDS = (0, 1, 7, 2**32, 2**64 + 3, 123_456_789_012)
@@ -74,12 +74,12 @@ def test_random_specifications_fly_alike(twins, seed):
 
 
 @pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("twins", seeds(PUBLISHED, 0, 2), indirect=True)
+@pytest.mark.parametrize("twins", seeds(PUBLISHED, 0, 3), indirect=True)
 def test_random_specifications_of_published_missions_fly_alike(twins, seed):
     twins.fly(specification(twins.code, seed), SEEDS[seed])
 
 
-@pytest.mark.parametrize("twins", [*MISSIONS, *seeds(PUBLISHED, 0, 2)], indirect=True)
+@pytest.mark.parametrize("twins", [*MISSIONS, *seeds(PUBLISHED, 0, 3)], indirect=True)
 def test_missions_without_faults_fly_alike(twins):
     twins.fly((), 1)
 

@@ -10,7 +10,7 @@ from tests.support.world import code_of, paper_code
 from tests.tiers import seeds
 
 ODD = {"turn_rate": 45.0, "position_noise": 1.0}
-MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
+MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy", "depot")
 
 
 def speeds(code, pool, specification):

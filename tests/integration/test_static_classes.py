@@ -86,7 +86,7 @@ def test_enumeration_keeps_its_values():
     assert values == {"GPS_POSITION": 1, "DEPTH": 2, "TEMPERATURE": 3, "PRESSURE": 4}
 
 
-@pytest.mark.parametrize("mission", ["uuv_sampling", "tight_energy", "fleet_30"])
+@pytest.mark.parametrize("mission", ["uuv_sampling", "tight_energy", "fleet_30", "depot"])
 def test_build_script_writes_the_committed_models(tmp_path, mission):
     models = ROOT / "models" / mission
 
