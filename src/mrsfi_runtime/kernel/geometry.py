@@ -1,7 +1,7 @@
 """Distances, discs and polygons in the plane.
 
-The distance of a point from the centre of a polygon counts as the polygon's radius plus the signed
-distance from its edges (``away``), so that the rules for discs hold for polygons as they stand.
+The distance of a point from the centre of a polygon counts as its radius plus the distance from its
+edges, or minus that inside, so that the rules for discs hold for polygons as they stand.
 """
 
 import math
@@ -53,33 +53,20 @@ def well_inside(
 
 
 @kernel
-def away(view: State, first: int, n: int, radius: float, dx: float, dy: float) -> float:
-    """Return how far a point is from the centre of an area, as it counts for its radius."""
-    if n == 0:
-        return math.sqrt(dx * dx + dy * dy)
-    return radius + off_polygon(view.corners, first, n, dx, dy)
-
-
-@kernel
-def within(view: State, first: int, n: int, radius: float, dx: float, dy: float) -> bool:
-    """Return whether a point at an offset from the centre is inside an area or at its edge."""
-    if n == 0:
-        return inside(dx, dy, 0.0, 0.0, radius)
-    return excess(away(view, first, n, radius, dx, dy), radius) <= 0.0
-
-
-@kernel
 def in_area(view: State, area: AreaState, x: float, y: float) -> bool:
     """Return whether a point is inside an area or at its edge."""
-    dx, dy = x - area.x, y - area.y
-    return within(view, area.first_corner, area.n_corners, area.radius, dx, dy)
+    if area.n_corners == 0:
+        return inside(x, y, area.x, area.y, area.radius)
+    return excess(area.radius - depth_in_area(view, area, x, y), area.radius) <= 0.0
 
 
 @kernel
 def depth_in_area(view: State, area: AreaState, x: float, y: float) -> float:
     """Return how far inside an area a point is."""
-    dx, dy = x - area.x, y - area.y
-    return area.radius - away(view, area.first_corner, area.n_corners, area.radius, dx, dy)
+    if area.n_corners == 0:
+        return area.radius - distance(x, y, area.x, area.y)
+    first, n = area.first_corner, area.n_corners
+    return -off_polygon(view.corners, first, n, x - area.x, y - area.y)
 
 
 @kernel
