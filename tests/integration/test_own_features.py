@@ -54,6 +54,7 @@ def test_features_of_every_class_of_ours(models, own_metamodels):
     assert found == {
         "MISSION_CURRENT": 0.0,
         "WHOLE_COLOUR": "",
+        "WHOLE_CORNERS_ACCURACY": (),
         "A_PAYLOAD": 3.0,
         "A_GPS_DEPTH_RATING": 0,
         "A_DEPTH_DEPTH_RATING": 0,

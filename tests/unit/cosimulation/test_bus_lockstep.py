@@ -432,7 +432,7 @@ def test_a_simulation_that_does_not_understand_the_setup_is_not_waited_for():
     with (
         sides(CODE, every_setup(lambda *found: [*found, 1]), patience) as (simulation, lockstep, _),
         served(simulation),
-        pytest.raises(ProtocolError, match=r"refuses .*\[\d+, 1, 2, 1\]; expected 3 integers"),
+        pytest.raises(ProtocolError, match=r"refuses .*\[\d+, 1, 3, 1\]; expected 3 integers"),
     ):
         BusEngine(CODE, 1, lockstep).evaluate(())
 
