@@ -200,7 +200,7 @@ def _goal(summary: Summary, verdict: GoalVerdict) -> dict[str, Any]:
         "detection": verdict.detection,
         "stakes": verdict.stakes,
         "known": _known(summary, verdict),
-        "evidence": " · ".join(verdict.evidence),
+        "evidence": " · ".join(replace(verdict, depth="").evidence),  # its list has it
         "number": None if weakness is None else weakness.number,
     }
 

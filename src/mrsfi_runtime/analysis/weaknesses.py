@@ -253,9 +253,10 @@ class GoalVerdict:
     """Verdict on a goal: its state, one weakness, and the number of other weaknesses.
 
     ``label`` is the name before the ID. ``cause`` says when the goal breaks, ``detection`` whether
-    the CI detects it, ``strength`` in how many mission seeds and variants, ``bound`` how many other
-    specifications may break it. ``nearest`` is the closest approach of a goal that was not truly
-    broken. ``stakes`` has its requirements, severity and integrity level. Texts may be empty.
+    the CI detects it, ``depth`` how far it is beyond its limit, ``strength`` in how many mission
+    seeds and variants, ``bound`` how many other specifications may break it. ``nearest`` is the
+    closest approach of a goal that was not truly broken. ``stakes`` has its requirements, severity
+    and integrity level. Texts may be empty.
     """
 
     goal: str
@@ -269,6 +270,7 @@ class GoalVerdict:
     strength: tuple[str, ...]
     bound: str
     nearest: str = ""
+    depth: str = ""
     severity: int = 0
     stakes: str = ""
 
@@ -301,7 +303,8 @@ class GoalVerdict:
         if self.weakness is None:
             return (self.bound, *near)
         number = f"weakness {self.weakness.number}", " and ".join(self.weakness.faults)
-        return (*number, *self.strength, *filter(None, (self.others,)), self.bound, *near)
+        depth, others = ((each,) if each else () for each in (self.depth, self.others))
+        return (*number, *depth, *self.strength, *others, self.bound, *near)
 
     @property
     def others(self) -> str:
@@ -331,7 +334,7 @@ def _verdict(
     is_broken = any(fault_free.get(Column(goal.id, kind), 0) > 0 for kind in MEASURES[1:])
     if state in {State.FALSE_ALARM, State.HOLDS} and is_broken:
         state = State.BROKEN_ANYWAY
-    cause = detected = ""
+    cause = detected = depth = ""
     strength: tuple[str, ...] = ()
     if state is State.BROKEN_ANYWAY:  # not because of the weakness
         cause = starvation(mission, goal)
@@ -340,9 +343,9 @@ def _verdict(
         detected = "" if state is State.FALSE_ALARM else detection(weakness, mission.units)
     if weakness is not None:
         seeds = f"in {weakness.shown.n_held} of {counted(weakness.shown.n_seeds, 'mission seeds')}"
-        depth = depth_in_words(mission, weakness)
-        beyond = (f"{depth} beyond its limit at worst",) if depth else ()
-        strength = *beyond, seeds, weakness.shown.share_in_words
+        strength = seeds, weakness.shown.share_in_words
+        beyond = depth_in_words(mission, weakness)
+        depth = f"{beyond} beyond its limit at worst" if beyond else ""
     others = "other random specifications"
     limit = f"{others} that break it: at most {100 * unknown:.0f} % ({known.known.confidence})"
     needed = max(known.known.flights_to_bound(Column(goal.id, measure)) for measure in MEASURES)
@@ -358,6 +361,7 @@ def _verdict(
         detection=detected,
         strength=strength,
         nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
+        depth=depth,
         bound=limit if unknown < 1.0 else none,
         severity=goal.severity,
         stakes=mission.stakes_of(goal.id),
