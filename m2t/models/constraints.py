@@ -26,7 +26,7 @@ from m2t.models.check import ModelTree
 from m2t.models.write import java_double
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
-from mrsfi_runtime.model.mission import Coordinates, polygon
+from mrsfi_runtime.model.mission import Coordinates, polygon, turn_width
 from mrsfi_runtime.model.polygons import meeting, near, off_polygon
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def _kept_in(mission: Any, goal: Any, robot: Any) -> list[Any]:
 def _leeway(robot: Any) -> float:
     """Return how far from an edge the built-in reactions turn a robot back."""
     rate = robot.turnRate if is_set(robot, "turnRate") else 180.0
-    width = 1.0 / max(math.sin(math.radians(rate) / 2), 1e-12) + 0.5 if rate < 180.0 else 0.0
+    width = turn_width(rate) + 0.5 if rate < 180.0 else 0.0
     return float(2.0 * robot.positionNoise + robot.speed * width)
 
 

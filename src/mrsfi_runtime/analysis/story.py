@@ -110,7 +110,7 @@ def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
             for tick in np.flatnonzero(hits) if disc.corners else ():
                 edge, end, way = disc.corners, now[tick], was[tick] - now[tick]
                 hits[tick] = off_way(edge, 0, len(edge), *end, *way) < radii[k]
-            for window in runs(hits):
+            for window in runs(hits) if hits.any() else ():
                 yield Collision(f"{robot.id} and {obstacle.id}", k, window)
 
 

@@ -52,7 +52,9 @@ def release(ci: State) -> None:
 
 @kernel
 def steer(ci: State, index: int, x: float, y: float) -> None:
-    """Command the heading of a robot, unless an earlier goal did; to evade, the wish is noted.
+    """Command the heading of a robot, unless an earlier goal did.
+
+    The first heading that a robot is denied because it evades is kept as its wish.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ from mrsfi_runtime.kernel.state import (
     WishState,
     kernel,
 )
-from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Robot
+from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Robot, turn_width
 from mrsfi_runtime.model.polygons import off_polygon
 
 Corners: TypeAlias = tuple[PointState, ...]
@@ -255,9 +255,9 @@ def _add_robot(state: State, robot: Robot) -> None:
 def _traits(robot: Robot) -> TraitState:
     turn = math.radians(robot.turn_rate)
     turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # exactly 0, which sin(pi) is not
-    turn_width = 1.0 / max(math.sin(0.5 * turn), 1e-12) if turn_y else 1.0
+    width = turn_width(robot.turn_rate) if turn_y else 1.0
     noise, radius = float(robot.position_noise), float(robot.radius)
-    return TraitState(math.cos(turn), turn_y, turn_width, noise, radius)
+    return TraitState(math.cos(turn), turn_y, width, noise, radius)
 
 
 def _area(mission: Mission, corners: Corners, area: Area, tolerance: float = 0.0) -> AreaState:

@@ -117,6 +117,11 @@ class DoubleProperty:
     value: float
 
 
+def turn_width(turn_rate: float) -> float:
+    """Return the diameter of a turning circle in units of the speed, for degrees a tick < 180."""
+    return 1.0 / max(math.sin(0.5 * math.radians(turn_rate)), 1e-12)
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot with its nominal speed in distance units per tick.

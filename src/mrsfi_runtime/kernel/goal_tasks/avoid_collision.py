@@ -18,6 +18,7 @@ from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_spee
 from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
     FEW,
+    SURE,
     cell_at,
     chart,
     gather,
@@ -37,8 +38,6 @@ from mrsfi_runtime.model.mission import GoalTask
 from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
-
-SURE = 1.0 + 1e-9  # factor that exceeds every rounding error of a square
 
 HORIZON = 4
 """Ticks for which a robot need not be checked again, if it is far enough from all others."""
@@ -91,16 +90,19 @@ def hits_obstacle(view: State, goal: GoalState) -> bool:
                 and is_listed(view, goal, mapped.obstacle)
             ):
                 return True
-        if (view.map.is_wrong == 1 or reach > view.map.reach) and hits_any(view, goal, index):
+        is_mapped = reach <= view.map.reach
+        if (view.map.is_wrong or not is_mapped) and hits_unmapped(view, goal, index, is_mapped):
             return True
     return False
 
 
 @kernel
-def hits_any(view: State, goal: GoalState, index: int) -> bool:
-    """Return whether a robot was too near to any obstacle of a goal, wherever that is."""
+def hits_unmapped(view: State, goal: GoalState, index: int, is_mapped: bool) -> bool:
+    """Return whether a robot was too near to an obstacle of a goal that is not where the map is."""
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-        if gap_to(view, goal, index, view.hazards[h], 0.0) < 0.0:
+        hazard = view.hazards[h]
+        is_due = not is_mapped or is_displaced(view, hazard)
+        if is_due and gap_to(view, goal, index, hazard, 0.0) < 0.0:
             return True
     return False
 
@@ -380,7 +382,7 @@ def gap_to_obstacle(
 ) -> float:
     """Return the gap to an obstacle within the look-ahead, or ``reach`` if it is too far away.
 
-    ``own`` is the robot's ``size``, ``vx`` and ``vy`` its motion in a tick. A gap counts only
+    ``own`` is the robot's ``room``, ``vx`` and ``vy`` its motion in a tick. A gap counts only
     within ``reach`` of the obstacle's edge.
     """
     robot = ci.robots[index]
