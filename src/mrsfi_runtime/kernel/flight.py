@@ -171,12 +171,12 @@ def initial_state(mission: Mission, seed: int) -> State:
     )
     for robot in mission.robots:
         _add_robot(state, robot)
-    for goal in mission.goals:
-        _add_goal(state, mission, goal)
-    state.wishes = [WishState() for _ in state.robots]
     for own, trait in zip(state.robots, state.traits, strict=True):
         state.wakes.append(WakeState(own.x, own.y, own.max_speed + 2.0 * trait.position_noise))
     state.wakes += [WakeState(rock.x, rock.y) for rock in state.obstacles]
+    for goal in mission.goals:
+        _add_goal(state, mission, goal)
+    state.wishes = [WishState() for _ in state.robots]
     if any(robot.position_noise for robot in mission.robots):
         state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):
@@ -300,6 +300,8 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     state.required += (goal.required_members or len(terms.robots),)
     radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
     state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
+    reaches = [state.wakes[mission.robot_index[robot]].reach for robot in terms.robots]
+    state.longest += (max(reaches, default=0.0),)
     state.routes += (RouteState(len(state.areas), len(areas)),) * len(terms.robots)
     state.areas += tuple(_area(mission, state.corners, each, terms.tolerance) for each in areas)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)

@@ -49,7 +49,9 @@ def well_inside(
     x: float, y: float, middle_x: float, middle_y: float, radius: float, edge: float = 0.0
 ) -> bool:
     """Return whether a point is inside a disc, and farther than ``edge`` from its edge."""
-    return distance(x, y, middle_x, middle_y) <= (1.0 - RESERVE) * radius - edge
+    dx, dy, most = x - middle_x, y - middle_y, (1.0 - RESERVE) * radius - edge
+    square = dx * dx + dy * dy
+    return most >= 0.0 and (square < most * most or math.sqrt(square) <= most)
 
 
 @kernel

@@ -252,8 +252,9 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
         if kind.mode is Mode.OWN:
             own += _own_rows(number, timed, kind, targets)
             continue
-        values = values if change is None else change(*values)
-        a, b, c = (*map(float, values), 0.0, 0.0, 0.0)[:3]
+        if change is not None:
+            values = tuple(map(float, change(*values)))
+        a, b, c = (*values, 0.0, 0.0, 0.0)[:3]
         delay = 0
         if is_held_back:
             finish, delay = _held_back(timed, kind.mode, shapes.last)

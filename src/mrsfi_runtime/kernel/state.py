@@ -351,7 +351,8 @@ class State:
     ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions`` are the unit
     vectors of whole degrees. ``required`` has for each goal how many members must keep to the rule
     of its task, ``apart`` the greatest distance of two centres at which robots can be too near for
-    it. ``cells`` has the index in ``mapped`` at which the obstacles of each map cell begin.
+    it, ``longest`` the greatest ``WakeState.reach`` of its members. ``cells`` has the index in
+    ``mapped`` at which the obstacles of each map cell begin.
 
     The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then
     one per obstacle; ``wishes`` one per robot; ``grace``, empty unless a goal has some, one per
@@ -376,6 +377,7 @@ class State:
     directions: tuple[DirectionState, ...]
     required: tuple[int, ...] = ()
     apart: tuple[float, ...] = ()
+    longest: tuple[float, ...] = ()
     commands: list[CommandState] = field(default_factory=list)
     switches: list[SwitchState] = field(default_factory=list)
     wakes: list[WakeState] = field(default_factory=list)

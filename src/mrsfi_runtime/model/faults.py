@@ -29,7 +29,7 @@ from enum import IntEnum
 from functools import cached_property
 from itertools import count
 from numbers import Integral, Real
-from operator import attrgetter
+from operator import itemgetter
 from typing import Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, counted, expected
@@ -342,7 +342,7 @@ LAST = 2**31 - 1  # the largest tick of a window, and the largest whole value
 
 def plain(timed: TimedFault) -> TimedFault:
     """Return a timed fault in Python's own numbers, values as floats; refuse what is not one."""
-    if type(timed) is TimedFault and _is_plain(*timed):
+    if type(timed) is TimedFault and _is_plain(timed):
         return timed
     try:
         fault, start, finish, values, *more = timed
@@ -361,10 +361,9 @@ def plain(timed: TimedFault) -> TimedFault:
     return TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)), str(trigger))
 
 
-def _is_plain(
-    fault: object, start: int, finish: int, values: Sequence[float], trigger: object
-) -> bool:
+def _is_plain(timed: TimedFault) -> bool:
     """Return quickly whether nothing has to change; search has millions of timed faults."""
+    fault, start, finish, values, trigger = timed
     if not (type(start) is type(finish) is int and type(fault) is type(trigger) is str):
         return False
     if type(values) is not tuple:
@@ -459,17 +458,18 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
         found = tuple(map(plain, asked))
         for timed in found:
-            kind, n_values, _ = self[timed.fault]
-            if len(timed.values) != n_values:
+            fault, _, _, values, trigger = timed
+            kind, n_values, _ = self[fault]
+            if len(values) != n_values:
                 fitting(kind, timed)
-            if timed.trigger:
+            if trigger:
                 self._require_trigger(timed)
         newest: dict[Target | str, TimedFault] = {}
-        for timed in sorted(found, key=attrgetter("start")):
-            for key in self[timed.fault][2]:
-                before = newest.get(key)
-                if before is not None and before.finish >= timed.start:
-                    raise self._overlap(before, timed)
+        for timed in sorted(found, key=itemgetter(1)):  # by start
+            start = timed[1]
+            for key in self[timed[0]][2]:
+                if key in newest and newest[key][2] >= start:
+                    raise self._overlap(newest[key], timed)
                 newest[key] = timed
         return found
 

@@ -37,9 +37,12 @@ def off_segment(x: float, y: float, end_x: float, end_y: float) -> float:
 def square_off(x: float, y: float, end_x: float, end_y: float) -> float:
     """Return the square of the distance of ``off_segment``."""
     length = end_x * end_x + end_y * end_y
-    share = 0.0
-    if length > 0.0:
-        share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0)
+    along = x * end_x + y * end_y
+    share = 1.0
+    if along <= 0.0:  # as it is without length, too
+        share = 0.0
+    elif along < length:
+        share = along / length
     dx, dy = share * end_x - x, share * end_y - y
     return dx * dx + dy * dy
 

@@ -9,6 +9,7 @@ batch one after the other. For each goal it calls the function of the goal's tas
 address, the region that a team wrote.
 """
 
+import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,14 +19,16 @@ from numba import from_dtype, types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.typing.templates import AttributeTemplate
+from numba.cpython import slicing
 from numba.extending import (
     infer_getattr,
     intrinsic,
+    lower_builtin,
     lower_getattr_generic,
     lower_setattr_generic,
     register_model,
 )
-from numba.np.arrayobj import make_array, populate_array
+from numba.np.arrayobj import load_item, make_array, populate_array, store_item
 
 from mrsfi_runtime.engine.compiled.layout import (
     ALLOWED,
@@ -47,6 +50,14 @@ from mrsfi_runtime.kernel.state import MapState, MissionState, State, kernel
 
 _intrinsic: Callable[[Callable[..., Any]], Callable[..., Any]] = intrinsic  # typed as it is called
 _WORD = ir.IntType(64)
+_OURS = "_ZN13mrsfi_runtime"  # how numba names functions of mrsfi
+
+
+class Rows(types.Array):
+    """A list of a state: an array, whose bounds are checked in one comparison."""
+
+
+register_model(Rows)(models.ArrayModel)
 
 
 class View(types.Type):
@@ -65,7 +76,7 @@ class View(types.Type):
             return entry, View(entry.inner)
         element = from_dtype(entry.layout)
         if entry.kind == "list":
-            return entry, types.Array(element, 1, "C")
+            return entry, Rows(element, 1, "C")
         return entry, element.typeof(name) if entry.kind == "number" else element
 
 
@@ -109,6 +120,36 @@ def _get(context: Any, builder: Any, view: View, directory: Any, name: str) -> A
     if entry.kind == "record":
         return builder.inttoptr(address, context.get_value_type(kind))
     return builder.load(_number(builder, address, entry, name, context.get_value_type(kind)))
+
+
+@lower_builtin(operator.getitem, Rows, types.Integer)  # type: ignore[untyped-decorator]
+def _row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    rows, index = signature.args
+    place = _place(context, builder, rows, index, arguments)
+    return load_item(context, builder, rows, place)
+
+
+@lower_builtin(operator.setitem, Rows, types.Integer, types.Any)  # type: ignore[untyped-decorator]
+def _set_row(context: Any, builder: Any, signature: Any, arguments: Any) -> None:
+    rows, index, kind = signature.args
+    place = _place(context, builder, rows, index, arguments)
+    value = context.cast(builder, arguments[2], kind, rows.dtype)
+    store_item(context, builder, rows, value, place)
+
+
+def _place(context: Any, builder: Any, rows: Any, kind: Any, arguments: Any) -> Any:
+    """Return the address of a row; the function that is compiled returns an error if there is none.
+
+    A negative index counts from the end only in a team's functions: the kernel has none.
+    """
+    array = make_array(rows)(context, builder, arguments[0])
+    index = context.cast(builder, arguments[1], kind, types.intp)
+    (length,) = cgutils.unpack_tuple(builder, array.shape, 1)
+    if not builder.function.name.startswith(_OURS):
+        index = slicing.fix_index(builder, index, length)
+    with cgutils.if_unlikely(builder, builder.icmp_unsigned(">=", index, length)):
+        context.call_conv.return_user_exc(builder, IndexError, ("index is out of bounds",))
+    return builder.gep(array.data, [index])
 
 
 @lower_setattr_generic(View)  # type: ignore[untyped-decorator]

@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.geometry import distance, well_inside
+from mrsfi_runtime.kernel.geometry import inside, well_inside
 from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
 from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
@@ -35,7 +35,7 @@ from mrsfi_runtime.kernel.state import (
     kernel,
 )
 from mrsfi_runtime.model.mission import GoalTask
-from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way
+from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way, square_off
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 
@@ -57,7 +57,7 @@ class AvoidCollision(GoalTask):
 @kernel
 def violated(view: State, g: int) -> bool:
     """Return whether two discs were too near among a goal's robots and obstacles."""
-    return hits_obstacle(view, view.goals[g]) or hits_robot(view, g)
+    return hits_obstacle(view, g) or hits_robot(view, g)
 
 
 @kernel
@@ -67,44 +67,41 @@ def size(view: State, goal: GoalState, index: int) -> float:
 
 
 @kernel
-def hits_obstacle(view: State, goal: GoalState) -> bool:
+def hits_obstacle(view: State, g: int) -> bool:
     """Return whether a disc of a goal's robots was too near to one of its obstacles.
 
-    All obstacles are checked if the map does not reach as far as the robot has moved.
+    All obstacles are checked if the map does not reach as far as a robot can have moved.
     """
+    goal = view.goals[g]
+    reach = 0.5 * (view.apart[g] + goal.distance) + view.longest[g]
+    is_mapped = reach <= view.map.reach
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]
-        reach = size(view, goal, index) + view.wakes[index].reach
         cell = cell_at(view, robot.x, robot.y)
         for k in range(view.cells[cell], view.cells[cell + 1]):
             mapped = view.mapped[k]
             if mapped.gap >= reach:
                 break
-            obstacle = view.obstacles[mapped.obstacle]
-            dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
-            near = (reach + obstacle.radius) * SURE
-            if (
-                dx * dx + dy * dy < near * near
-                and gap_to(view, goal, index, mapped.obstacle, 0.0) < 0.0
-                and is_listed(view, goal, mapped.obstacle)
-            ):
+            hazard = mapped.obstacle
+            if hits(view, goal, index, hazard, reach) and is_listed(view, goal, hazard):
                 return True
-        is_mapped = reach <= view.map.reach
-        if (view.map.is_wrong or not is_mapped) and hits_unmapped(view, goal, index, is_mapped):
-            return True
+        if view.map.is_wrong or not is_mapped:
+            for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+                hazard = view.hazards[h]
+                is_due = not is_mapped or is_displaced(view, hazard)
+                if is_due and hits(view, goal, index, hazard, reach):
+                    return True
     return False
 
 
 @kernel
-def hits_unmapped(view: State, goal: GoalState, index: int, is_mapped: bool) -> bool:
-    """Return whether a robot was too near to an obstacle of a goal that is not where the map is."""
-    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-        hazard = view.hazards[h]
-        is_due = not is_mapped or is_displaced(view, hazard)
-        if is_due and gap_to(view, goal, index, hazard, 0.0) < 0.0:
-            return True
-    return False
+def hits(view: State, goal: GoalState, index: int, hazard: int, reach: float) -> bool:
+    """Return whether a robot was too near to an obstacle, from whose edge it has to be in reach."""
+    robot, obstacle = view.robots[index], view.obstacles[hazard]
+    dx, dy, near = obstacle.x - robot.x, obstacle.y - robot.y, (reach + obstacle.radius) * SURE
+    is_near = dx * dx + dy * dy < near * near
+    return is_near and gap_to(view, goal, index, hazard, 0.0) < 0.0
 
 
 @kernel
@@ -112,26 +109,47 @@ def gap_to(view: State, goal: GoalState, index: int, hazard: int, limit: float) 
     """Return the gap between a robot and an obstacle, or ``limit`` if that is less."""
     robot, obstacle, wake = view.robots[index], view.obstacles[hazard], view.wakes[index]
     dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
-    both = view.traits[index].radius + obstacle.radius + goal.distance
-    near = (limit + both + wake.reach) * SURE
-    if dx * dx + dy * dy >= near * near:
-        return limit
     was_x, was_y = obstacle.x - wake.x, obstacle.y - wake.y
+    both = view.traits[index].radius + obstacle.radius + goal.distance
+    if is_beyond(dx, dy, was_x, was_y, limit + both):
+        return limit
     has_jumped = jumps(wake, robot.x, robot.y)
     if has_jumped or jumps(view.wakes[len(view.robots) + hazard], obstacle.x, obstacle.y):
         was_x, was_y = dx, dy
     shape = view.outlines[hazard]
     if shape.n_corners == 0:
-        return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
+        return gap_on_way(dx, dy, was_x, was_y, both, limit)
     first, n = shape.first_corner, shape.n_corners
     off = off_way(view.corners, first, n, -dx, -dy, dx - was_x, dy - was_y)
     return min(excess(obstacle.radius + off, both), limit)
 
 
 @kernel
+def is_beyond(dx: float, dy: float, was_x: float, was_y: float, reach: float) -> bool:
+    """Return quickly whether a way surely keeps farther than ``reach`` from the origin."""
+    near = (reach + abs(was_x - dx) + abs(was_y - dy)) * SURE
+    return dx * dx + dy * dy >= near * near
+
+
+@kernel
+def gap_on_way(
+    dx: float, dy: float, was_x: float, was_y: float, both: float, limit: float
+) -> float:
+    """Return the least distance of two centres minus both radii, or ``limit`` if that is less.
+
+    One centre moves as seen from the other, from ``was_x, was_y`` to ``dx, dy``.
+    """
+    square = square_off(-dx, -dy, was_x - dx, was_y - dy)
+    near = (limit + both) * SURE
+    if square >= near * near:
+        return limit
+    return min(excess(math.sqrt(square), both), limit)
+
+
+@kernel
 def jumps(wake: WakeState, x: float, y: float) -> bool:
     """Return whether a robot or an obstacle is farther from where it was than it can have moved."""
-    return excess(distance(wake.x, wake.y, x, y), wake.reach) > 0.0
+    return not inside(x, y, wake.x, wake.y, wake.reach)
 
 
 @kernel
@@ -140,16 +158,15 @@ def hits_robot(view: State, g: int) -> bool:
     goal = view.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
-        return gap_between_neighbours(view, goal, view.apart[g], 0.0) < 0.0
+        return gap_between_neighbours(view, g, 0.0) < 0.0
+    near = (view.apart[g] + 2.0 * view.longest[g]) * SURE
     for m in range(goal.first_member, last):
         index = view.members[m].robot
         robot = view.robots[index]
-        x, y, reach = robot.x, robot.y, size(view, goal, index) + view.wakes[index].reach
+        x, y = robot.x, robot.y
         for n in range(m + 1, last):
             other = view.members[n].robot
-            second = view.robots[other]
-            dx, dy = second.x - x, second.y - y
-            near = (reach + view.traits[other].radius + view.wakes[other].reach) * SURE
+            dx, dy = view.robots[other].x - x, view.robots[other].y - y
             if dx * dx + dy * dy < near * near and gap_between(view, goal, index, other, 0.0) < 0.0:
                 return True
     return False
@@ -161,14 +178,13 @@ def gap_between(view: State, goal: GoalState, index: int, other: int, limit: flo
     robot, second = view.robots[index], view.robots[other]
     wake, trail = view.wakes[index], view.wakes[other]
     dx, dy = second.x - robot.x, second.y - robot.y
-    both = view.traits[index].radius + view.traits[other].radius + goal.distance
-    near = (limit + both + wake.reach + trail.reach) * SURE
-    if dx * dx + dy * dy >= near * near:
-        return limit
     was_x, was_y = trail.x - wake.x, trail.y - wake.y
+    both = view.traits[index].radius + view.traits[other].radius + goal.distance
+    if is_beyond(dx, dy, was_x, was_y, limit + both):
+        return limit
     if jumps(wake, robot.x, robot.y) or jumps(trail, second.x, second.y):
         was_x, was_y = dx, dy
-    return min(excess(off_segment(-dx, -dy, was_x - dx, was_y - dy), both), limit)
+    return gap_on_way(dx, dy, was_x, was_y, both, limit)
 
 
 @kernel
@@ -212,7 +228,7 @@ def gap_between_robots(world: State, g: int, limit: float) -> float:
     goal = world.goals[g]
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
-        return gap_between_neighbours(world, goal, world.apart[g], limit)
+        return gap_between_neighbours(world, g, limit)
     least = NO_MARGIN
     for m in range(goal.first_member, last):
         for n in range(m + 1, last):
@@ -222,19 +238,20 @@ def gap_between_robots(world: State, g: int, limit: float) -> float:
 
 
 @kernel
-def gap_between_neighbours(view: State, goal: GoalState, apart: float, limit: float) -> float:
+def gap_between_neighbours(view: State, g: int, limit: float) -> float:
     """Return the least gap between two of more than ``FEW`` robots, at most ``limit``.
 
     No two robots beyond ``apart`` have a gap below 0 where they are.
     """
-    least = limit
-    longest = 0.0
+    goal, apart, least = view.goals[g], view.apart[g], limit
+    square = 0.0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot, wake = view.robots[view.members[m].robot], view.wakes[view.members[m].robot]
-        step = distance(wake.x, wake.y, robot.x, robot.y)
-        if excess(step, wake.reach) <= 0.0:
-            longest = max(longest, step)
-    chart(view, goal, apart + 2.0 * max(longest, top_speed(view, goal)))
+        if not jumps(wake, robot.x, robot.y):
+            dx, dy = robot.x - wake.x, robot.y - wake.y
+            square = max(square, dx * dx + dy * dy)
+    longest = math.sqrt(square)
+    chart(view, goal, apart + 2.0 * view.longest[g])
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         reach = apart + least + 2.0 * longest
@@ -276,13 +293,14 @@ def evade(ci: State, g: int, index: int, farthest: float) -> None:
     reach = LOOK_AHEAD * pace(ci, index)
     limit = 2.0 * reach
     n_near = gather(ci, goal, index, sight(ci, g, index, limit, farthest))
+    edge = leeway(ci, index)
     best = -1
     most = 0.0
     for degrees in range(0, len(ci.directions), CANDIDATE_STEP):
         heading = ci.directions[degrees]
         mission = ci.mission
         x, y = robot.x + reach * heading.x, robot.y + reach * heading.y
-        if well_inside(x, y, mission.x, mission.y, mission.radius, leeway(ci, index)):
+        if well_inside(x, y, mission.x, mission.y, mission.radius, edge):
             gap = gap_along(ci, goal, index, n_near, heading.x, heading.y, limit)
             if best < 0 or gap > most + TOLERANCE:
                 best = degrees
@@ -330,8 +348,9 @@ def gap_along(
     """
     robot = ci.robots[index]
     step = pace(ci, index)
-    least = gap_to_obstacles_along(ci, goal, index, step * x, step * y, limit)
     own = room(ci, goal, index)
+    ahead = LOOK_AHEAD * step
+    least = gap_to_obstacles_along(ci, goal, index, own, ahead, step * x, step * y, limit)
     for k in range(n_near):
         other = ci.lookup.nearby[k]
         dx, dy = ci.robots[other].x - robot.x, ci.robots[other].y - robot.y
@@ -348,14 +367,22 @@ def gap_along(
 
 @kernel
 def gap_to_obstacles_along(
-    ci: State, goal: GoalState, index: int, vx: float, vy: float, limit: float
+    ci: State,
+    goal: GoalState,
+    index: int,
+    own: float,
+    ahead: float,
+    vx: float,
+    vy: float,
+    limit: float,
 ) -> float:
     """Return the least gap to a goal's obstacles, for a given velocity; as ``gap_along``.
 
-    If the map does not reach as far as the robot may move, all obstacles are checked.
+    ``own`` is the robot's ``room``, ``ahead`` how far it moves within the look-ahead. If the map
+    does not reach as far as that, all obstacles are checked.
     """
-    robot, own = ci.robots[index], room(ci, goal, index)
-    reach = limit + LOOK_AHEAD * pace(ci, index) + own
+    robot = ci.robots[index]
+    reach = limit + ahead + own
     is_mapped = reach <= ci.map.reach
     least = limit
     if is_mapped:

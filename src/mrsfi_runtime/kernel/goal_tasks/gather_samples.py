@@ -32,10 +32,10 @@ def progress(view: State, g: int) -> None:
     """Count new samples: taken inside the area, and not where the sample before was taken."""
     goal = view.goals[g]
     sensor = view.sensors[goal.sensor]
-    robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
+    robot = view.robots[sensor.robot]
     new = sensor.count - goal.seen
     goal.seen = sensor.count
-    if new <= 0 or not in_area(view, area, robot.x, robot.y):
+    if new <= 0 or not in_area(view, next_area(view, goal.first_member), robot.x, robot.y):
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
@@ -53,8 +53,10 @@ def violated(view: State, g: int) -> bool:
     if goal.count >= goal.target:
         return False
     sensor = view.sensors[goal.sensor]
+    if sensor.active == 0:
+        return True
     robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
-    if sensor.active == 0 or not in_area(view, area, robot.x, robot.y):
+    if not in_area(view, area, robot.x, robot.y):
         return True
     return sample_reserve(view, goal) < 0.0
 
