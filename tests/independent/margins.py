@@ -41,14 +41,14 @@ class Margins:
     def agree(self, goal: Goal, found: tuple[float, int] | None) -> bool:
         """Return whether a margin that was found is the least, and was there at its tick.
 
-        Among margins that rounding alone makes differ from 0, no tick is the first.
+        Where rounding alone makes margins differ, no tick is the first.
         """
         seen = self.seen[goal.index]
         if found is None or min(seen) == math.inf:
             return found is None and min(seen) == math.inf
         least, tick = found
         near = [math.isclose(each, least, rel_tol=1e-12, abs_tol=1e-6) for each in seen]
-        is_rounded = seen[tick] != least and abs(least) < 1e-6
+        is_rounded = seen[tick] != least
         is_earliest = seen.index(seen[tick]) == tick
         return (is_earliest or is_rounded) and near[tick] and near[seen.index(min(seen))]
 

@@ -18,8 +18,10 @@ import pytest
 
 from m2t.generate import generate
 from m2t.models.load import write_specification
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.independent import digest, polygon, simulation
 from tests.independent.crowd import draw_crowd
 from tests.independent.limits import limits
@@ -222,6 +224,23 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40), may_round=True)
 
     assert twins.n_digests > 0.9 * (10 + len(twins.code.pool))
+
+
+@pytest.mark.parametrize("seed", seeds(range(200), 0, 2))
+def test_drawn_missions_fly_alike_on_every_engine(tmp_path, seed):
+    """Each under twenty drawn specifications: by the pages, interpreted, compiled, over a bus."""
+    of, longest = [*SHAPES.values()][seed % len(SHAPES)]
+    rng = Random(seed)
+    models = write_drawn(tmp_path / "models", rng, of, longest)
+    generate(models, tmp_path / "generated")
+    twins = Twins(models, tmp_path / "generated")
+    some = [draw_specification(rng, twins.code) for _ in range(20)]
+
+    expected = [twins.fly(each, seed, may_round=True) for each in some]
+
+    for name in ("compiled", "rosbridge"):
+        with open_engine(EngineSettings(name), twins.code, seed) as engine:
+            assert list(engine.evaluate_many(some)) == expected, name
 
 
 @pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 0, 2))
