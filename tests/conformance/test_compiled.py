@@ -125,6 +125,8 @@ def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
         ("g4.check", "return goal_tasks.gather_samples.violated(ci, G5) == (ci.mission.tick > 9)"),
         ("g3.react", "goal_tasks.avoid_collision.react(ci, G1)\ngoal_tasks.stay.react(ci, G2)"),
         ("g5.progress", "for g in (G4, G5):\n    goal_tasks.gather_samples.progress(ci, g)"),
+        ("g2.check", "return ci.robots[-1].x > ci.robots[0].x"),
+        ("g2.check", "return goal_tasks.avoid_collision.violated(ci, G1 - len(ci.goals))"),
     ],
 )
 def test_a_region_may_call_what_any_task_says_for_any_goal(tmp_path, region, body):
