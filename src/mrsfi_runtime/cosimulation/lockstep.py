@@ -17,6 +17,7 @@ References
 Source paper, sections III-F and III-G, and Figure 4.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol, TypeAlias
@@ -365,9 +366,10 @@ def take_true_values(world: State, index: int, topic: Heard) -> None:
             f"{topic.name} carried {values!r}; expected {expected} numbers: "
             "x, y, z, speed, energy, then count and active of each of its sensors"
         )
-    wake.x, wake.y = robot.x, robot.y
+    wake.x, wake.y, wake.reach = robot.x, robot.y, math.inf
     robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
-    wake.reach = max(wake.reach, distance(wake.x, wake.y, robot.x, robot.y))  # never a jump
+    step = distance(wake.x, wake.y, robot.x, robot.y)
+    world.longest = tuple(max(each, step) for each in world.longest)
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]
         count, active = values[5 + 2 * offset : 7 + 2 * offset]

@@ -110,7 +110,7 @@ def move(world: State, valid: Sequence[int], tick: int) -> None:
     world.mission.tick = tick
     for index in range(len(world.robots)):
         robot, wake = world.robots[index], world.wakes[index]
-        wake.x, wake.y = robot.x, robot.y
+        wake.x, wake.y, wake.reach = robot.x, robot.y, math.inf
         if robot.energy <= 0.0:
             robot.speed = 0.0
             for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):

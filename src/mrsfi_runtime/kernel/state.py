@@ -102,7 +102,7 @@ class TraitState:
 class WakeState:
     """Where a robot or an obstacle was a tick ago, and how far it can have moved since.
 
-    One that is farther away has jumped in belief.
+    One that is farther away has jumped in belief. In truth nothing does: the reach is infinite.
     """
 
     x: float
@@ -351,7 +351,7 @@ class State:
     ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions`` are the unit
     vectors of whole degrees. ``required`` has for each goal how many members must keep to the rule
     of its task, ``apart`` the greatest distance of two centres at which robots can be too near for
-    it, ``longest`` the greatest ``WakeState.reach`` of its members. ``cells`` has the index in
+    it, ``longest`` how far one of its members can have moved in a tick. ``cells`` has the index in
     ``mapped`` at which the obstacles of each map cell begin.
 
     The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then

@@ -39,8 +39,8 @@ from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way, squa
 
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 
-HORIZON = 4
-"""Ticks for which a robot need not be checked again, if it is far enough from all others."""
+HORIZON = 8
+"""Ticks for which the margin need not be computed anew, if all obstacles are far enough away."""
 
 CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
 
@@ -67,13 +67,19 @@ def size(view: State, goal: GoalState, index: int) -> float:
 
 
 @kernel
+def brush(view: State, g: int) -> float:
+    """Return how far from where a robot is an obstacle's edge is at most, if it was too near."""
+    return 0.5 * (view.apart[g] + view.goals[g].distance) + view.longest[g]
+
+
+@kernel
 def hits_obstacle(view: State, g: int) -> bool:
     """Return whether a disc of a goal's robots was too near to one of its obstacles.
 
     All obstacles are checked if the map does not reach as far as a robot can have moved.
     """
     goal = view.goals[g]
-    reach = 0.5 * (view.apart[g] + goal.distance) + view.longest[g]
+    reach = brush(view, g)
     is_mapped = reach <= view.map.reach
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
@@ -191,9 +197,10 @@ def gap_between(view: State, goal: GoalState, index: int, other: int, limit: flo
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return the least gap between two discs, and when one can be below ``least``."""
     goal = world.goals[g]
-    to_obstacle = gap_to_obstacles(world, goal)
     speed = top_speed(world, goal)
-    to_robot = gap_between_robots(world, g, max(least, 0.0) + HORIZON * speed)
+    spare = max(least, 0.0)
+    to_obstacle = gap_to_obstacles(world, g, spare + HORIZON * speed)
+    to_robot = gap_between_robots(world, g, spare + 0.5 * HORIZON * speed)
     left = min(to_obstacle, to_robot)
     if left <= least:
         return left, 1
@@ -201,13 +208,12 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
 
 
 @kernel
-def gap_to_obstacles(world: State, goal: GoalState) -> float:
-    """Return the least gap between robots and obstacles of a goal, at their model positions."""
-    least = NO_MARGIN
+def gap_to_obstacles(world: State, g: int, limit: float) -> float:
+    """Return the least gap between robots and obstacles, at their model positions, or ``limit``."""
+    goal, reach, least = world.goals[g], brush(world, g), limit
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = world.members[m].robot
         robot = world.robots[index]
-        reach = size(world, goal, index) + world.wakes[index].reach
         cell = cell_at(world, robot.x, robot.y)
         for k in range(world.cells[cell], world.cells[cell + 1]):
             mapped = world.mapped[k]
