@@ -19,6 +19,7 @@ from mrsfi_runtime.cosimulation.bus_topics import (
 from mrsfi_runtime.cosimulation.lockstep import Flight, Heard, take_true_values, true_values
 from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.kernel.flight import initial_state
+from mrsfi_runtime.kernel.goal_tasks import avoid_collision
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.transport.topics import LocalBus, Topic
 from tests.support.world import paper_code
@@ -31,6 +32,7 @@ ON_THE_BUS = (SPEED, TICK, TICK_BUNDLE, COMMAND, GO, GO_BUNDLE, SETUP)
 CODE, SEED = paper_code(), 4
 CHANNELS = (("command/heading", "geometry_msgs/Vector3"), ("command/speed", "std_msgs/Float64"))
 SHORT = paper_code(10)
+CLEAR = [type(goal.task) for goal in SHORT.mission.goals].index(avoid_collision.AvoidCollision)
 ACTIVE = "/r1/s2/active"
 ACTIVATION = Topic(ACTIVE, "std_msgs/Bool")
 
@@ -313,6 +315,20 @@ def test_the_true_state_of_every_robot_is_told_whole(simulation, said):
         take_true_values(mirror, index, told(said[topic.name][-1]["data"]))
 
     assert (mirror.robots, mirror.sensors) == (simulation.world.robots, simulation.world.sensors)
+
+
+def test_a_robot_faster_than_its_maximum_speed_still_meets_what_is_on_its_way():
+    world = initial_state(SHORT.mission, 3)
+    first, second = world.robots[0], world.robots[1]
+    second.x = second.y = first.y = 10_000.0
+    first.x = 9_950.0
+    for wake, robot in zip(world.wakes, (first, second), strict=False):
+        wake.x, wake.y = robot.x, robot.y
+    before = avoid_collision.violated(world, CLEAR)
+
+    take_true_values(world, 0, told([10_050.0, *true_values(world, 0)[1:]]))
+
+    assert (before, avoid_collision.violated(world, CLEAR)) == (False, True)
 
 
 def test_nobody_hears_the_truth_unasked(simulation, said):

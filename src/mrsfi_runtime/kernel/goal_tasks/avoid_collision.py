@@ -61,12 +61,6 @@ def violated(view: State, g: int) -> bool:
 
 
 @kernel
-def size(view: State, goal: GoalState, index: int) -> float:
-    """Return the radius of a robot plus the clearance."""
-    return view.traits[index].radius + goal.distance
-
-
-@kernel
 def brush(view: State, g: int) -> float:
     """Return how far from where a robot is an obstacle's edge is at most, if it was too near."""
     return 0.5 * (view.apart[g] + view.goals[g].distance) + view.longest[g]
@@ -339,7 +333,7 @@ def foreseen(ci: State, goal: GoalState) -> float:
 @kernel
 def room(ci: State, goal: GoalState, index: int) -> float:
     """Return the radius of a robot plus the clearance and its berth: what reactions keep."""
-    return size(ci, goal, index) + berth(ci, index)
+    return ci.traits[index].radius + goal.distance + berth(ci, index)
 
 
 @kernel
