@@ -494,6 +494,13 @@ class Actions(Services):
             raise ProtocolError("you have no active goal with this id")
         self.services[call.service].ask(goal_id, None)
 
+    def cancel_all(self, name: str) -> int:
+        """Ask the provider of an action to cancel all its goals; return their number."""
+        goal_ids = [goal_id for goal_id, call in self._calls.items() if call.service == name]
+        for goal_id in goal_ids:
+            self.cancel(goal_id)
+        return len(goal_ids)
+
     def feed_back(self, owner: Hashable, goal_id: Any, values: Any) -> None:
         """Pass feedback on a goal to its caller."""
         call = self._asked(owner, goal_id)

@@ -46,6 +46,9 @@ LOGGER = logging.getLogger("mrsfi.bridge")
 
 LEVELS = ("info", "warning", "error", "none")
 
+_CANCEL, _CANCEL_GOAL = "/_action/cancel_goal", "action_msgs/CancelGoal"
+"""Service of an action that cancels all its goals, by the end of its name; and its type."""
+
 
 @dataclass(slots=True)
 class Counts:
@@ -233,11 +236,21 @@ class Session:
                 request["args"] = goal
             self._send(text_frames(request))
 
+        def cancel(call_id: str, request: dict[str, Any]) -> None:
+            is_all = request == self._hub.types.service(_CANCEL_GOAL).request.default()
+            n_goals = self._hub.actions.cancel_all(absolute(name)) if is_all else 0
+            goals: list[Operation] = [{}] * n_goals
+            response = {"return_code": 0 if is_all else 1, "goals_canceling": goals}
+            self._hub.services.respond(self, call_id, response)
+
         if self._hub.actions.advertise(self, absolute(name), type_name, ask):
             self.status("warning", f"you replace another provider of action '{name}'")
+        self._hub.services.advertise(self, absolute(name) + _CANCEL, _CANCEL_GOAL, cancel)
 
     def _unadvertise_action(self, operation: Operation) -> None:
-        self._hub.actions.unadvertise(self, absolute(operation["action"]))
+        name = absolute(operation["action"])
+        self._hub.actions.unadvertise(self, name)
+        self._hub.services.unadvertise(self, name + _CANCEL)
 
     def _send_action_goal(self, operation: Operation) -> None:
         encoding = wanted_encoding(operation)
@@ -387,8 +400,12 @@ def provide_rosapi(hub: Hub) -> None:
         **_about_services(hub),
         **_about_types(hub.types),
         **_about_nodes(hub),
-        **_about_parameters(_Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
     }
+    about_parameters = _about_parameters(
+        _Parameters(hub.limits.parameters, hub.limits.parameter_bytes), hub.types.ros
+    )
+    for name, handler in about_parameters.items():
+        handlers[name] = handler if is_ros_1 else _of_node(handler)
     if not is_ros_1:
         handlers["get_ros_version"] = lambda _: {"version": hub.types.ros, "distro": "jazzy"}
     types = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
@@ -470,7 +487,7 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
         return {name: spelled(service.type.name, "srv") for name, service in services.items()}
 
     return {
-        "services": lambda _: {"services": list(services)},
+        "services": lambda _: {"services": [name for name in services if _CANCEL not in name]},
         "service_type": lambda request: {"type": types().get(absolute(request["service"]), "")},
         "services_for_type": lambda request: {"services": _of_type(request["type"], types())},
     }
@@ -501,21 +518,32 @@ def _about_nodes(hub: Hub) -> dict[str, Handler]:
     return {"nodes": lambda _: {"nodes": [_ROSAPI, _BRIDGE]}, "node_details": details}
 
 
-def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
+def _about_parameters(parameters: _Parameters, ros: int) -> dict[str, Handler]:
     def get(request: Fields) -> Fields:
         try:
-            return {"value": to_json(parameters.get(request["name"])).decode()}
+            value = parameters.get(request["name"])
         except KeyError:
-            default = request.get("default") or request.get("default_value")  # of ROS 1, or 2
-            return {"value": to_json(_value(default or "null")).decode()}
+            default, missing = ("default", "null") if ros == 1 else ("default_value", '""')
+            value = _value(request[default] or missing)
+        return {"value": to_json(value).decode()}
+
+    def put(request: Fields) -> None:
+        value = _value(request["value"])
+        is_text = ros != 1 and isinstance(value, dict)  # parameters of ROS 2 are no trees
+        parameters.set(request["name"], request["value"] if is_text else value)
 
     return {
         "get_param": get,
-        "set_param": lambda request: parameters.set(request["name"], _value(request["value"])),
+        "set_param": put,
         "has_param": lambda request: {"exists": request["name"] in parameters},
         "delete_param": lambda request: parameters.delete(request["name"]),
         "get_param_names": lambda _: {"names": parameters.names},
     }
+
+
+def _of_node(handler: Handler) -> Handler:
+    """Answer a name that is not NODE:NAME, as parameters of ROS 2 have, with an empty response."""
+    return lambda request: handler(request) if request.get("name", ":").count(":") == 1 else None
 
 
 def _value(text: str) -> Any:

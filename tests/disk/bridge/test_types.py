@@ -7,7 +7,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from mrsfi_bridge.errors import ProtocolError, SettingsError
-from mrsfi_bridge.settings import STANDARD, TypeTable
+from mrsfi_bridge.settings import STANDARD, TypeTable, _standard_message
 from tests.support.bridge import TYPES
 
 
@@ -34,6 +34,39 @@ def test_every_message_of_ros_1_has_its_defaults():
     assert defaults["std_msgs/msg/Empty"] == {}
     assert defaults["sensor_msgs/msg/Joy"]["axes"] == []
     assert defaults["geometry_msgs/msg/TwistWithCovariance"]["covariance"] == [0.0] * 36
+
+
+def test_messages_that_come_with_the_server_are_those_of_ros_2():
+    read, known = TypeTable(ros=2), get_typestore(Stores.ROS2_JAZZY).fielddefs
+    names = [f"{path.parts[-3]}/{path.stem}" for path in STANDARD.glob("*/msg/*.msg")]
+    shared = [name for name in names if name.replace("/", "/msg/") in known]
+
+    assert sorted(shared) == [
+        *("action_msgs/GoalInfo", "tf2_msgs/TF2Error", "tf2_msgs/TFMessage"),
+        "unique_identifier_msgs/UUID",
+    ]
+    for name in shared:
+        assert read.message(name).definition == _standard_message(name, 2)
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_actions_of_the_tutorials_are_known(ros):
+    types = TypeTable(ros=ros)
+
+    found = {
+        name: types.action(name)
+        for name in ("example_interfaces/Fibonacci", "actionlib/TestAction")
+    }
+
+    assert [
+        [part.default() for part in (each.request, each.response, each.feedback)]
+        for each in found.values()
+    ] == [
+        [{"order": 0}, {"sequence": []}, {"sequence": []}],
+        [{"goal": 0}, {"result": 0}, {"feedback": 0}],
+    ]
+    error = types.action("tf2_msgs/action/LookupTransform").response.default()["error"]
+    assert error == {"error": 0, "error_string": ""}
 
 
 @pytest.mark.parametrize("spelling", ["geometry_msgs/Point", "geometry_msgs/msg/Point"])

@@ -6,21 +6,11 @@ from mrsfi_bridge.settings import TypeTable
 from tests.support.bridge import Peer, new_hub
 
 NAME, KIND = "/fibonacci", "example_interfaces/action/Fibonacci"
-DEFINITION = "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n"
 
 
 @pytest.fixture(params=[1, 2])
-def hub(request, fibonacci):
-    return new_hub(types=TypeTable((fibonacci,), request.param))[0]
-
-
-@pytest.fixture(scope="module")
-def fibonacci(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("types")
-    (folder / "example_interfaces" / "action").mkdir(parents=True)
-    file = folder / "example_interfaces" / "action" / "Fibonacci.action"
-    file.write_text(DEFINITION, encoding="ascii")
-    return folder
+def hub(request):
+    return new_hub(types=TypeTable(ros=request.param))[0]
 
 
 @pytest.fixture
@@ -109,6 +99,33 @@ def test_a_goal_is_cancelled_by_its_caller_only(hub, provider, caller, approved)
     assert provider.take() == [{"op": "cancel_action_goal", "id": goal, "action": NAME}]
     provider.tell(op="action_result", action=NAME, id=goal, values={}, status=5)
     assert result(caller) == (True, 5, {"sequence": []})
+
+
+def test_a_call_of_cancel_goal_cancels_all_goals_of_the_action(hub, provider, caller):
+    send(caller, "first", order=3)
+    send(Peer(hub), "second", order=3)
+    goals = [goal["id"] for goal in provider.take()]
+
+    answer = Peer(hub).call(f"{NAME}/_action/cancel_goal")
+
+    assert (answer["return_code"], len(answer["goals_canceling"])) == (0, 2)
+    cancelled = [{"op": "cancel_action_goal", "id": goal, "action": NAME} for goal in goals]
+    assert provider.take() == cancelled
+    assert provider.call("/rosapi/services_for_type", type="action_msgs/CancelGoal") == {
+        "services": [f"{NAME}/_action/cancel_goal"]
+    }
+    assert f"{NAME}/_action/cancel_goal" not in provider.call("/rosapi/services")["services"]
+
+
+def test_a_call_of_cancel_goal_with_the_id_of_a_goal_is_rejected(hub, provider, caller):
+    send(caller, order=3)
+    asked(provider)
+
+    one = {"goal_id": {"uuid": [1] * 16}}
+    answer = caller.call(f"{NAME}/_action/cancel_goal", goal_info=one)
+
+    assert answer == {"return_code": 1, "goals_canceling": []}
+    assert provider.take() == []
 
 
 def test_a_provider_may_fail(provider, caller):

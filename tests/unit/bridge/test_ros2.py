@@ -1,5 +1,7 @@
 """A server of ROS 2: types, times and middleware as rosbridge_suite 2.1.0 on Jazzy has them."""
 
+import json
+
 import cbor2
 import pytest
 from rosbags.typesys import Stores, get_typestore
@@ -203,8 +205,32 @@ def test_rosapi_names_types_in_three_parts(hub):
     assert told[0]["fieldtypes"] == ["std_msgs/msg/Header", "geometry_msgs/msg/Pose"]
     assert peer.call("/rosapi/get_time")["time"].keys() == {"sec", "nanosec"}
     assert peer.call("/rosapi/get_ros_version") == {"version": 2, "distro": "jazzy"}
-    unset = {"name": "/p", "default_value": "3"}
-    assert peer.call("/rosapi/get_param", **unset) == {"value": "3"}
+
+
+def test_parameters_belong_to_nodes_and_are_no_trees(hub):
+    peer = Peer(hub)
+    tree = '{"a": 1}'
+    for name, value in (("arm:speed", "2.5"), ("/arm:limits.max", tree), ("/speed", "1")):
+        peer.call("/rosapi/set_param", name=name, value=value)
+
+    assert peer.call("/rosapi/get_param_names") == {"names": ["/arm:speed", "/arm:limits.max"]}
+    assert peer.call("/rosapi/get_param", name="/arm:speed") == {"value": "2.5"}
+    assert json.loads(peer.call("/rosapi/get_param", name="arm:limits.max")["value"]) == tree
+    assert peer.call("/rosapi/has_param", name="arm:speed") == {"exists": True}
+    peer.call("/rosapi/delete_param", name="arm:speed")
+    assert peer.call("/rosapi/has_param", name="arm:speed") == {"exists": False}
+
+
+@pytest.mark.parametrize(
+    ("name", "default", "value"),
+    [("arm:speed", "", '""'), ("arm:speed", "3", "3"), ("/speed", "3", ""), ("a:b:c", "3", "")],
+)
+def test_a_missing_parameter_is_empty_or_the_default_and_one_of_no_node_is_nothing(
+    hub, name, default, value
+):
+    asked = {"name": name, "default_value": default}
+
+    assert Peer(hub).call("/rosapi/get_param", **asked) == {"value": value}
 
 
 @pytest.mark.parametrize(
