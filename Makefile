@@ -94,7 +94,7 @@ test-night: $(DEV) generate ## run every test, with all seeds, then make interop
 	$(PYTEST) $(OURS) -m "" --hypothesis-profile night
 	$(MAKE) interop release
 
-interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, ir-sim, pfta, reqif, Chromium, pdfLaTeX, LibreOffice
+interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, ir-sim, pymunk, pfta, reqif, Chromium, pdfLaTeX, LibreOffice
 	$(PYTEST) --dist loadfile --no-loadscope-reorder -m "$(MARKS)" tests/interop
 
 wheel: $(DEV) ## build sdist and wheel into dist/, in a minute

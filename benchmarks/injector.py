@@ -1,7 +1,8 @@
 """What a tick costs with a team's own node as the collective intelligence, by its pace.
 
-Run ``python -m benchmarks.injector`` from the project's root after ``make install``. The node is
-that of the tests: the generated reactions behind a socket, reset by a service. Each way is a
+Run ``python -m benchmarks.injector`` from the project's root after ``make install`` and
+``pip install -e '.[ros2]'``. The nodes are those of the tests: the generated reactions behind a
+socket or on DDS, reset by a service. The server is embedded, or a process. Each way is a
 process of its own that stays open; they take turns, so that whatever slows this machine slows all
 alike. Printed are ticks a second of the paper's mission, the median of some rounds, and how many
 times as long as a tick of the two generated sides over the default client each takes.
@@ -16,13 +17,21 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
+from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.record.engine_settings import INJECTOR, SERVICE, EngineSettings
+from mrsfi_runtime.record.engine_settings import (
+    BUILT_IN,
+    INJECTOR,
+    ROS2,
+    SERVICE,
+    EngineSettings,
+)
 
 MISSION = Path("generated") / "uuv_sampling"
 NODE = f"{sys.executable} -m tests.support.standin_node {MISSION} {{url}} 1 {{seed}}"
-WAYS = ("two sides", "answer", "barrier")
+ROS2_NODE = f"{sys.executable} -m tests.support.ros2_node {MISSION} {{domain}} {{seed}}"
+WAYS = ("two sides", "answer", "barrier", "answer at a server", "ros2 answer", "ros2 barrier")
 
 
 def fly(way: str) -> None:
@@ -30,12 +39,26 @@ def fly(way: str) -> None:
     code = load_code(MISSION)
     settings = EngineSettings("rosbridge")
     if way != WAYS[0]:
-        settings = replace(settings, side=INJECTOR, node=NODE, node_pace=way, node_reset=SERVICE)
-    with open_engine(settings, code, 1) as engine:
+        pace = BARRIER if BARRIER in way else ANSWER
+        settings = replace(settings, side=INJECTOR, node=NODE, node_pace=pace, node_reset=SERVICE)
+    if way.startswith(ROS2):
+        settings = replace(settings, name=ROS2, node=ROS2_NODE)
+    with ExitStack() as opened:
+        if way == WAYS[3]:
+            settings = replace(settings, url=server(opened), world=BUILT_IN)
+        engine = opened.enter_context(open_engine(settings, code, 1))
         for _ in sys.stdin:
             begin = time.perf_counter()
             engine.evaluate(())
             print(code.mission.duration / (time.perf_counter() - begin), flush=True)
+
+
+def server(opened: ExitStack) -> str:
+    """Start a server in a process, and return its URL."""
+    words = [sys.executable, "-m", "mrsfi_bridge", "--port", "0"]
+    process = opened.enter_context(subprocess.Popen(words, stdout=subprocess.PIPE, text=True))
+    opened.callback(process.terminate)
+    return process.stdout.readline().strip()
 
 
 def main() -> None:
@@ -65,7 +88,7 @@ def main() -> None:
             process.stdin.close()
     rates = [median(each[1:]) for each in found]  # the first one warms
     for way, rate in zip(WAYS, rates, strict=True):
-        print(f"{way:9} {rate:7,.0f} ticks/s {rates[0] / rate:6.2f}")
+        print(f"{way:18} {rate:7,.0f} ticks/s {rates[0] / rate:6.2f}")
     return None
 
 

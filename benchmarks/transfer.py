@@ -12,11 +12,11 @@ Everything is of one mission seed.
 
 import argparse
 import json
+import shlex
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from itertools import chain, compress, islice
 from pathlib import Path
 from random import Random
@@ -37,6 +37,7 @@ from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.search.space import SearchSpace
 
 MISSION = load_code(Path("generated") / "uuv_sampling")
+MODEL = Path("models") / "uuv_sampling"
 SPACE = SearchSpace.of(MISSION.mission, MISSION.pool)
 WORLDS = {"mujoco": "MuJoCo", "irsim": "ir-sim", "fossen": "Fossen"}
 SEED = 1  # of the mission
@@ -108,26 +109,12 @@ def own() -> Own:
     return Own(shown, tuple(each.weakness for each in least))
 
 
-@contextmanager
-def opened(world: str) -> Iterator[Engine]:
-    """Yield an engine that flies in a world of the examples, each part a process of its own."""
-    bridge = [sys.executable, "-m", "mrsfi_runtime.cli.main", "bridge", "--port", "0"]
+def opened(world: str) -> Engine:
+    """Return an engine that flies in a world of the examples, which it starts."""
     place = Path("examples") / "worlds" / world / "world.py"
-    with subprocess.Popen(bridge, stdout=subprocess.PIPE, text=True) as server:
-        try:
-            url = server.stdout.readline().strip()
-            with subprocess.Popen(
-                [sys.executable, place, "--url", url], stdout=subprocess.PIPE, text=True
-            ) as served:
-                try:
-                    served.stdout.readline()
-                    settings = EngineSettings("rosbridge", url, side="ci", is_bundled=True)
-                    with open_engine(settings, MISSION, SEED) as engine:
-                        yield engine
-                finally:
-                    served.kill()
-        finally:
-            server.kill()
+    command = shlex.join([sys.executable, str(place), "--mission", str(MODEL), "--url", "{url}"])
+    settings = EngineSettings("rosbridge", side="ci", world=command, is_bundled=True)
+    return open_engine(settings, MISSION, SEED)
 
 
 def transferred(engine: Engine) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """A simulation's connection to a rosbridge server: names, types and times of ROS, and bundles."""
 
 import json
+import traceback
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import roslibpy
+from robots import WorldError
 
 Message: TypeAlias = dict[str, Any]
 Callback: TypeAlias = Callable[[Message], None]
@@ -71,6 +73,10 @@ class Bus:
         kind = self._type("std_srvs/Trigger", "srv")
         roslibpy.Service(self._ros, self._prefix + name, kind).advertise(handle)
 
+    def call_later(self, seconds: float, callback: Callable[[], None]) -> None:
+        """Call a function after a time, in the thread in which messages come."""
+        self._ros.call_later(seconds, lambda: self._safe(lambda _message: callback())({}))
+
     def publish(self, messages: Sequence[tuple[str, Message]]) -> None:
         """Publish the messages of a tick, as a bundle if its commands came as one."""
         if self._is_bundling:
@@ -107,7 +113,12 @@ class Bus:
         return hear
 
     def _report(self, error: Exception) -> str:
-        reason = f"{self.where()}: {type(error).__name__}: {error}"
+        """Publish in a sentence why the simulation ends; print where its own code failed."""
+        words = str(error)
+        if not isinstance(error, WorldError):
+            words = f"{type(error).__name__}: {error}"
+            traceback.print_exception(error)
+        reason = f"{self.where()}: {words}"
         self._topics[_FAILURE].publish({"data": reason})
         self._fail(reason)
         return reason

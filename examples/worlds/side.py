@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 
 from bus import Bus, Callback, Message
-from robots import Robot, Sensor, World
+from robots import Robot, Sensor, World, WorldError
+
+GRACE_S = 1.0  # for which announced commands may be late
 
 
 class Side:
@@ -80,8 +82,8 @@ class Side:
         if self._setup is None:
             return False, "no message on /mission/setup has arrived yet"
         self._run, seed = self._setup
-        self._world.reset(seed)
         self._begin()
+        self._world.reset(seed)
         return True, f"run {self._run}"
 
     def _stop(self) -> tuple[bool, str]:
@@ -93,31 +95,43 @@ class Side:
         if run != self._run:  # a run that is over
             return
         if tick != self._tick:
-            raise ValueError(f"tick {tick} was requested; expected tick {self._tick}")
+            raise WorldError(f"tick {tick} was requested; expected tick {self._tick}")
         self._is_requested = True
         self._n_announced += n_commands
         self._fly_when_complete()
+        if self._is_requested:
+            self._bus.call_later(GRACE_S, lambda: self._require_flown(run, tick))
+
+    def _require_flown(self, run: int, tick: int) -> None:
+        if (run, tick) == (self._run, self._tick):
+            robots = ", ".join(robot.name for robot in self._world.robots)
+            raise WorldError(
+                f"{self._n_obeyed} of {self._n_announced} commands reached {robots} within "
+                f"{GRACE_S:g} s; expected all: one was lost, or another mission is flown than "
+                "that of --mission"
+            )
 
     def _fly_when_complete(self) -> None:
         """Fly the tick once all its commands arrived: servers may deliver some after the go."""
         if not self._is_requested or self._n_obeyed < self._n_announced:
             return
         if self._n_obeyed > self._n_announced:
-            raise ValueError(f"{self._n_obeyed} commands arrived; expected {self._n_announced}")
+            raise WorldError(f"{self._n_obeyed} commands arrived; expected {self._n_announced}")
         self._is_requested = False
         self._world.step()
         messages = [each for robot in self._world.robots for each in self._messages(robot)]
         messages.append(("/clock", {"clock": self._bus.time_of(self._tick)}))
         counts = [self._run, self._tick, len(messages), self._n_obeyed]
+        if self._world.late:
+            counts.append(self._world.late)
         self._tick += 1
         self._bus.publish([*messages, ("/mission/tick", {"data": counts})])
 
     def _messages(self, robot: Robot) -> Iterator[tuple[str, Message]]:
         """Yield the reports of a robot, and its true values."""
-        base, (x, y, z) = f"/{robot.name}", robot.position
-        truth = [x, y, z, robot.speed, robot.energy]
+        base, truth = f"/{robot.name}", [*robot.position, robot.speed, robot.energy]
         if all(sensor.is_active for sensor in robot.sensors if sensor.tells_position):
-            yield f"{base}/position", {"x": x, "y": y, "z": z}
+            yield f"{base}/position", dict(zip("xyz", robot.reported, strict=True))
         yield f"{base}/speed", {"data": robot.speed}
         yield f"{base}/energy", {"data": robot.energy}
         for sensor in robot.sensors:

@@ -24,11 +24,12 @@ from m2t.metaclasses import BOUNDS, Slot, concrete_classes, identifier, slots, s
 from m2t.metamodels import load_metamodels
 from m2t.models.check import DOUBLE, MAX_NAME_LENGTH, ModelTree, Reference, check_structure, resolve
 from m2t.models.constraints import check_faults, check_mission
-from m2t.models.load import FAULTS_XMI, MISSION_XMI, Objects
+from m2t.models.load import FAULTS_XMI, Objects
 from m2t.models.write import dumps
 from m2t.read import XMI, XSI, ModelFile, ModelFiles, Node, Spelling, follow, read_root
 from mrsfi_runtime.errors import ModelError, UsageError
 from mrsfi_runtime.files import changing, whole_folder
+from mrsfi_runtime.project_file import MISSION_XMI
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

@@ -42,9 +42,8 @@ from m2t.read import ModelFiles, Node, Spelling, local_path
 from mrsfi_runtime.errors import ModelError, SpecificationError, expected
 from mrsfi_runtime.files import changing, settle, write_atomically
 from mrsfi_runtime.model.faults import numbered, timed_fault
-from mrsfi_runtime.project_file import metamodels_chosen
+from mrsfi_runtime.project_file import MISSION_XMI, metamodels_chosen
 
-MISSION_XMI = "mission.xmi"
 FAULTS_XMI = "faults.xmi"
 
 

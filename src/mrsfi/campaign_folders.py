@@ -13,7 +13,7 @@ from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
 from m2t.generate import rendered_file
-from m2t.models.load import MISSION_XMI, load_mission_folder
+from m2t.models.load import load_mission_folder
 from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi_runtime.analysis.fronts import top
@@ -32,7 +32,7 @@ from mrsfi_runtime.fence import IMPORTED, copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, unprotected
 from mrsfi_runtime.model.mission import Mission, Outcome
-from mrsfi_runtime.project_file import root
+from mrsfi_runtime.project_file import MISSION_XMI, root
 from mrsfi_runtime.record.database import CampaignFolder, hashes
 from mrsfi_runtime.record.decisions import Cause, decision_on, decisions_of
 from mrsfi_runtime.record.engine_settings import EngineSettings, Manifest

@@ -20,31 +20,36 @@ specifications.
 import hashlib
 import json
 import os
+import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
+from time import monotonic
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
-from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.errors import ReplayMismatch, UsageError, counted
 from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
     BOTH,
+    BUILT_IN,
+    CI,
     INJECTOR,
     OF_ANY_ENGINE,
+    ON_A_BUS,
     REFERENCE,
     RESTART,
+    ROS2,
     ROSBRIDGE,
     SERVICE,
     EngineSettings,
     Workers,
     flag,
-    parts_of,
 )
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
 
@@ -101,11 +106,28 @@ Given: TypeAlias = Mapping[str, Any]
 AS_RECORDED: Given = MappingProxyType({})
 """No options: the engine is that of the record."""
 
-_N_PROCESSORS = os.cpu_count() or 1
+_NO_SOURCE = re.compile(r"/(\.[^./]|__pycache__/|node_modules/)|\.log$")
+"""Hidden files and folders, caches and logs, in a path that begins with a slash."""
 
 
 def silent(_: str) -> None:
     """Ignore a line of progress."""
+
+
+_EVERY = 2.0  # seconds between two lines of progress
+
+
+def now_and_then(tell: Tell) -> Callable[[Callable[[], str]], None]:
+    """Return a function that tells what a function returns, every two seconds at most from now."""
+    told = monotonic()
+
+    def tell_of(words: Callable[[], str]) -> None:
+        nonlocal told
+        if (now := monotonic()) - told > _EVERY:
+            told = now
+            tell(words())
+
+    return tell_of
 
 
 def again(given: Given, recorded: EngineSettings, default: str = AUTO) -> EngineSettings:
@@ -130,12 +152,16 @@ def chosen(
     ``UsageError``; a node that differs from the record's is a ``RecordError``.
     """
     values = _merged(given, recorded or EngineSettings(default))
-    side, url = values.get("side", BOTH), values.get("url")
-    if recorded is not None and parts_of(side, url) != recorded.parts:
-        options = f"--engine {ROSBRIDGE} --side {recorded.side} --url URL, or none of them"
-        options = options if recorded.is_foreign else "no --side"
-        found = f"this campaign was flown with {recorded.parts}; found {parts_of(side, url)}"
+    side, url, parts = values.get("side", BOTH), values.get("url"), EngineSettings(**values).parts
+    if recorded is not None and parts != recorded.parts:
+        place = "--url URL" if recorded.world_command is None else "--world COMMAND"
+        options = f"--engine {ROSBRIDGE} --side {recorded.side} {place}, or none of them"
+        if not recorded.is_foreign:
+            options = "no --side; to fly its weaknesses in another world: mrsfi confirm"
+        found = f"this campaign was flown with {recorded.parts}; found {parts}"
         raise UsageError(f"{found}, which counts differently; expected {options}")
+    if values.get("world") not in {None, BUILT_IN}:
+        values["world_sha256"] = _files_beside(values["world"])
     if side == INJECTOR:
         command, table = values.get("node"), project().node
         values = {
@@ -143,29 +169,37 @@ def chosen(
             "node_reset": SERVICE if command is None else RESTART,
             **values,  # then the files and the table of the node as they are today
             "node_mapping": "" if table is None else json.dumps(table, sort_keys=True),
-            "node_sha256": "" if command is None else _folder_sha256(command),
+            "node_sha256": _files_beside(command or ""),
         }
     settings = EngineSettings(**values)
     settings.require_sense()
     if side != INJECTOR:
         _require_none(given, "node", f"needs --side {INJECTOR}")
-    elif recorded is not None:
-        settings.require_same_node(recorded)
+    if settings.world_command is None:
+        _require_none(given, "world_reset", "needs --world COMMAND")
+    if recorded is not None:
+        settings.require_same_parts(recorded)
     return settings
 
 
 def _merged(given: Given, base: EngineSettings) -> dict[str, Any]:
     """Return the fields that options, or else a record or the project give."""
-    name = given.get("name") or (ROSBRIDGE if given.get("side") == INJECTOR else base.name)
+    is_foreign = given.get("side") == INJECTOR or not given.keys().isdisjoint({"world", "domain"})
+    bus = ROS2 if "domain" in given else ROSBRIDGE
+    name = given.get("name") or (bus if is_foreign else base.name)
     known = {
         each.name: getattr(base, each.name)
         for each in fields(base)
-        if each.name in OF_ANY_ENGINE or base.name == name == ROSBRIDGE
+        if each.name in OF_ANY_ENGINE or (base.name == name and name in ON_A_BUS)
     }
-    if name != ROSBRIDGE:
+    if name not in ON_A_BUS:
         _require_none(given, "", f"needs --engine {ROSBRIDGE}; the {name} engine has no bus")
     elif "ros" not in known:
         known["ros"] = project().ros
+    if name == ROS2:
+        known["side"] = INJECTOR  # the others have no messages of ROS 2
+    elif given.get("world", BUILT_IN) != BUILT_IN and known.get("side", BOTH) == BOTH:
+        known["side"] = CI
     return {**known, **given, "name": name}
 
 
@@ -177,24 +211,24 @@ def _require_none(given: Given, group: str, needs: str) -> None:
             raise UsageError(f"{flag(each)} {needs}")
 
 
-def _folder_sha256(command: str) -> str:
-    """Return the hash of all files beside those that a command names, and in folders below.
+def _files_beside(command: str) -> tuple[str, ...]:
+    """Return the files that a command depends on, each followed by its hash.
 
-    A file in the working folder itself is hashed alone, because the project is beside it.
+    These are the files that it names, those beside them and below, and Python modules in the
+    folders above. Files of the working folder count only if they are named, because the project is
+    there; absolute paths, hidden files, logs and caches do not count.
     """
-    found, sha = set[Path](), hashlib.sha256()
+    found = set[Path]()
     with suppress(ValueError):  # the command cannot be split
         for path in map(Path, shlex.split(command)):
             if path.is_file() and not path.is_absolute():
-                beside = [path] if path.parent == Path() else path.parent.rglob("[!.]*")
-                left_out = {"__pycache__", "node_modules"}
-                found |= {
-                    each for each in beside if each.is_file() and not left_out & {*each.parts}
-                }
-    for path in sorted(found):
-        sha.update(f"{path.as_posix()}\0".encode())
-        sha.update(path.read_bytes())
-    return sha.hexdigest()
+                found |= {path, *(() if path.parent == Path() else path.parent.rglob("*"))}
+                found.update(*(folder.glob("*.py") for folder in path.parents[1:-1]))
+    return tuple(
+        f"{path.as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()}"
+        for path in sorted(found)
+        if path.is_file() and not _NO_SOURCE.search(f"/{path.as_posix()}")
+    )
 
 
 @contextmanager
@@ -227,8 +261,8 @@ def evaluator(
     """
     workers.require_sense(engine)
     if workers.dask is None:
-        n_workers = workers.number or (1 if engine.url else _N_PROCESSORS)
-        on_reached(f"{n_workers} workers")
+        n_workers = workers.count(engine)
+        on_reached(counted(n_workers, "workers"))
         from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
 
         with WorkerPool(code, seed, n_workers, named(engine, code, seed, tell)) as pool:
@@ -236,8 +270,8 @@ def evaluator(
         return
     from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: PLC0415 - optional
 
-    with Cluster(workers.dask, workers.number or _N_PROCESSORS) as cluster:
-        on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
+    with Cluster(workers.dask, workers.count(engine)) as cluster:
+        on_reached(f"{counted(cluster.n_workers(), 'workers')} of {cluster.address}")
         yield ClusterPool(cluster, code, seed, engine)
 
 

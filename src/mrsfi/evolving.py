@@ -25,6 +25,7 @@ from mrsfi.engines import evaluator as evaluating
 from mrsfi.explaining import harvest
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.fronts import parse_ratio
+from mrsfi_runtime.causes.confirmation import N_LOOKS
 from mrsfi_runtime.causes.harvest import Cover
 from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.compiled.engine import differing
@@ -58,10 +59,6 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 """All algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
 
 
-N_LOOKS = 3
-"""Flights of a specification to find out whether a node repeats itself; also if it does not."""
-
-
 def within_reach(
     code: MissionCode, engine: EngineSettings, tell: Tell
 ) -> tuple[MissionCode, EngineSettings]:
@@ -93,27 +90,26 @@ def repetition_checked(
 ) -> tuple[EngineSettings, str]:
     """Fly one specification several times; return settings, and why results may be chance.
 
-    If the node repeats itself, each specification is flown once and the text is empty. If not, or
-    if the node runs by its own clock, each is flown several times.
+    If external parts repeat themselves, each specification is flown once and the text is empty. If
+    not, or if the node runs by its own clock, each is flown several times.
     """
-    if engine.side != INJECTOR:
+    if not engine.is_foreign:
         return engine, ""
     space = SearchSpace.of(code.mission, unprotected(code.mission, code.pool, settings.protect))
     specification = random_specification(space, settings.faults, Random(settings.seed))
     with open_engine(engine, code, settings.mission_seed) as opened:
         found = [opened.evaluate(specification) for _ in range(N_LOOKS)]
-    is_same = all(each == found[0] for each in found)
-    counts = ", ".join(str(sum(each.believed)) for each in found)
+    is_same, is_free = all(each == found[0] for each in found), engine.is_free
     seen = f"one specification, flown {N_LOOKS} times, "
-    seen += "was the same" if is_same else f"had {counts} believed violations"
-    if is_same and not engine.is_free:
-        tell(f"your node repeats itself: {seen}")
+    seen += "was the same" if is_same else f"had {', '.join(map(_shown, found))}"
+    if is_same and not is_free:
+        tell(f"flights with {engine.parts} repeat themselves: {seen}")
         return engine, ""
-    how = "runs by its own clock" if engine.is_free else "does not repeat itself"
-    doubt = f"the external node {how}: {seen}; each is flown {N_LOOKS} times and judged by the "
-    doubt += "median, and weaknesses are not searched for: they may be chance"
+    how = "the node runs by its own clock" if is_free else "they do not repeat themselves"
+    doubt = f"flights with {engine.parts} may be chance, because {how}: {seen}; each is flown "
+    doubt += f"{N_LOOKS} times and judged by the median, and weaknesses are not searched for"
     tell(f"warning: {doubt}")
-    return replace(engine, node_repeats=N_LOOKS), doubt
+    return replace(engine, repeats=N_LOOKS), doubt
 
 
 _NOW = partial(datetime.now, UTC)
@@ -162,7 +158,7 @@ def begun(
     _require_ratio(settings, code.mission, ratio)
     flown_by = tried(engine, code, settings.mission_seed, tell)
     engine, doubt = repetition_checked(code, engine, settings, tell)
-    flown_by = replace(flown_by, node_repeats=engine.node_repeats)
+    flown_by = replace(flown_by, repeats=engine.repeats)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
         campaign.store.record_difference(doubt)
@@ -199,7 +195,7 @@ def made(
             machine=platform.machine(),
             sha256=folder.hashes(),
             cover=COVER,
-            created=clock().isoformat(timespec="seconds"),
+            created=clock().isoformat(timespec="milliseconds"),
             commit=commit,
             is_edited=is_edited,
         )
@@ -279,7 +275,7 @@ def evolve(
     """Search to the end, and then find all weaknesses.
 
     ``watched`` yields the function to call after each generation. ``explains`` is as the campaign
-    was begun if left out. With an external simulation there is only the search.
+    was begun if left out. If external parts do not repeat themselves, there is only the search.
     """
     path, store, settings = campaign.folder.path, campaign.store, campaign.store.settings
     explains = _explains(store, explains)
@@ -296,7 +292,7 @@ def evolve(
         if settings.is_short(store.n_evaluations + store.n_failures):
             what = f"{store.n_evaluations} of {settings.evaluations} evaluations"
             tell(f"the search ended after {what}: it found no new specification to fly")
-        if explains and engine.side != CI and not store.manifest.engine.unrepeated:
+        if explains and not store.manifest.engine.unrepeated:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
                     harvest(campaign, many, own, tell)

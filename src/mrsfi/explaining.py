@@ -7,12 +7,11 @@ a page. Flights of a campaign use its own copy of the code.
 """
 
 import datetime as dt
-import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
-from functools import cache
-from itertools import islice
+from functools import cache, partial
+from itertools import count, islice
 from pathlib import Path
 from time import monotonic
 
@@ -27,9 +26,18 @@ from mrsfi.campaign_folders import (
     require_same,
     tried_again,
 )
-from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, project, silent
-from mrsfi.folders import MissionFolders
-from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi.engines import (
+    AS_RECORDED,
+    Given,
+    Tell,
+    again,
+    flying,
+    now_and_then,
+    project,
+    silent,
+)
+from mrsfi.folders import MissionFolders, load_fresh
+from mrsfi.loading import read_specification, specification_writer
 from mrsfi_runtime.analysis import documents
 from mrsfi_runtime.analysis.report import (
     Shown,
@@ -224,10 +232,25 @@ def explained(
         for each in specifications:
             if engine.side != BOTH and each.recorded is None:
                 require_repeatable(own, each)
-            flights = Flights(evaluator.evaluate_many, explainer.measure, explainer.mission_seeds)
+            flights = _telling(evaluator, explainer, tell)
             if each.recorded is not None:
                 require_same(explainer.source, each.recorded, flights.outcome(each.specification))
             yield each, find_out(flights, own, each.specification, keep)
+
+
+def _telling(evaluator: Evaluator, explainer: Explainer, tell: Tell) -> Flights:
+    """Return flights that tell how many are done, of those that are asked for so far."""
+    n_done, tell_of = count(1), now_and_then(tell)
+
+    def evaluate(some: Sequence[Specification], seed: int) -> Iterator[Evaluated]:
+        for each in evaluator.evaluate_many(some, seed):
+            *_, part = flights.n_flown
+            done = f"{next(n_done)} of at least {counted(flights.n_flown.total(), 'flights')}"
+            tell_of(partial("explain  {}  {}".format, done, part))
+            yield each
+
+    flights = Flights(evaluate, explainer.measure, explainer.mission_seeds)
+    return flights
 
 
 def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
@@ -323,7 +346,7 @@ def weakness_of(run: Path, found: Sequence[GoalWeakness], number: int) -> GoalWe
     for weakness in found:
         if weakness.number == number:
             return weakness
-    numbers = ", ".join(str(each.number) for each in found) or "none, because no goal breaks"
+    numbers = ", ".join(str(each.number) for each in found) or "none, because none was found"
     raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
 
 
@@ -351,20 +374,16 @@ def flying_again(
 def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
     """Search for all weaknesses of a campaign and record them, unless it has."""
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
-    n_before, began, noted = len(store.flights()), monotonic(), -math.inf
+    n_before, began, tell_of = len(store.flights()), monotonic(), now_and_then(tell)
 
     def progress(unit: str, n_done: int, n_most: int, known: Known) -> None:
-        nonlocal began, noted
-        now = monotonic()
+        nonlocal began
         if not n_done:
-            began = now
-        elif now - noted > 2.0:
-            noted = now
-            rest = (now - began) / n_done * (n_most - n_done)
-            tell(
-                f"harvest  {n_done} of at most {n_most} {unit}  {_found(known.weaknesses())}  "
-                f"{time_left(rest)}"
-            )
+            began = monotonic()
+        else:
+            rest = (monotonic() - began) / n_done * (n_most - n_done)
+            done = f"harvest  {n_done} of at most {n_most} {unit}"
+            tell_of(lambda: f"{done}  {_found(known.weaknesses())}  {time_left(rest)}")
 
     found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
     if len(store.flights()) > n_before:

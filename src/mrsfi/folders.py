@@ -1,33 +1,32 @@
-"""The folders of missions (models, generated code, campaign files), and other IDs for elements.
+"""The folders of missions (models, generated code, campaign files), and the code that is loaded.
 
-Begin with ``find_mission``. ``renaming`` gives elements other IDs in models, code, campaign files,
-kept limits and decisions. It computes all new contents before anything is written: all files change
-or none.
+Begin with ``find_mission``. ``load_fresh`` loads generated code only if it follows from the models
+and its regions are sound. To find out, code is generated and compared. A mark in the cache says
+that it was so, until a file changes on which it depends. With it, a command starts without the
+libraries that read models, fill templates and check regions.
 """
 
-import ast
+import json
 import os
-import re
-import tokenize
-import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from m2t.generate import WithNewIds, stale, with_new_ids
-from m2t.generate import diff as diff  # noqa: PLC0414 - for importers, as the next
-from m2t.generate import generate as generate  # noqa: PLC0414
-from m2t.models.load import MISSION_XMI, LoadedModels
-from m2t.models.write import unified_difference
+import m2t
+import mrsfi_runtime
 from mrsfi.engines import from_here, project
+from mrsfi_runtime.engine.compiled.machine_code import passed_once
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
-from mrsfi_runtime.files import changing, settle
-from mrsfi_runtime.generated_code import require_semantics
-from mrsfi_runtime.project_file import root
-from mrsfi_runtime.record.decisions import decisions_of
-from mrsfi_runtime.record.settings import folder_of
+from mrsfi_runtime.files import settle
+from mrsfi_runtime.generated_code import MissionCode, load_code, require_semantics
+from mrsfi_runtime.project_file import CHOSEN, MISSION_XMI, root
+
+if TYPE_CHECKING:
+    from m2t.models.load import LoadedModels
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +49,10 @@ class MissionFolders:
         """The mission as a command in the working folder names it."""
         return str(from_here(self.models.resolve())) if self.place else self.name
 
-    def require_fresh(self, loaded: LoadedModels | None = None) -> None:
+    def require_fresh(self, loaded: "LoadedModels | None" = None) -> None:
         """Refuse generated code that is older than the models, and name the stale files."""
+        from m2t.generate import stale  # noqa: PLC0415 - brings what reads models
+
         names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / "mission_loader.py").is_file():
             what = f"{self.generated}: not generated yet"
@@ -62,6 +63,48 @@ class MissionFolders:
                 f"{self.generated}: stale, because the models or templates changed: "
                 f"{', '.join(names)}; run `mrsfi generate {self.models}` and review the diff"
             )
+
+
+def _fingerprint(models: Path, generated: Path) -> str:
+    """Return a key of all that decides whether generated code is fresh, and its regions sound."""
+    ours = [Path(each.__path__[0]) for each in (m2t, mrsfi_runtime)]
+    places = [Path(each, "metamodels") for each in (ours[0], ours[0].parent)]
+    chosen = os.environ.get(CHOSEN)
+    sources: set[Path] = set()
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        manifest = json.loads((generated / "manifest.json").read_bytes())
+        sources = {models / name for name in manifest["sources"]}
+    for folder, pattern in (
+        (models, "*.xmi"),
+        (generated, "*"),
+        *((place, "*.ecore") for place in ([Path(chosen)] if chosen else places)),
+    ):
+        sources.update(folder.glob(pattern))
+    key = sha256(sys.version.encode())
+    for path in sorted(sources):
+        if path.is_file():
+            key.update(f"{path}\n{sha256(path.read_bytes()).hexdigest()}\n".encode())
+    for path in sorted(path for each in ours for path in each.rglob("*.[pj][y2]")):
+        key.update(f"{path} {path.stat().st_size} {path.stat().st_mtime_ns}\n".encode())
+    return key.hexdigest()
+
+
+def load_fresh(folders: MissionFolders, loaded: "LoadedModels | None" = None) -> MissionCode:
+    """Load the generated code of a mission, which must be fresh, with sound regions."""
+
+    def check() -> None:
+        from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
+            require_sound_regions,
+        )
+
+        folders.require_fresh(loaded)
+        require_sound_regions(folders.generated)
+
+    if loaded is None:
+        passed_once(_fingerprint(folders.models, folders.generated), check)
+    else:
+        check()
+    return load_code(folders.generated)
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
@@ -108,116 +151,3 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
     names = [path.stem.removeprefix("case_") for path in files]
     what = f"the path of a TOML file, or one of {folders.models}/case_*.toml:"
     raise UsageError(f"--case: found no campaign file '{case}'; {expected(case, names, what)}")
-
-
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """Where a TOML file names elements: patterns of the text around and of a name, and a reader."""
-
-    around: re.Pattern[str]
-    name: re.Pattern[str]
-    read: Callable[[dict[str, Any]], Sequence[str]]
-
-
-_GOALS = _Place(
-    re.compile(r"^\s*goals\s*=\s*\[[^\]]*\]", re.MULTILINE),
-    re.compile(r"""(?P<quote>["'])(?P<id>[^"'\n]*)(?P=quote)"""),
-    lambda document: document.get("search", {}).get("goals", ()),
-)
-_LIMITS = _Place(
-    re.compile(r"^\s*\[max\](?:.*\n?)*", re.MULTILINE),
-    re.compile(r"""^(?P<quote>["']?)(?P<id>[^"'\s=]+)(?P=quote)(?=\s*=)""", re.MULTILINE),
-    lambda document: [*document.get("max", ())],
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Renaming(WithNewIds):
-    """The changes that other IDs make, also in campaign files, limits and decisions.
-
-    ``scripts`` has the places where Python files beside the models name an old ID. ``gone`` are the
-    files of decisions, which are named by IDs.
-    """
-
-    scripts: tuple[tuple[Path, int, str], ...]
-    gone: tuple[Path, ...]
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """The files that change."""
-        code = self.code
-        written = () if code is None else (code.target / name for name in code.written)
-        return (*self.contents, *written)
-
-    @property
-    def changes(self) -> dict[Path, bytes | None]:
-        """New content of all files that change, by path."""
-        return {
-            **dict.fromkeys(self.gone),
-            **self.contents,
-            **({} if self.code is None else self.code.changes),
-        }
-
-
-def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Give elements other IDs as ``renaming`` does, in all files or in none."""
-    with changing(folders.models) as change:
-        found = renaming(folders, names)
-        change.replace(found.changes)
-    return found
-
-
-def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Return the changes of new IDs, given by old ones, all at once; write nothing."""
-    if folders.generated.is_dir():
-        folders.require_fresh()
-    found = with_new_ids(folders.models, folders.generated, names)
-    contents = dict(found.contents)
-    lines = [*found.difference]
-    for folder, place in ((folders.models, _GOALS), (folder_of(folders.models), _LIMITS)):
-        for path in sorted(folder.glob("*.toml")):
-            old, new = _edited(path, place, names)
-            if new != old:
-                contents[path] = new.encode()
-                named = str(path)
-                lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
-    gone = []
-    for before in decisions_of(folders.models):
-        after = before.renamed(names)
-        if after != before:
-            contents[after.path] = after.text().encode()
-            gone.append(before.path)
-            texts = before.text().splitlines(), after.text().splitlines()
-            lines += unified_difference(*texts, str(before.path), str(after.path), "")
-    scripts = tuple(_named(folders.models, names))
-    return Renaming(contents, found.respelt, found.code, tuple(lines), scripts, tuple(gone))
-
-
-def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:
-    """Return the text of a TOML file, and the same text with new IDs and the same layout."""
-
-    def exchanged(found: re.Match[str]) -> str:
-        new = names.get(found["id"], found["id"])
-        quote = found["quote"] or ("" if re.fullmatch(r"[A-Za-z0-9_-]*", new) else '"')
-        return f"{quote}{new}{quote}"
-
-    try:
-        old = path.read_bytes().decode("utf-8")
-        new = place.around.sub(lambda part: place.name.sub(exchanged, part[0]), old)
-        before, after = (place.read(tomllib.loads(text)) for text in (old, new))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}; expected TOML") from error
-    if [*after] != [names.get(name, name) for name in before]:
-        raise UsageError(
-            f"{path}: found {', '.join(before)} in a layout that cannot be edited; expected a list "
-            'such as goals = ["g1"], or a table [max] with a line for each goal'
-        )
-    return old, new
-
-
-def _named(models: Path, names: Mapping[str, str]) -> Iterator[tuple[Path, int, str]]:
-    for path in sorted(models.glob("*.py")):
-        with suppress(OSError, SyntaxError), tokenize.open(path) as file:
-            for node in ast.walk(ast.parse(file.read())):
-                if isinstance(node, ast.Constant) and node.value in names:
-                    yield path, node.lineno, str(node.value)

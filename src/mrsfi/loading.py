@@ -1,6 +1,5 @@
-"""Load and check missions: their code, and fault specifications in files.
+"""Check missions, and read fault specifications in files.
 
-``load_fresh`` loads generated code only if it follows from the models and its regions are sound.
 ``read_specification`` reads a file of timed faults. ``validate`` checks the models, the regions and
 a flight without faults; its diagnostics are those of ``m2t``.
 """
@@ -24,7 +23,7 @@ from m2t.models.load import (
     write_specification,
 )
 from mrsfi.engines import Tell, from_here, silent
-from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.folders import MissionFolders, find_mission, load_fresh
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
 from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
 from mrsfi_runtime.errors import (
@@ -35,23 +34,12 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.files import changing, write_atomically
-from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
+from mrsfi_runtime.generated_code import MissionCode, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 from mrsfi_runtime.model.mission import starvation
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
-
-
-def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> MissionCode:
-    """Load the generated code of a mission, which must be fresh, with sound regions."""
-    from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
-        require_sound_regions,
-    )
-
-    folders.require_fresh(loaded)
-    require_sound_regions(folders.generated)
-    return load_code(folders.generated)
 
 
 def specification_writer(

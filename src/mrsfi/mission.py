@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, evaluator, silent
-from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate, rename
-from mrsfi.loading import load_fresh, read_specification
+from mrsfi.folders import MissionFolders, campaign_file, find_mission, load_fresh
+from mrsfi.generating import generate, rename
+from mrsfi.loading import read_specification
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, timed_fault

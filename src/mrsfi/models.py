@@ -9,12 +9,13 @@ from m2t.models.difference import difference as difference  # noqa: PLC0414 - fo
 from m2t.models.importing import Imported as Imported  # noqa: PLC0414
 from m2t.models.importing import Note as Note  # noqa: PLC0414
 from m2t.models.importing import import_published as import_published  # noqa: PLC0414
-from m2t.models.load import FAULTS_XMI, MISSION_XMI, edited, load_mission_folder
+from m2t.models.load import FAULTS_XMI, edited, load_mission_folder
 from m2t.models.requirements import ReqifFile as ReqifFile  # noqa: PLC0414
 from m2t.models.requirements import update
 from m2t.models.write import dumps
 from m2t.read import MAX_BYTES
 from mrsfi_runtime.files import changing
+from mrsfi_runtime.project_file import MISSION_XMI
 
 
 def own_metamodels() -> Path | None:

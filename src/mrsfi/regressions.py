@@ -17,8 +17,8 @@ from m2t.models.load import load_mission_folder, load_specification
 from mrsfi.campaign_folders import OpenCampaign, mission_of, models_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
-from mrsfi.folders import MissionFolders, find_mission, folders_at
-from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi.folders import MissionFolders, find_mission, folders_at, load_fresh
+from mrsfi.loading import read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights

@@ -175,6 +175,13 @@ TERMS = (
         "boundary case, minimal failure-inducing input",
     ),
     Term(
+        "confirmed",
+        "Of a weakness: it breaks the same goal in another world, at least as gravely; `mrsfi "
+        "confirm` flies it there.",
+        "13 of 14 weaknesses of mrsfi's own world break the same goal in Fossen's equations.",
+        "cross-simulator validation, sim-to-real transfer",
+    ),
+    Term(
         "cause set",
         "Of one specification: the faults without which its violations would not occur.",
         "6 of the 20 faults of evaluation 725 keep 95 % of its violations.",

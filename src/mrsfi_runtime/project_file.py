@@ -9,12 +9,14 @@ from typing import Any
 
 from mrsfi_runtime.errors import UsageError
 
-SETTINGS = "mrsfi.toml"
+SETTINGS, MISSION_XMI = "mrsfi.toml", "mission.xmi"
+"""Files by which a project, and a folder of models, are known."""
+
 FOLDERS = ("metamodels", "models", "generated", "runs")
 DETECTIONS = ("never", "late", "in time")
 """How a collective intelligence may detect what breaks a goal, the worst first."""
 
-_CHOSEN = "MRSFI_METAMODELS"
+CHOSEN = "MRSFI_METAMODELS"
 """Environment variable with the folder of the metamodels, for this process and those it starts."""
 
 
@@ -43,10 +45,10 @@ def project_metamodels() -> Path | None:
 
 def choose_metamodels() -> bool:
     """Let this process read the project's metamodels; return whether it has any to choose."""
-    metamodels = None if _CHOSEN in os.environ else project_metamodels()
+    metamodels = None if CHOSEN in os.environ else project_metamodels()
     if metamodels is None:
         return False
-    os.environ[_CHOSEN] = str(metamodels.resolve())
+    os.environ[CHOSEN] = str(metamodels.resolve())
     return True
 
 
@@ -58,7 +60,7 @@ def metamodels_chosen() -> Iterator[None]:
         yield
     finally:
         if is_chosen:
-            del os.environ[_CHOSEN]
+            del os.environ[CHOSEN]
 
 
 def _require_numbers(file: Path, table: dict[str, Any]) -> None:

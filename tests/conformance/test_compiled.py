@@ -13,6 +13,8 @@ import pytest
 from numba.core.errors import TypingError
 
 import mrsfi_runtime
+from mrsfi_runtime.engine.compiled.compiler import compiled_kernel
+from mrsfi_runtime.engine.compiled.machine_code import kept_code, kernel_key
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError
@@ -24,6 +26,7 @@ from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.edited import edited as edited_code
 from tests.support.edits import EDITS, NUMBA_REFUSES, write_team
+from tests.support.missing import skip
 from tests.support.models.shapes import small_mission
 from tests.support.trace import traced
 from tests.support.tree import ROOT
@@ -73,6 +76,20 @@ with open_engine(EngineSettings("compiled"), load_code(Path(sys.argv[1])), 1) as
     engine.evaluate(())
     print(int(engine._fly_many.is_new))
 """
+
+
+def test_the_kernel_needs_no_symbol_from_outside(tmp_path):
+    if shutil.which("nm") is None:
+        skip("nm is not installed")
+    code, _ = kept_code(kernel_key(), compiled_kernel)
+    (tmp_path / "kernel.o").write_bytes(code.binary)
+
+    listed = subprocess.run(
+        ["nm", "--undefined-only", tmp_path / "kernel.o"], capture_output=True, check=True
+    )
+
+    assert code.is_near
+    assert listed.stdout == b""
 
 
 @night

@@ -16,6 +16,7 @@ from mrsfi_runtime.errors import RecordError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
+from tests.support.tree import ROOT
 from tests.tiers import slow
 
 REFERENCE = "reference"
@@ -40,7 +41,7 @@ def test_a_file_flies_as_by_command_and_every_tick_is_told(uuv, place):
     flight = uuv.fly(file)
 
     n_ticks, n_robots, n_goals = flight.mission.duration, 3, 6
-    assert flight.outcome.digest == told["digest"]
+    assert (told["mission"], told["digest"]) == (MISSION, flight.outcome.digest)
     assert flight.robots == tuple(robot.id for robot in uuv.model.robots)
     for positions in (flight.true_positions, flight.believed_positions):
         assert positions.shape == (n_ticks, n_robots, 3)
@@ -134,6 +135,24 @@ def test_stale_code_is_refused_until_it_is_generated_anew(uuv, refused):
     assert uuv.generate() == ()
     assert uuv.model.robots[0].speed == 4.5
     assert uuv.validate() == ()
+
+
+def test_code_that_was_fresh_is_compared_again_when_the_project_s_metamodels_change(
+    place, monkeypatch
+):
+    shutil.copytree(ROOT / "metamodels", place / "metamodels")
+    monkeypatch.delenv("MRSFI_METAMODELS", raising=False)
+    script = f"import mrsfi; mrsfi.load('models/{MISSION}').fly()"
+
+    def flown():
+        words = (sys.executable, "-c", script)
+        return subprocess.run(words, cwd=place, check=False, capture_output=True, text=True)
+
+    first, again = flown(), flown()
+    (place / "metamodels" / "mission.ecore").write_text("no XML", encoding="utf-8")
+
+    assert (first.returncode, again.returncode) == (0, 0), first.stderr
+    assert "mission.ecore" in flown().stderr
 
 
 @slow

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi import engines
+from mrsfi_runtime.record import engine_settings
 from tests.e2e.conftest import made_once
 from tests.support.cli import contents, edit, execute, mrsfi, mrsfi_json, mrsfi_process
 from tests.support.edited import indented, write_body
@@ -28,7 +28,7 @@ return goal_tasks.visit.violated(ci, G1)"""
 @pytest.fixture(autouse=True)
 def here(monkeypatch):
     """Let one worker evaluate, in this process: others begin slowly."""
-    monkeypatch.setattr(engines, "_N_PROCESSORS", 1)
+    monkeypatch.setattr(engine_settings, "_N_PROCESSORS", 1)
 
 
 @pytest.fixture(scope="session")
@@ -232,7 +232,7 @@ def test_what_differs_is_named_with_how_many_do_not(archive, tmp_path):
     done = mrsfi("check", path, *FLY, cwd=tmp_path, expected=7)
 
     assert f"{path}/campaign: evaluation 3 differs from its record: found " in done.stderr
-    assert "as recorded are 28 of 29 evaluations, 5 of 5 failures, 5 of 5 generations, 69 " in (
+    assert "as recorded are 28 of 29 evaluations, 5 of 5 failures, 5 of 5 generations, 76 " in (
         done.stderr
     )
 
@@ -254,7 +254,7 @@ def test_an_archive_as_it_was_packed_passes_elsewhere(
         os.umask(before)
 
     found = json.loads((campaign / "summary.json").read_text())["digest"]
-    numbers = {"evaluations": 29, "failures": 5, "generations": 5, "flights": 69}
+    numbers = {"evaluations": 29, "failures": 5, "generations": 5, "flights": 76}
     parts = {"parts of the report": 19}
     same = ", ".join(f"{n} of {n} {kind}" for kind, n in (numbers | parts).items())
     assert done.stdout == (
@@ -277,7 +277,7 @@ def test_several_workers_and_a_report_with_a_ratio_make_no_difference(tmp_path, 
     words = ("--population", "6", "--generations", "2", "--workers", "2", "--ratio", "g1:g2=2:1")
     mrsfi("evolve", NAME, "--case", "search.toml", *words, *FLY, "--out", "it", cwd=tmp_path)
     mrsfi("pack", "it", cwd=tmp_path)
-    monkeypatch.setattr(engines, "_N_PROCESSORS", 2)
+    monkeypatch.setattr(engine_settings, "_N_PROCESSORS", 2)
 
     assert mrsfi("check", "it.zip", cwd=tmp_path).stdout.startswith("same: ")
 

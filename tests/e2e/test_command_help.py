@@ -32,6 +32,7 @@ COMMANDS = (
     "requirements",
     "rename",
     "diff",
+    "confirm",
     "pack",
     "help",
 )
@@ -72,7 +73,7 @@ IMPORTED = [
     (("diff", MISSION, MISSION), MODELS),
     (("rename", MISSION, "r1=leader", "--diff"), FRESH),
     (("import", "published.xmi"), MODELS),
-    (("requirements", "required.reqif", MISSION), FRESH),
+    (("requirements", "required.reqif", MISSION), MODELS),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
     (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
     *(pytest.param(*case, marks=slow) for case in LONG),
@@ -123,12 +124,12 @@ FLYING = (
 @pytest.mark.parametrize("command", FLYING)
 def test_options_of_a_bus_are_named_in_each_command_and_described_in_a_topic(command, tmp_path):
     text = mrsfi(command, "--help", cwd=tmp_path).stdout.partition("\nOptions:")[2]
+    text = " ".join(text.replace("-\n  ", "-").split())  # a name may be wrapped
 
-    named = text.partition("Your own simulator or node:\n")[2].partition(": see `mrsfi help bus`")[
-        0
-    ]
+    named, _, said = text.partition("Your own simulator or node: ")[2].partition(": see ")
     topic = mrsfi("help", "bus", cwd=tmp_path).stdout
-    assert len(named.split()) == 11
+    assert said.split()[:3] == ["`mrsfi", "help", "bus`"]
+    assert len(named.split()) == 15
     for name in named.replace(",", "").split():
         assert f"\n  {name} " in topic
         assert text.count(f"{name} ") + text.count(f"{name},") + text.count(f"{name}:") == 1
@@ -167,7 +168,8 @@ def test_a_shell_completes_commands(tmp_path):
 
 
 @pytest.mark.parametrize(("arguments", "expected"), IMPORTED, ids=_named)
-def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
+def test_a_command_imports_what_it_uses(arguments, expected, flown, place, tmp_path, monkeypatch):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))  # no code is known to be fresh
     if "FLOWN" in arguments:
         shutil.copytree(flown, place / "FLOWN")
     models = load_mission_folder(place / "models" / MISSION)
@@ -185,6 +187,35 @@ def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
 
     assert done.returncode == 0, done.stderr
     assert {*done.stderr.splitlines()[-1].split()} == expected
+
+
+def test_what_was_fresh_once_is_not_generated_again_until_a_file_changes(
+    place, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
+
+    def simulated(expected=0):
+        done = subprocess.run(
+            [sys.executable, "-c", _IMPORTS, " ".join(HEAVY), "simulate", MISSION],
+            cwd=place,
+            capture_output=True,
+            check=False,
+            encoding="utf-8",
+        )
+        assert done.returncode == expected
+        return done
+
+    first, again = simulated(), simulated()
+
+    assert again.stdout == first.stdout
+    assert {*again.stderr.split()} == {"m2t", "rich"}
+    edit(place / "models" / MISSION / "faults.xmi", 'name="', 'name="new ')
+    assert "stale" in simulated(4).stderr
+    mrsfi("generate", MISSION, cwd=place)
+    assert simulated().stdout == first.stdout
+    code = place / "generated" / MISSION / "mission_loader.py"
+    code.write_text(f"{code.read_text('utf-8')}# mine\n", encoding="utf-8")
+    assert "mission_loader.py" in simulated(4).stderr
 
 
 def test_help_imports_neither_subcommands_nor_their_options_nor_the_glossary(tmp_path):

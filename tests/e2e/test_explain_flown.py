@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.support.cli import mrsfi, mrsfi_process
-from tests.support.external_world import CHANCY, external_world
+from tests.support.planted_world import CHANCY, CHANCY_LATER, external_world
 from tests.support.rendezvous import (
     PLANTED,
     harmless,
@@ -52,17 +52,25 @@ def test_whoever_flies_it_prints_the_same(ended, told, options):
 
 
 @slow
+@pytest.mark.parametrize(
+    ("begins", "what"),
+    [
+        (CHANCY, "flights with an external simulation may be chance, because they do not repeat "),
+        (CHANCY_LATER, "the external simulation does not repeat itself: evaluation 0 had "),
+    ],
+    ids=["looks before the search", "first flight once more"],
+)
 def test_that_an_external_simulation_does_not_repeat_itself_stands_wherever_it_is_reported(
-    small, url
+    small, url, begins, what
 ):
-    with external_world(url, small, CHANCY):
+    with external_world(url, small, begins):
         printed, found = evolved_elsewhere(small, url)
         refused = mrsfi_process("explain", "out", "--best", cwd=small, expected=7)
         resumed = mrsfi_process("evolve", "--resume", "out", cwd=small)
 
     caution = found["unrepeated"]
     out = small / "out"
-    assert caution.startswith("the external simulation does not repeat itself: evaluation 0 had ")
+    assert caution.startswith(what)
     assert f"warning: {caution}" in printed.stderr
     assert f"caution   {caution}\n" in printed.stdout
     assert f"**Caution**: {caution}." in (out / "report.md").read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ from mrsfi_runtime.record.database import canonical
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi
-from tests.support.external_world import OTHER, SAME, external_world
+from tests.support.planted_world import OTHER, SAME, external_world
 from tests.support.rendezvous import NAME
 from tests.support.report_page import data_of, unpacked
 from tests.tiers import night, slow
@@ -159,7 +159,7 @@ def test_what_does_not_repeat_itself_flies_nothing_again(place):
 def test_another_node_than_the_one_that_flew_it_is_refused_by_all(place):
     recorded_as(place, OF_NODE)
     (place / "node.py").write_text("", encoding="utf-8")
-    said = "this campaign was flown with another node; its SHA-256 of the files beside its command"
+    said = "flown with another node; its files have changed, or are new or gone: node.py; expected"
 
     require_same(all_ended(place), 9, said)
     assert said in report_of(place)
@@ -195,5 +195,6 @@ def test_what_ours_flew_no_external_simulation_flies_again(place):
         told,
         2,
         "this campaign was flown with mrsfi's own simulation and the generated code; found an "
-        "external simulation, which counts differently; expected no --side",
+        "external simulation, which counts differently; expected no --side; to fly its weaknesses "
+        "in another world: mrsfi confirm",
     )

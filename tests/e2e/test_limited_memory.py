@@ -42,7 +42,7 @@ def test_where_the_compiler_cannot_be_loaded_the_reference_engine_flies_and_it_i
     told = done.stderr.splitlines()[0]
     assert told.startswith(f"not compiled: {NOT_LOADED}")
     assert told.endswith(f"; {LIMITED}; mrsfi uses the reference engine, about 100 times slower")
-    assert ("reference engine, 1 workers" in done.stderr, done.returncode) == (True, 0)
+    assert ("reference engine, 1 worker\n" in done.stderr, done.returncode) == (True, 0)
 
 
 def test_the_compiled_engine_says_what_it_lacks(limited):

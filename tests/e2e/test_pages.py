@@ -45,6 +45,7 @@ ELSEWHERE = {
     "docs/nightly.md": "tests/e2e/test_decide.py",
     "docs/node.md": "tests/unit/cosimulation/test_node_mapping.py",
     "docs/projects.md": "tests/e2e/test_project.py",
+    "docs/ros2.md": "tests/integration/test_node_examples.py",
     "docs/tutorial.md": "tests/release/test_release.py",
     "examples/warehouse/README.md": "tests/e2e/test_warehouse.py",
     "examples/worlds/README.md": "tests/interop/test_second_simulator.py",

@@ -1,7 +1,11 @@
 """Nodes that flood, lie, hang or die: each its sentence and exit code, and nothing left running."""
 
+import re
 import shlex
+import shutil
+import signal
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -12,8 +16,10 @@ from mrsfi_runtime.errors import TransportTimeout
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record import engine_settings
 from mrsfi_runtime.record.engine_settings import RESTART, SERVICE
+from tests.integration.network import bridge
 from tests.support.cli import mrsfi_process
 from tests.support.nodes import MISSION, processes_in, require_silence, yard
+from tests.support.rosbridge import process
 from tests.support.tree import ROOT
 from tests.tiers import seeds, slow
 
@@ -104,6 +110,14 @@ def test_what_never_gets_ready_is_no_result(what, reset, said, place, monkeypatc
     assert said in str(failed.value)
 
 
+def test_a_new_node_is_reset_when_it_has_subscribed(place):
+    words = ("simulate", MISSION, "--side", "injector", "--node", command_of("listens late"))
+
+    mrsfi_process(*words, "--node-reset", SERVICE, cwd=place)
+
+    assert processes_in(place) == {}
+
+
 @slow
 def test_a_node_that_does_not_want_to_end_is_ended(place):
     words = ("simulate", MISSION, "--side", "injector", "--node", command_of("clings to life"))
@@ -111,3 +125,65 @@ def test_a_node_that_does_not_want_to_end_is_ended(place):
     mrsfi_process(*words, cwd=place)
 
     assert processes_in(place) == {}
+
+
+ANSWER = """
+answer = { topic = "/husky1/cmd_vel", type = "geometry_msgs/Twist" }
+types = ["interfaces"]
+"""
+"""More of the table of a node whose commands are its answers."""
+
+
+@contextmanager
+def with_a_world(place, folder, kind="nav_msgs/Odometry"):
+    """Yield options to fly with a node and a world on one server, the server and the world.
+
+    ``kind`` is the type of the odometry.
+    """
+    shutil.copytree(place, folder, dirs_exist_ok=True)
+    table = (folder / "mrsfi.toml").read_text(encoding="utf-8") + ANSWER
+    if kind not in table:
+        table = re.sub(r'"nav_msgs/Odometry"\nfields = .*', f'"{kind}"\nfields.x = "x"', table)
+    (folder / "mrsfi.toml").write_text(table, encoding="utf-8")
+    types = folder / "interfaces" / "yard_msgs" / "msg"
+    types.mkdir(parents=True)
+    (types / "Odometry.msg").write_text("float64 x\n", encoding="utf-8")
+    with bridge() as server:
+        meet = ("--url", server.url, "--world-prefix", "/world", "--timeout", "1")
+        side = ("--engine", "rosbridge", "--side", "simulation")
+        with process("simulate", MISSION, *side, *meet, cwd=folder) as world:
+            assert "serves at" in world.stderr.readline()
+            yield meet, server, world
+
+
+def flown_with(what, folder, code, *options):
+    """Return what is said of a flight with a bad node, which ends with an exit code."""
+    words = ("simulate", MISSION, "--side", "injector", "--node", command_of(what))
+    return mrsfi_process(*words, *options, cwd=folder, expected=code).stderr
+
+
+@slow
+def test_after_a_silent_node_the_simulation_at_its_server_serves_the_next(place, tmp_path):
+    with with_a_world(place, tmp_path) as (meet, _, world):
+        told = flown_with("hangs", tmp_path, 6, *meet)
+        flown_with("does nothing wrong", tmp_path, 0, *meet)
+        world.send_signal(signal.SIGINT)
+        _, said = world.communicate(timeout=20)
+
+    require_silence(tmp_path)
+    assert "the node was silent for 1 s; expected a message on /husky1/cmd_vel" in told
+    assert said == "mrsfi: interrupted\n"  # each flight told it to stop
+
+
+@slow
+def test_silence_because_a_server_refuses_a_type_points_to_its_log(place, tmp_path):
+    with with_a_world(place, tmp_path, "yard_msgs/Odometry") as (meet, server, _):
+        told = flown_with("does nothing wrong", tmp_path, 6, *meet)
+        server.log.seek(0)
+        log = server.log.read()
+
+    silent = ", ".join(f"/husky{number}/cmd_vel" for number in (1, 2, 3))
+    hint = "the server may have refused the type of a topic or service: see its log"
+    assert "tick 0: the node was silent for 1 s; " in told
+    assert f"nothing arrived on {silent}, {hint}" in told
+    assert "unknown message type 'yard_msgs/Odometry'" in log

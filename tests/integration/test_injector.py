@@ -16,7 +16,7 @@ from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.rosbridge import SimulationProcess
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.engine_settings import RESTART, SERVICE, EngineSettings
+from mrsfi_runtime.record.engine_settings import BUILT_IN, RESTART, SERVICE, EngineSettings
 from mrsfi_runtime.transport.topics import ROS_VERSIONS
 from tests.support.triggers import with_triggers
 from tests.support.world import paper_code, specification
@@ -29,7 +29,8 @@ REACHED = replace(
     ),
 )
 EMBEDDED, ON_ONE_SERVER = "our world inside", "all on one server"
-WAYS = [*product((EMBEDDED, ON_ONE_SERVER), ROS_VERSIONS)]
+NODE_ON_A_SERVER = "our world inside, the node on a server"
+WAYS = [*product((EMBEDDED, ON_ONE_SERVER, NODE_ON_A_SERVER), ROS_VERSIONS)]
 
 
 def flown(way, ros, specifications, pace="answer", reset=SERVICE, code=REACHED):
@@ -37,9 +38,10 @@ def flown(way, ros, specifications, pace="answer", reset=SERVICE, code=REACHED):
     words = [sys.executable, "-m", "tests.support.standin_node", str(code.directory)]
     url, prefix, world_prefix = None, "", ""
     with ExitStack() as opened:
-        if way == ON_ONE_SERVER:
+        if way != EMBEDDED:
             server = EmbeddedBridge(ServerSettings(types=TypeTable(ros=ros)))
             url = opened.enter_context(server).url
+        if way == ON_ONE_SERVER:
             prefix, world_prefix = "/node", "/world"
             world = EngineSettings("rosbridge", url, ros=ros, world_prefix=world_prefix)
             opened.enter_context(closing(SimulationProcess(code, world)))
@@ -49,6 +51,7 @@ def flown(way, ros, specifications, pace="answer", reset=SERVICE, code=REACHED):
             url,
             ros=ros,
             side="injector",
+            world=BUILT_IN if way == NODE_ON_A_SERVER else None,
             timeout=20.0,
             node=command,
             node_pace=pace,

@@ -1,13 +1,16 @@
 """A side of a flight, or its server, vanishes: who is left ends, and tells at which tick."""
 
+import json
 import re
 import subprocess
-from signal import SIGKILL, SIGSTOP
+from signal import SIGCONT, SIGKILL, SIGSTOP
 
 import pytest
 
 from tests.integration.network import Witness, bridge, wait_for_tick
+from tests.support.cli import mrsfi_json, mrsfi_process, without_repetition
 from tests.support.rosbridge import process
+from tests.support.tree import ROOT
 from tests.tiers import slow
 
 FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
@@ -34,9 +37,7 @@ def tick_of(errors: str) -> int:
     ("lost", "sign", "problem"),
     [
         ("server", SIGKILL, "was lost"),
-        ("server", SIGSTOP, "was silent for 2 s"),  # its sockets are half open
         ("simulation", SIGKILL, "the simulation was silent for 2 s"),
-        ("ci", SIGKILL, "the collective intelligence was silent for 2 s"),
     ],
 )
 def test_what_is_lost_in_mid_run_ends_the_others_with_8(lost, sign, problem):
@@ -55,3 +56,30 @@ def test_what_is_lost_in_mid_run_ends_the_others_with_8(lost, sign, problem):
 
     assert all(100 <= tick_of(errors) < 1000 for errors in told)
     assert all(problem in errors for errors in told)
+
+
+@slow
+@pytest.mark.parametrize("lost", ["server", "ci"])
+def test_after_a_silence_in_mid_run_the_simulation_serves_the_next(lost):
+    with (
+        bridge() as server,
+        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
+    ):
+        next_ci = (*FLIGHT, "--url", server.url, "--side", "ci", "--json")
+        assert "serves at" in simulation.stderr.readline()
+        with process(*FLIGHT, "--url", server.url, "--side", "ci") as ci:
+            wait_for_tick(server.url, 1, 100)
+            if lost == "ci":
+                ci.kill()
+            else:  # its sockets are half open
+                server.process.send_signal(SIGSTOP)
+                assert "the simulation was silent for 2 s" in ended_with_8(ci)
+            line = simulation.stderr.readline()
+        server.process.send_signal(SIGCONT)
+        flown = json.loads(mrsfi_process(*next_ci, cwd=ROOT).stdout)
+
+    assert 100 <= tick_of(line) < 1000
+    silent = "the collective intelligence or node was silent for 7 s; check that it still runs"
+    assert silent in line
+    assert line.endswith("; this run is over, the simulation waits for the next\n")
+    assert without_repetition(flown) == mrsfi_json("simulate", "uuv_sampling", cwd=ROOT)

@@ -1,24 +1,33 @@
-"""The example of nodes of a team's own, in Python: flown, searched, killed and resumed."""
+"""The examples of nodes of a team's own, in Python: flown, searched, killed and resumed.
+
+That of ROS 2 runs on a stand-in for rclpy.
+"""
 
 import os
+import re
 import signal
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import mrsfi
+from mrsfi_runtime.cosimulation.node_mapping import NodeMapping
 from mrsfi_runtime.errors import RecordError
 from tests.support.cli import mrsfi_json, mrsfi_process
 from tests.support.interrupted import digest, evaluations
 from tests.support.nodes import MISSION, PYTHON, SERVICE, processes_in, require_silence, yard
 from tests.support.rosbridge import process
-from tests.support.tree import UNDRAWN
-from tests.tiers import night
+from tests.support.tree import ROOT, UNDRAWN
+from tests.tiers import night, slow
 
 FLY = ("simulate", MISSION, *PYTHON, *SERVICE)
 SEARCH = ("evolve", MISSION, *PYTHON, *SERVICE)
 PATH = os.pathsep.join([str(UNDRAWN), *filter(None, [os.environ.get("PYTHONPATH")])])
 NODE = "patrol.py ws"
+LAUNCH = "ros2 launch ros2/patrol.launch.py"
 FEW = ("--evaluations", "40", "--population", "10", "--no-explain")
 
 
@@ -49,6 +58,68 @@ def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path,
     with pytest.raises(RecordError, match="this campaign was flown with another node; its "):
         mrsfi.Campaign(place / "runs/it").fly(best.index)
     require_silence(place)
+
+
+@pytest.fixture
+def ros2(place, tmp_path, monkeypatch):
+    """The options that launch the node of ROS 2, by a stand-in for ``ros2 launch``."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    words = f"{sys.executable} -m tests.support.standin_rclpy ros2/patrol.py"
+    (folder / "ros2").write_text(f"#!/bin/sh\nexec {words}\n", "utf-8")
+    (folder / "ros2").chmod(0o755)
+    ours = Path(sys.executable).parent
+    monkeypatch.setenv("PATH", os.pathsep.join(map(str, (folder, ours, os.environ["PATH"]))))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    return ("--engine", "ros2", "--node", LAUNCH, *SERVICE)
+
+
+def test_the_node_of_ros_2_flies_as_that_on_roslibpy_which_hears_of_charges_in_single_precision(
+    place, ros2
+):
+    patrol = place / "python" / "patrol.py"
+    text = patrol.read_text("utf-8")
+    single = text.replace('message["percentage"]', 'float(numpy.float32(message["percentage"]))')
+    patrol.write_text(single.replace("import roslibpy", "import numpy\nimport roslibpy"), "utf-8")
+
+    found = mrsfi_json("simulate", MISSION, *ros2, cwd=place)
+
+    assert single != text
+    assert found["digest"] == mrsfi_json(*FLY, cwd=place)["digest"]
+    require_silence(place)
+
+
+def test_docs_ros2_md_shows_what_is_flown_and_a_part_of_the_example_s_mapping(place):
+    page = (ROOT / "docs" / "ros2.md").read_text("utf-8")
+    (table,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    shown, whole = (
+        NodeMapping.of(tomllib.loads(text)["node"])
+        for text in (table, (place / "mrsfi.toml").read_text("utf-8"))
+    )
+
+    commands = re.findall(r"^\$ mrsfi \w+ (.*)$", page, re.MULTILINE)
+
+    assert len(commands) == 2
+    assert all(f'{MISSION} --engine ros2 --node "{LAUNCH}"' in each for each in commands)
+    assert {each.topic for each in shown.tells} < {each.topic for each in whole.tells}
+    assert shown.obeys == whole.obeys
+
+
+@slow
+def test_a_kept_weakness_is_a_test_of_the_launch_file(place, ros2):
+    mrsfi_process("generate", f"models/{MISSION}", cwd=place)
+    search = ("--evaluations", "100", "--population", "10", "--out", "runs/it")
+    mrsfi_process("evolve", MISSION, *search, cwd=place)  # by the CI that is generated
+    mrsfi_process("keep", "runs/it", "--weakness", "1", "--name", "it", cwd=place)
+    words = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "ros2/test_patrol.py")
+
+    failed = subprocess.run(words, cwd=place, check=False, capture_output=True, text=True)
+    mrsfi_process("keep", MISSION, "--update", *ros2, cwd=place)
+    passed = subprocess.run(words, cwd=place, check=False, capture_output=True, text=True)
+
+    assert failed.returncode == 1
+    assert "exceeds its limit" in failed.stdout
+    assert passed.returncode == 0, passed.stdout
 
 
 @night

@@ -9,7 +9,6 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.errors import TransportTimeout
 from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from tests.support.page_simulator import page_simulator
 from tests.support.tree import ROOT
@@ -65,15 +64,11 @@ def test_a_slow_reset_is_waited_for_and_its_flight_is_that_of_a_quick_one(ros, t
     assert n_resets(tmp_path) <= ros  # in ROS 2 one may have come before its setup
 
 
-def test_a_reset_that_takes_longer_than_the_timeout_names_the_setting(tmp_path):
-    problem = (
-        r"run 1, before tick 0: the simulation did not answer /mission/reset within 0\.5 s; check "
-        "that it still runs, or increase --timeout"
-    )
-    with simulated(tmp_path, 1) as url, pytest.raises(TransportTimeout, match=problem):
-        flown(url, timeout=HASTY)
+def test_a_reset_may_take_longer_than_the_timeout_of_a_tick(tmp_path):
+    with simulated(tmp_path, 1) as url:
+        assert flown(url, timeout=HASTY) == flown(url)
 
-    assert n_resets(tmp_path) == 1
+    assert n_resets(tmp_path) == 2
 
 
 NODE = """

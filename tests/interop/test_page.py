@@ -214,6 +214,10 @@ def test_what_is_shown_has_a_link_and_stands_in_the_history(chromium, campaign):
         cells = shown.locator("#matrix .cell").all()
         cells[0].click()
         cells[-1].click()
+        shown.wait_for_function(
+            "() => document.querySelector('#flight-title').innerText"
+            ".endsWith(` weakness ${location.hash.slice(2)}`)"
+        )
         last = panel.inner_text()
         link = shown.evaluate("location.hash")
         shown.locator("#filter").fill("7")

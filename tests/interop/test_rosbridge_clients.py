@@ -25,7 +25,6 @@ from tests.support.missing import skip
 _CLIENTS = Path(__file__).parent / "clients"
 _USUAL_PORT = 9090
 _TIMEOUT_S = 300
-_FIBONACCI = "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n"
 
 
 class Suite(NamedTuple):
@@ -66,23 +65,14 @@ def only(version: int) -> pytest.MarkDecorator:
     )
 
 
-def definitions(folder: Path) -> Path:
-    """Write the type of the action that clients of ROS 2 use, and return where."""
-    path = folder / "types/example_interfaces/action/Fibonacci.action"
-    path.parent.mkdir(parents=True)
-    path.write_text(_FIBONACCI, encoding="utf-8")
-    return folder / "types"
-
-
 @contextmanager
 def bridge(folder: Path, port: int, ros: int) -> Iterator[str]:
     """Run ``mrsfi bridge`` and yield its URL; its log must have no traceback."""
     log = folder / "bridge.log"
-    options = () if ros == 1 else ("--ros", ros, "--types", definitions(folder))
     with (
         log.open("w", encoding="utf-8") as file,
         subprocess.Popen(
-            command_line("bridge", "--port", port, *options),
+            command_line("bridge", "--port", port, "--ros", ros),
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=file,
@@ -268,13 +258,16 @@ def test_roslib_calls_and_provides_services(roslib):
     assert "has no field 'c'" in services["wrong"]["error"]
 
 
-def test_roslib_keeps_parameters(roslib):
-    assert roslib["parameters"] == {
+def test_roslib_keeps_parameters_which_are_trees_in_ros_1_and_of_a_node_in_ros_2(roslib, ros):
+    ros_1 = {
         "missing": None,
         "kept": {"speed": 2.5, "names": ["a", "b"]},
         "names": ["/js/limits/speed", "/js/limits/names"],
         "deleted": None,
     }
+    ros_2 = {"missing": "", "kept": [2.5, 3], "names": ["/js:limits"], "deleted": ""}
+
+    assert roslib["parameters"] == (ros_1 if ros == 1 else ros_2)
 
 
 def test_roslib_sees_topics_services_and_nodes(roslib):
@@ -323,7 +316,11 @@ def test_a_provider_of_roslib_ends_a_goal_that_is_cancelled(roslib):
         "error": 'GoalError: Action was canceled: {"sequence":[5]}',
         "feedback": [[5]],
     }
-    assert actions["n_cancelled"] == 1
+    assert actions["all_given_up"] == [
+        {**actions["given_up"], "feedback": [[8]]},
+        {**actions["given_up"], "feedback": [[9]]},
+    ]
+    assert actions["n_cancelled"] == 3
 
 
 @only(2)

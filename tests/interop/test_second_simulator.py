@@ -4,26 +4,27 @@ import importlib.util
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
-import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from queue import Queue
 from typing import Any
 
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bus_topics import ANSWER, GO, RESET, SETUP
+from mrsfi_runtime.cosimulation.bus_topics import ANSWER, GO, RESET, SETUP, TICK
 from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.engine_settings import SERVICE, EngineSettings
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import Payload, Reply, Topic
 from tests.support.cli import (
     MISSION,
     ROOT,
@@ -35,12 +36,13 @@ from tests.support.cli import (
 )
 from tests.support.missing import skip
 from tests.support.pages import Terminal, at_free_ports, run_page
+from tests.support.processes import is_running, wait_for
 from tests.support.rosbridge import Relay, code_of, digests, process
 from tests.support.world import paper_code, specification
 
 WORLDS = ROOT / "examples" / "worlds"
 PAGE = (WORLDS / "README.md").read_text(encoding="utf-8")
-NEEDS = {"mujoco": "mujoco", "irsim": "irsim", "fossen": "numpy"}
+NEEDS = {"mujoco": "mujoco", "irsim": "irsim", "fossen": "numpy", "pymunk": "pymunk"}
 """Worlds by the name of their folder, and the library that each is made with."""
 
 OURS = "fossen"
@@ -55,28 +57,37 @@ def require(world: str) -> None:
         skip(f"{NEEDS[world]} is missing; pip install -e '.[examples]'")
 
 
-@contextmanager
-def running(world: str, url: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a world until the end of the test."""
-    require(world)
-    with subprocess.Popen(
-        [sys.executable, "-W", "error", WORLDS / world / "world.py", "--url", url, *options],
+def started(path: Path, url: str, *options: str, mission: str = MISSION) -> subprocess.Popen[str]:
+    """Start the program of a world."""
+    told = ("--mission", ROOT / "models" / mission, "--url", url)
+    return subprocess.Popen(
+        [sys.executable, "-W", "error", path, *told, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
-    ) as served:
+    )
+
+
+@contextmanager
+def running(
+    world: str, url: str, *options: str, mission: str = MISSION
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a world until the end of the test."""
+    require(world)
+    with started(WORLDS / world / "world.py", url, *options, mission=mission) as served:
         try:
             assert served.stdout is not None
-            assert "serves at" in served.stdout.readline()
+            assert f"{mission} on " in (line := served.stdout.readline())
+            assert "serves at" in line
             yield served
         finally:
             served.kill()
 
 
 @contextmanager
-def simulator(world: str, url: str, *options: str) -> Iterator[None]:
+def simulator(world: str, url: str, *options: str, mission: str = MISSION) -> Iterator[None]:
     """Run a world beside the body; it must not have failed before."""
-    with running(world, url, *options) as served:
+    with running(world, url, *options, mission=mission) as served:
         yield
         assert served.poll() is None
         served.kill()
@@ -84,10 +95,12 @@ def simulator(world: str, url: str, *options: str) -> Iterator[None]:
 
 
 @contextmanager
-def engine(url: str, duration: int = 60, **settings: Any) -> Iterator[RosbridgeEngine]:
-    """Yield an engine that flies the mission, shortened, on the world at a server."""
+def engine(
+    url: str, duration: int = 60, mission: str = MISSION, **settings: Any
+) -> Iterator[RosbridgeEngine]:
+    """Yield an engine that flies a mission, shortened, on the world at a server."""
     flown = EngineSettings("rosbridge", url=url, side="ci", **settings)
-    with RosbridgeEngine(code_of(MISSION, duration), 1, flown) as opened:
+    with RosbridgeEngine(code_of(mission, duration), 1, flown) as opened:
         yield opened
 
 
@@ -148,6 +161,18 @@ def test_the_same_seed_gives_the_same_flight(world):
 
     assert first == again != second
     assert samples[0] == samples[2] != samples[1]
+
+
+@pytest.mark.parametrize("mission", ["depot", "undersea", "fleet_30"])
+def test_a_world_serves_any_mission(mission):
+    with (
+        EmbeddedBridge() as server,
+        simulator(OURS, server.url, mission=mission),
+        engine(server.url, mission=mission, is_bundled=True) as opened,
+    ):
+        first, second, again = digests(opened, (0, 1, 0))
+
+    assert first == again != second
 
 
 def test_the_flight_is_another_than_that_of_the_own_simulation(flight, place):
@@ -212,22 +237,51 @@ def test_order_within_topics_is_all_that_it_needs():
     assert flown[0] == flown[1]
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [((1, 5, 0), "tick 5 was requested; expected tick 0"), ((1, 0), "not enough values to unpack")],
-)
-def test_what_goes_wrong_ends_a_world_with_its_reason(words, message):
-    with EmbeddedBridge() as server, running(OURS, server.url) as served:
-        transport = RosbridgeTransport(server.url)
-        transport.advertise(SETUP)({"data": [1, 1, 2]})
-        go = transport.advertise(GO)
-        transport.call(RESET, {}, lambda _: go({"data": [*words]}))
-        _, told = served.communicate(timeout=30)
+@contextmanager
+def going(url: str, *words: int, listened: Sequence[Topic] = ()) -> Iterator[Queue[Payload]]:
+    """Begin run 1 of a world, and go with some numbers; yield the messages of topics."""
+    messages: Queue[Payload] = Queue()
+    transport = RosbridgeTransport(url)
+    for each in listened:
+        transport.subscribe(each, messages.put)
+    setup, go = transport.advertise(SETUP), transport.advertise(GO)
+
+    def begin() -> None:
+        setup({"data": [1, 1, 2]})
+        transport.call(RESET, {}, begun)
+
+    def begun(reply: Reply) -> None:
+        if reply.values.get("success"):
+            go({"data": [*words]})
+        else:  # the reset overtook the setup
+            transport.call_later(0.1, begin)
+
+    begin()
+    try:
+        yield messages
+    finally:
         transport.close()
 
+
+@pytest.mark.parametrize(
+    ("words", "begin", "message"),
+    [
+        ((1, 5, 0), "", "tick 5 was requested; expected tick 0\n"),
+        ((1, 0, 12), "", "0 of 12 commands reached r1, r2, r3 within 1 s; expected all: one was l"),
+        ((1, 0), "Traceback", "ValueError: not enough values to unpack (expected 3, got 2)\n"),
+    ],
+)
+def test_what_goes_wrong_ends_a_world_with_its_reason(words, begin, message):
+    with (
+        EmbeddedBridge() as server,
+        running(OURS, server.url) as served,
+        going(server.url, *words),
+    ):
+        _, told = served.communicate(timeout=30)
+
     assert served.returncode == 1
-    assert told.startswith("run 1, tick 0: ValueError: ")
-    assert message in told
+    assert told.startswith(begin or "run 1, tick 0: ")
+    assert f"\nrun 1, tick 0: {message}" in f"\n{told}"
 
 
 def test_a_lost_connection_ends_a_world_with_its_reason():
@@ -273,33 +327,84 @@ def test_the_worlds_import_nothing_of_mrsfi():
     assert not any("mrsfi" in line or "m2t" in line for line in imports)
 
 
-def test_their_mission_is_that_of_the_model():
-    told = tomllib.loads((WORLDS / f"{MISSION}.toml").read_text(encoding="utf-8"))
-    mission = load_code(ROOT / "generated" / MISSION).mission
+ANCHORED = ROOT / "tests" / "support" / "anchored_world.py"
 
-    def place(known: Any) -> list[float]:
-        return [known.x, known.y, known.z]
 
-    robots = {
-        robot.id: {
-            "start": place(robot.position),
-            "energy": robot.total_energy,
-            "energy_per_distance": robot.energy_per_distance_unit,
-            "greatest_speed": robot.fastest,
-            "sensors": {
-                sensor.id: {
-                    "samples": sensor.samples_per_second,
-                    "energy": sensor.energy_per_sample,
-                    "tells_position": sensor.type == "GPS_POSITION",
-                }
-                for sensor in robot.sensors
-            },
-        }
-        for robot in mission.robots
-    }
-    assert told["robots"] == robots
-    assert list(told["robots"]) == list(robots)
-    assert told["obstacles"] == {
-        known.id: {"center": place(known.area.center), "radius": known.area.radius}
-        for known in mission.obstacles
-    }
+@contextmanager
+def anchored(url: str, *options: str) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    """Run a world that has started a program; yield it and the process ID of the program."""
+    with started(ANCHORED, url, *options, mission="undersea") as served:
+        try:
+            assert served.stdout is not None
+            program = int(served.stdout.readline())
+            assert "serves at" in served.stdout.readline()
+            assert is_running(program)
+            yield served, program
+        finally:
+            served.kill()
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 0), (signal.SIGKILL, -9)]
+)
+def test_a_signal_ends_a_world_and_what_it_started(number, code):
+    with EmbeddedBridge() as server, anchored(server.url) as (served, program):
+        served.send_signal(number)
+        assert served.wait(timeout=30) == code
+        wait_for(lambda: not is_running(program))
+
+
+def test_an_error_ends_what_a_world_started():
+    with EmbeddedBridge() as server, anchored(server.url) as (served, program):
+        with going(server.url, 1, 5, 0):
+            assert served.wait(timeout=30) == 1
+        assert not is_running(program)
+
+
+def test_a_lost_connection_ends_what_a_world_started():
+    with EmbeddedBridge() as server, anchored(server.url) as (served, program):
+        server.close()
+        assert served.wait(timeout=30) == 1
+        assert not is_running(program)
+
+
+@pytest.mark.parametrize(("late", "expected"), [("0", []), ("3", [3])])
+def test_a_world_reports_how_many_commands_came_too_late(late, expected):
+    with (
+        EmbeddedBridge() as server,
+        anchored(server.url, "--late", late),
+        going(server.url, 1, 0, 0, listened=[TICK]) as messages,
+    ):
+        *_, n_obeyed = (numbers := messages.get(timeout=30)["data"])[:4]
+
+    assert n_obeyed == 0
+    assert numbers[4:] == expected
+
+
+def test_a_world_may_sample_by_itself():
+    topics = [Topic("/nautilus/sensor1/samples", "std_msgs/Int64")]
+    energy = [Topic("/nautilus/energy", "std_msgs/Float64")]
+    with EmbeddedBridge() as server, anchored(server.url):
+        with going(server.url, 1, 0, 0, listened=topics) as messages:
+            n_valid = messages.get(timeout=30)["data"]
+        with going(server.url, 1, 0, 0, listened=energy) as messages:
+            left = messages.get(timeout=30)["data"]
+
+    assert n_valid == 2
+    assert left == pytest.approx(27000.0 - 3 * (3.0 + 2.4 + 2.1))
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (("--mission", "nowhere"), "nowhere: [Errno 2] No such file or directory: 'nowhere'"),
+        (("--prefix", "world"), "--prefix: found 'world'; expected a name such as /world"),
+    ],
+)
+def test_what_a_world_does_not_fly_is_refused_in_one_line(options, problem):
+    with started(WORLDS / OURS / "world.py", "ws://127.0.0.1:9", *options) as refused:
+        _, told = refused.communicate(timeout=30)
+
+    assert refused.returncode == 2
+    assert told.endswith(f"{problem}\n")
+    assert "Traceback" not in told

@@ -10,11 +10,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from websockets.frames import Frame, Opcode
 from websockets.sync.client import ClientConnection, connect
 
 HUSKY, TWIST = "/husky1/cmd_vel", "geometry_msgs/Twist"
+RESET = "/patrol/reset"
 
 
 def say(socket: ClientConnection, op: str, **values: object) -> None:
@@ -39,6 +41,19 @@ def say_another_type(socket: ClientConnection) -> None:
     say(socket, "publish", topic=HUSKY, msg={"data": "ahead"})
 
 
+def serve(socket: ClientConnection, call: dict[str, object]) -> None:
+    """Reset, which succeeds."""
+    done = {"values": {"success": True, "message": ""}, "result": True}
+    say(socket, "service_response", id=call["id"], service=RESET, **done)
+
+
+def listen_late(socket: ClientConnection) -> None:
+    """Serve a reset for a second before it subscribes; whoever calls then is too early."""
+    say(socket, "advertise_service", service=RESET, type="std_srvs/Trigger")
+    with suppress(TimeoutError):
+        sys.exit(f"too early: {socket.recv(1.0)!r}")
+
+
 def leave(socket: ClientConnection) -> None:
     socket.close()
     time.sleep(600)
@@ -59,6 +74,8 @@ WRONG: dict[str, Callable[[ClientConnection], object]] = {
     "says a text": lambda socket: drive(socket, "fast"),
     "says another type": say_another_type,
     "says no JSON": lambda socket: socket.send("ahead!"),
+    "does nothing wrong": drive,
+    "listens late": drive,
     "clings to life": lambda _: signal.signal(signal.SIGTERM, signal.SIG_IGN),
 }
 """What a node does wrong when it hears for the fifth time."""
@@ -72,10 +89,14 @@ def main() -> None:
     with connect(url) as socket:
         if what == "is deaf":
             time.sleep(600)
+        if what == "listens late":
+            listen_late(socket)
         say(socket, "advertise", topic=HUSKY, type=TWIST)
         say(socket, "subscribe", topic="/husky1/odom", type="nav_msgs/Odometry")
-        for n_heard, _ in enumerate(socket):
-            if n_heard == 4:
+        for n_heard, message in enumerate(socket):
+            if json.loads(message)["op"] == "call_service":
+                serve(socket, json.loads(message))
+            elif n_heard == 4:
                 WRONG[what](socket)
             else:
                 drive(socket)

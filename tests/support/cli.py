@@ -88,6 +88,13 @@ def mrsfi_json(*arguments: str | Path, cwd: Path) -> Any:
     return json.loads(mrsfi(*arguments, "--json", cwd=cwd).stdout)
 
 
+def without_repetition(flown: dict[str, Any]) -> dict[str, Any]:
+    """Return what ``simulate --json`` printed without what only external parts may vary."""
+    left = {key: value for key, value in flown.items() if key not in {"flights", "late"}}
+    goals = [{k: v for k, v in goal.items() if k != "broken_in"} for goal in flown["goals"]]
+    return {**left, "goals": goals}
+
+
 def press(pid: int) -> None:
     """Press Ctrl-C."""
     os.killpg(pid, signal.SIGINT)  # as a terminal does: the workers get it too

@@ -16,19 +16,13 @@ from tests.support.tree import ROOT
 PAGE = ROOT / "docs" / "bus.md"
 
 
-def write_page_simulator(folder: Path, url: str, found: str = "", replaced: str = "") -> Path:
-    """Write the simulator for a server, with a text in it replaced, and return its file."""
-    name, text = _program(found, replaced)
-    path = folder / name
-    path.write_text(text.replace("ws://127.0.0.1:9090", url), encoding="utf-8")
-    return path
-
-
 @contextmanager
 def page_simulator(folder: Path, url: str, found: str = "", replaced: str = "") -> Iterator[None]:
     """Run the simulator beside the body."""
-    program = write_page_simulator(folder, url, found, replaced)
-    with subprocess.Popen([sys.executable, program]) as running:
+    name, text = _program(found, replaced)
+    program = folder / name
+    program.write_text(text, encoding="utf-8")
+    with subprocess.Popen([sys.executable, program, url]) as running:
         try:
             yield
         finally:
@@ -38,7 +32,12 @@ def page_simulator(folder: Path, url: str, found: str = "", replaced: str = "") 
 def join_page_simulator(transport: topics.Transport, found: str = "", replaced: str = "") -> None:
     """Have the simulator join a transport of this process, which it takes for roslibpy."""
     name, text = _program(found, replaced)
-    for line in ("import threading\n", "import roslibpy\n", "threading.Event().wait()\n"):
+    for line in (
+        "import sys\n",
+        "import threading\n",
+        "import roslibpy\n",
+        "threading.Event().wait()\n",
+    ):
         assert line in text
         text = text.replace(line, "")
     ros = SimpleNamespace(run=lambda: None)
@@ -47,7 +46,7 @@ def join_page_simulator(transport: topics.Transport, found: str = "", replaced: 
         Topic=lambda _, *words: _Topic(transport, topics.Topic(*words)),
         Service=lambda _, *words: _Service(transport, topics.Service(*words)),
     )
-    exec(compile(text, name, "exec"), {"roslibpy": roslibpy})
+    exec(compile(text.replace("sys.argv[1]", '""'), name, "exec"), {"roslibpy": roslibpy})
 
 
 def _program(found: str, replaced: str) -> tuple[str, str]:

@@ -12,15 +12,15 @@ from mrsfi_runtime.kernel.commands import feasible, release
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import Payload, PrefixedTransport, Service, Topic
+from mrsfi_runtime.transport.topics import Payload, PrefixedTransport, Service, Topic, Transport
 
 
 class StandIn:
     """The reactions of a mission, and the belief that they act on."""
 
-    def __init__(self, directory: Path, url: str, ros: int, seed: int, prefix: str = "") -> None:
+    def __init__(self, directory: Path, transport: Transport, seed: int) -> None:
         self.code = load_code(directory)
-        self.transport = PrefixedTransport(RosbridgeTransport(url, ros=ros), prefix)
+        self.transport = transport
         self.ci = initial_state(self.code.mission, seed)
         self.setup = (0, 0)
         self.heard = 0
@@ -129,8 +129,9 @@ def main() -> None:
     import threading
 
     ended = threading.Event()
-    node = StandIn(Path(directory), url, int(ros), int(seed), *prefix)
-    node.transport.watch(lambda error: (sys.stderr.write(f"{error!r}\n"), ended.set()))
+    transport = PrefixedTransport(RosbridgeTransport(url, ros=int(ros)), "".join(prefix))
+    StandIn(Path(directory), transport, int(seed))
+    transport.watch(lambda error: (sys.stderr.write(f"{error!r}\n"), ended.set()))
     ended.wait()
 
 

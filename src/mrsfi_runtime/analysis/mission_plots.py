@@ -31,6 +31,7 @@ from mrsfi_runtime.model.mission import Coordinates, Goal, Mission, Offsets
 Place: TypeAlias = tuple[float, float]
 
 _MANY_OBSTACLES = 40  # above this number, obstacles have no labels
+_MANY_LABELS = 200  # above this number, the map of a mission has none
 _MOST_LABELS = 12  # on the map of a flight
 _WAITING, _ACTIVE = 0.15, 0.75  # opacity of the windows of faults
 _N_FRAMES = 100
@@ -44,7 +45,7 @@ def mission_map(mission: Mission) -> Figure:
         colours = _colours(mission)
         near = figure.add_subplot(grid[:, 0])
         _draw_mission(near, mission, colours)
-        labels = _labelled(near, mission, colours)
+        labels = _readable(_labelled(near, mission, colours))
         x, y, half = working_window(mission)
         title = f"Mission {mission.name}: working area"
         _set_window(near, (x, y, half), title, mission.distance_unit)
@@ -224,6 +225,15 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
             other.set_visible(False)
 
 
+def _readable(labels: Sequence[Annotation]) -> Sequence[Annotation]:
+    """Keep all labels, or none if they are too many to be read."""
+    if len(labels) <= _MANY_LABELS:
+        return labels
+    for label in labels:
+        label.remove()
+    return ()
+
+
 def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
     """Keep a readable number of labels: of robots that faults affect, other robots, goals."""
     struck = story.struck
@@ -254,9 +264,10 @@ def _draw_mission(
         _disc(axes, _of(area.center), area.radius, ROCK, INK, 0.8, 2, area.offsets)
     size, edge = (14, 0.2) if is_small else (95, 0.8)
     for robot in mission.robots:
-        (x, y), colour = _of(robot.position), colours[robot.id]
-        _disc(axes, (x, y), robot.radius, colour, PAPER, edge, 2.5)
-        axes.scatter([x], [y], s=size, marker="^", color=colour, ec=PAPER, lw=edge, zorder=3)
+        _disc(axes, _of(robot.position), robot.radius, colours[robot.id], PAPER, edge, 2.5)
+    xs, ys = zip(*(_of(robot.position) for robot in mission.robots), strict=True)
+    style: dict[str, Any] = {"marker": "^", "color": [*colours.values()], "ec": PAPER}
+    axes.scatter(xs, ys, s=size, lw=edge, zorder=3, **style)
 
 
 def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[Annotation]:
@@ -294,7 +305,8 @@ def _disc(
     order: float,
     offsets: Offsets = (),
 ) -> None:
-    axes.add_patch(_shape(spot, radius, offsets, fc=face, ec=edge, lw=width, zorder=order))
+    shape = _shape(spot, radius, offsets, fc=face, ec=edge, lw=width, zorder=order)
+    axes.add_artist(shape)  # without looking for limits: the window has them
 
 
 def _shape(spot: Place, radius: float, offsets: Offsets, **style: Any) -> Patch:
@@ -316,12 +328,13 @@ def _key(marker: str, words: str, **style: Any) -> Line2D:
 
 
 def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
-    radius = mission.units.quantity(mission.area.radius, Range.X, 6)
+    radius, n = mission.units.quantity(mission.area.radius, Range.X, 6), len(mission.robots)
     return [
         *(
             _key("^", f"start of {each.name or each.id} ({each.id})", ms=9, color=colours[each.id])
-            for each in mission.robots[:_MANY_OBSTACLES]
+            for each in mission.robots[: n if n <= _MANY_OBSTACLES else _MOST_LABELS]
         ),
+        *[_key("^", f"starts of {n} robots in all", ms=9, color=SOFT)][: n > _MANY_OBSTACLES],
         Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
         *(
             Line2D([], [], color=SOFT, label="trajectory or route of a goal", **_TRAJECTORY)

@@ -35,8 +35,7 @@ from mrsfi_runtime.analysis.summary import (
 )
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
-from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.weakness import MEASURES
+from mrsfi_runtime.causes.mildest import GoalWeakness, gravity, least
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
@@ -144,7 +143,7 @@ def write_report(  # noqa: PLR0913 - most have a default
                 page = campaign_page(summary, store, partial(_next, layout, summary))
             with _writing(folder, "flights"):
                 engine = store.manifest.engine
-                is_ours = engine.url is None and engine.node is None  # others may fly for minutes
+                is_ours = not engine.is_foreign  # others may fly for minutes
                 n_left = MOST_BYTES - len(document(page)) if is_ours else 0
                 page |= _flights(layout, summary, fly, n_left)
             with _writing(folder, "page"):
@@ -209,16 +208,16 @@ def _flights(
     """
     mission, weaknesses = summary.mission, summary.weaknesses
     first = {each.weakness.number for each in summary.verdicts if each.weakness}
-    severity = {each.goal: each.severity for each in summary.verdicts}
     n_flights = sum(1 + len(each.faults) for each in weaknesses if each.number in first)
     stride, fault_free = story.stride(mission, n_flights), None
     with suppress(MrsfiError):
         fault_free = story.packed(story.motion(mission, record(()), stride)) if first else None
     n_left -= len(fault_free or "")
 
-    def rank(weakness: GoalWeakness) -> tuple[bool, int, int, bool]:
-        grave = -MEASURES.index(weakness.measure), -severity[weakness.goal]
-        return weakness.number not in first, *grave, not weakness.is_undetected
+    grave = gravity(mission)
+
+    def rank(weakness: GoalWeakness) -> tuple[bool, int, int, bool, int]:
+        return weakness.number not in first, *grave(weakness)
 
     shown: dict[int, str] = {}
     for weakness in sorted(weaknesses, key=rank):

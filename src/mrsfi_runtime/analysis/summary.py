@@ -256,6 +256,7 @@ def _ranked(
         **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in results.items()},
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
+        **({"repetition": flown._asdict()} if (flown := outcome.repetition) else {}),
         "weaknesses": [each.number for each in found],
         "specification": [{"fault": fault.fault.id, **fault.as_json()} for fault in faults],
     }

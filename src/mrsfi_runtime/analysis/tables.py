@@ -23,7 +23,7 @@ from html import escape
 from itertools import chain, zip_longest
 from operator import itemgetter
 from statistics import linear_regression
-from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
+from typing import TYPE_CHECKING, Any, TextIO, TypeAlias, TypeGuard
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from mrsfi_runtime.errors import printable
@@ -38,6 +38,8 @@ from mrsfi_runtime.model.mission import (
     Margin,
     Mission,
     Outcome,
+    Repetition,
+    interval_in_words,
     with_id,
 )
 from mrsfi_runtime.record.observers import NamedFault
@@ -282,18 +284,40 @@ COUNTS = (
 MOST_LISTED = 100_000
 """Evaluations that ``evaluations.csv`` lists, at most."""
 
-_FAILED_FROM = "failed from"
+_FAILED_FROM, _BROKEN_IN = "failed from", "broken in"
 
 
 def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
-    """Return the results of each goal, in model order."""
+    """Return the results of each goal, in model order.
+
+    If it was flown several times, the last column has in how many flights a goal was violated or
+    missed, with the 95 % interval of that share.
+    """
     counted = [name for name in COUNTED if name != "missed"]
     counts = [getattr(outcome, name) for name in counted]
     since = outcome.missed_since(mission.duration)
     found = zip(mission.goals, zip(*counts, since, strict=True), outcome.samples, strict=True)
     rows = [(goal.id, goal.task.name, *cells, _samples(goal, n)) for goal, cells, n in found]
-    words = ("goal", "task")
-    return Table(title, (*words, *counted, _FAILED_FROM, "samples"), rows, words, is_compact=True)
+    words, columns = ("goal", "task"), (*counted, _FAILED_FROM, "samples")
+    if _is_repeated(outcome.repetition):
+        n, broken = outcome.repetition.n_flights, outcome.repetition.broken
+        shares = (f"{k} of {n} {interval_in_words(k, n)}" for k in broken)
+        rows = [(*row, share) for row, share in zip(rows, shares, strict=True)]
+        columns += (_BROKEN_IN,)
+    return Table(title, (*words, *columns), rows, words, is_compact=True)
+
+
+def _is_repeated(repetition: Repetition | None) -> TypeGuard[Repetition]:
+    return repetition is not None and repetition.n_flights > 1
+
+
+def late_in_words(mission: Mission, outcome: Outcome) -> str:
+    """Return how many ticks were late; empty if none was."""
+    found = outcome.repetition
+    if found is None or not found.n_late:
+        return ""
+    n_ticks = found.n_flights * mission.duration
+    return f"Commands came too late in {found.n_late} of {n_ticks:,} ticks"
 
 
 def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
@@ -302,6 +326,8 @@ def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
     margins = outcome.margins or [None] * len(mission.goals)
     least, ticks = zip(*(each or (None, None) for each in margins), strict=True)
     results |= {"margin": least, "nearest": ticks}
+    if outcome.repetition is not None:
+        results["broken_in"] = outcome.repetition.broken
     return [
         {"id": goal.id, "task": goal.task.name, **dict(zip(results, counts, strict=True))}
         for goal, *counts in zip(mission.goals, *results.values(), strict=True)
@@ -367,7 +393,8 @@ def critical_table(
     """Return the most critical specifications with fitness, results of each goal, and faults.
 
     Each has a line for believed violations, one for true ones, and one for the tick from which on a
-    goal failed. A measure of the campaign that is none of these has a line before them.
+    goal failed. A measure of the campaign that is none of these has a line before them; the number
+    of flights in which a goal broke has one after them, if there are several.
     """
     rows: list[tuple[Cell, ...]] = []
     for rank, each in enumerate(top, 1):
@@ -392,6 +419,8 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
     yield ("true", *map(str, evaluation.outcome.true))
     since = evaluation.outcome.missed_since(measure.duration)
     yield (_FAILED_FROM, *map(in_words, since))
+    if _is_repeated(found := evaluation.outcome.repetition):
+        yield (_BROKEN_IN, *(f"{k} of {found.n_flights}" for k in found.broken))
 
 
 def map_table(title: str, mission: Mission) -> Table:
@@ -477,8 +506,18 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
 
 
 def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
-    """Return evaluations in ten columns, with counts over all goals, and the goals that failed."""
-    rows = (
+    """Return evaluations in ten columns, with counts over all goals, and the goals that failed.
+
+    If they were flown several times, an eleventh has in how many flights which goals broke.
+    """
+
+    def broken(found: Repetition) -> str:
+        counted = zip(measure.goals, found.broken, strict=True)
+        return " ".join(f"{goal} {k}/{found.n_flights}" for goal, k in counted if k)
+
+    flown = [*flown]
+    repeated = [each.outcome.repetition for each in flown]
+    rows: Iterable[tuple[Cell, ...]] = (
         (
             each.index,
             each.generation,
@@ -493,4 +532,9 @@ def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure
         for each in flown
     )
     first = ("evaluation", "generation", "fitness", "faults", "fault-ticks")
-    return Table(title, (*first, *COUNTED[:-1], "goals failed"), rows)
+    columns: tuple[str, ...] = (*first, *COUNTED[:-1], "goals failed")
+    found = [broken(each) for each in repeated if _is_repeated(each)]
+    if found and len(found) == len(flown):
+        rows = ((*row, each) for row, each in zip(rows, found, strict=True))
+        columns += (_BROKEN_IN,)
+    return Table(title, columns, rows)

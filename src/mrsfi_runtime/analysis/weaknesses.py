@@ -19,6 +19,7 @@ from typing import Any
 
 from mrsfi_runtime.analysis.tables import Cell, Table, nearness
 from mrsfi_runtime.causes.cause_set import Column
+from mrsfi_runtime.causes.confirmation import transfers
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.missing import Estimate
@@ -188,15 +189,14 @@ def effect_class(weakness: GoalWeakness) -> str:
 
 
 def evidence(weakness: GoalWeakness) -> str:
-    """Return in sentences in how many variants and mission seeds a weakness holds."""
+    """Return in sentences in how many variants, mission seeds and worlds a weakness holds."""
     shown = weakness.shown
     does = "violate the goal in belief" if shown.column.kind == MEASURES[0] else "break the goal"
     flown = f"{counted(shown.n_tried, 'variants')} flown to isolate the faults"
     estimate = f", an estimated {shown.share_in_words}" if shown.weighted else ""
-    return (
-        f"Of {flown}, {shown.n_broken} {does}{estimate}. "
-        f"This one does in {shown.n_held} of {counted(shown.n_seeds, 'mission seeds')}"
-    )
+    seeds = f"This one does in {shown.n_held} of {counted(shown.n_seeds, 'mission seeds')}"
+    of = f"Of {flown}, {shown.n_broken} {does}{estimate}"
+    return ". ".join((of, seeds, *(each.sentence for each in weakness.elsewhere)))
 
 
 def broken_by(weakness: GoalWeakness, units: Units) -> str:
@@ -255,8 +255,9 @@ class GoalVerdict:
     ``label`` is the name before the ID. ``cause`` says when the goal breaks, ``detection`` whether
     the CI detects it, ``depth`` how far it is beyond its limit, ``strength`` in how many mission
     seeds and variants, ``bound`` how many other specifications may break it. ``nearest`` is the
-    closest approach of a goal that was not truly broken. ``stakes`` has its requirements, severity
-    and integrity level. Texts may be empty.
+    closest approach of a goal that no weakness truly breaks; ``is_unexplained`` says that it was
+    violated there. ``stakes`` has its requirements, severity and integrity level. Texts may be
+    empty.
     """
 
     goal: str
@@ -273,6 +274,7 @@ class GoalVerdict:
     depth: str = ""
     severity: int = 0
     stakes: str = ""
+    is_unexplained: bool = False
 
     @property
     def words(self) -> str:
@@ -350,6 +352,7 @@ def _verdict(
     limit = f"{others} that break it: at most {100 * unknown:.0f} % ({known.known.confidence})"
     needed = max(known.known.flights_to_bound(Column(goal.id, measure)) for measure in MEASURES)
     none = f"no bound yet on {others}; one of 10 % needs at least {needed:,} more flights"
+    near = known.nearest.get(goal.id)
     return GoalVerdict(
         goal=goal.id,
         name=mission.name_of(goal),
@@ -360,11 +363,12 @@ def _verdict(
         cause=cause,
         detection=detected,
         strength=strength,
-        nearest=_nearest_in_words(mission, goal, known.nearest.get(goal.id)),
+        nearest=_nearest_in_words(mission, goal, near),
         depth=depth,
         bound=limit if unknown < 1.0 else none,
         severity=goal.severity,
         stakes=mission.stakes_of(goal.id),
+        is_unexplained=near is not None and near.is_violated,
     )
 
 
@@ -374,7 +378,7 @@ def _nearest_in_words(mission: Mission, goal: Goal, found: Nearest | None) -> st
     where = f"in evaluation {found.evaluation}"
     if found.margin is not None:
         where = f"at tick {found.margin[1]} of evaluation {found.evaluation}"
-        if found.margin[0] >= 0.0:
+        if not found.is_violated:
             near = nearness(mission, goal, found.margin)
             return f"closest approach: {near} from its limit, {where}"
         beyond = nearness(mission, goal, (-found.margin[0], 0))
@@ -500,6 +504,10 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
 def headline(goals: Sequence[GoalVerdict]) -> str:
     """Return in a sentence how many goals break, and under how many faults."""
     broken = [each for each in goals if each.state <= State.VIOLATED]
+    if not broken and (n_unexplained := sum(each.is_unexplained for each in goals)):
+        many = f"{_number(n_unexplained).capitalize()} of {_number(len(goals))} goals"
+        verb = "was" if n_unexplained == 1 else "were"
+        return f"{many} {verb} violated in the search, but the flights after it did not find why"
     if not broken:
         return "No faults were found that break a goal"
     is_failing = all(each.state is State.FAILS for each in broken)
@@ -525,7 +533,7 @@ def facts(
 ) -> Iterator[str]:
     """Yield sentences: undetected weaknesses, false alarms, risks, the elements to protect first.
 
-    Risks count what other campaigns found, too.
+    Before the last come the results in other worlds. Risks count what other campaigns found, too.
     """
     masked = {each.goal for each in known.goal_weaknesses if each.is_undetected}
     undetected = [each.label for each in goals if each.goal in masked]
@@ -540,6 +548,7 @@ def facts(
     if shares:
         least = "Truly violated or failed in at least this share of missions"
         yield f"{least}, {_ASSUMED}: {', '.join(shares)}"
+    yield from transfers(known.goal_weaknesses)
     yield from _protect_first(mission, pool, known)
 
 

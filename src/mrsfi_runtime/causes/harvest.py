@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes import protection, weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
+from mrsfi_runtime.causes.confirmation import Confirmation, confirmations
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import GoalWeakness, Mildest, goal_weaknesses, least, mildest
 from mrsfi_runtime.causes.weakness import (
@@ -267,7 +268,7 @@ KEPT = "weaknesses"
 """Key under which a record keeps weaknesses."""
 
 Progress: TypeAlias = Callable[[str, int, int, Known], None]
-"""Receives a unit (flights, then mildest variants), how many are done, the most there can be, and
+"""Receives a unit (flights, then bisections), how many are done, the most there can be, and
 the knowledge so far."""
 
 _N_EVALUATIONS = 20  # most evaluations to reduce of a column without weaknesses
@@ -283,6 +284,11 @@ class Nearest(NamedTuple):
     margin: Margin | None
     evaluation: int
 
+    @property
+    def is_violated(self) -> bool:
+        """Whether the goal was truly violated."""
+        return self.margin is None or self.margin[0] < 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Harvest:
@@ -291,7 +297,8 @@ class Harvest:
     ``n_flights`` were flown for ``weaknesses`` after the search; flights for ``mildest`` variants,
     of one weakness of each goal, are not counted. ``outcomes`` leaves out failed flights.
     ``yardstick`` is ``None`` before the flight without faults. ``nearest`` has the closest approach
-    of each goal that no weakness truly breaks.
+    of each goal that no weakness truly breaks. ``elsewhere`` has the results of weaknesses in other
+    worlds, by number.
     """
 
     known: Known
@@ -301,11 +308,14 @@ class Harvest:
     yardstick: Yardstick | None
     mildest: tuple[Mildest, ...] = ()
     nearest: Mapping[str, Nearest] = field(default_factory=dict)
+    elsewhere: Mapping[int, tuple[Confirmation, ...]] = field(default_factory=dict)
 
     @property
     def goal_weaknesses(self) -> tuple[GoalWeakness, ...]:
         """The weaknesses by goal and set of faults, numbered."""
-        return goal_weaknesses(self.weaknesses, self.mildest)
+        found = goal_weaknesses(self.weaknesses, self.mildest)
+        there = self.elsewhere.get
+        return tuple(replace(each, elsewhere=there(each.number, ())) for each in found)
 
     def with_seeds_of(self, found: Iterable[GoalWeakness]) -> Self:
         """Return it with weaknesses replaced by those that were flown in more mission seeds."""
@@ -325,6 +335,14 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
 
     A search by ``cover`` needs no harvest, but for other mission seeds.
     """
+    found, flights = _known_by(space, store), store.flights_elsewhere()
+    if found is None or not flights:
+        return found
+    results = confirmations(space, flights, found.goal_weaknesses)
+    return replace(found, elsewhere=results)
+
+
+def _known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     mission, seed = space.gate.mission, store.settings.mission_seed
     kept, flights = store.kept(KEPT, partial(_Kept.of, mission)), store.flights()
     if (
@@ -385,7 +403,7 @@ def harvest(
         yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
         known.learn((), yardstick.broken(fault_free))
         probing = _probing(space, store, known, yardstick, most)
-        while turn := probing.turn()[: _affordable(known, most - n_taken)]:
+        while turn := probing.turn()[: _affordable(known, most - n_taken, most)]:
             for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
                 known.learn(each, yardstick.broken(flown))
     weaknesses = known.weaknesses()
@@ -395,22 +413,23 @@ def harvest(
     if yardstick is not None:
         found = weakness.dated(yardstick, found, record)
     smallest = [each.shown for each in least(goal_weaknesses(found))]
-    shrunk = _reporting(smallest, on_progress, known)
-    mild = mildest(space, known, shrunk, prober, record, seeds[:N_MILD]) if smallest else ()
+    mild: tuple[Mildest, ...] = ()
+    if smallest:
+        mild = mildest(
+            space,
+            known,
+            smallest,
+            prober,
+            record,
+            seeds[:N_MILD],
+            lambda n_done, n_all: on_progress("bisections", n_done, n_all, known),
+        )
     to_protect = protection.ladder(mission, space.gate.pool, goal_weaknesses(found))
     prober([rest for _, rest in protection.closing(to_protect)], seeds[0])
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.counts, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
-
-
-def _reporting(
-    smallest: Sequence[Weakness], on_progress: Progress, known: Known
-) -> Iterator[Weakness]:
-    for n_done, each in enumerate(smallest):
-        on_progress("mildest variants", n_done, len(smallest), known)
-        yield each
 
 
 class _Kept(NamedTuple):
@@ -493,11 +512,14 @@ def _nearest(
     return found
 
 
-def _affordable(known: Known, left: int) -> int:
-    """Return how many flights may be next, if their findings are to be flown in other seeds."""
+def _affordable(known: Known, left: int, most: int) -> int:
+    """Return how many flights may be next, if their findings are to be flown in other seeds.
+
+    These have half of all flights at most, because few flights should still find something.
+    """
     n_others = N_SEEDS - 1
     witnesses = weakness.flown_with(known.weaknesses(are_weighted=False))
-    spare = left - n_others * (len(witnesses) + _N_PAIR)
+    spare = left - min(most // 2, n_others * (len(witnesses) + _N_PAIR))
     return max(0, spare) // N_SEEDS
 
 
@@ -522,7 +544,7 @@ def _probing(
         return store.evaluation(left[column].pop()).specification
 
     share = 0.4 * most / len(space.candidates)  # of the flights, for single faults
-    n_alone, rng = max(1, min(N_ALONE, int(share))), Random(store.settings.seed)
+    n_alone, rng = min(N_ALONE, int(share)), Random(store.settings.seed)
     return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 

@@ -10,17 +10,19 @@ weakness: a goal and a set of faults that breaks it, by up to three measures.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import combinations, groupby, starmap, takewhile
+from itertools import combinations, count, groupby, product, starmap
 from operator import add
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
     MEASURES,
     Breaking,
+    Broken,
     Known,
     Weakness,
     dated,
@@ -32,7 +34,11 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.state import PROPERTIES
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks, touched
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.search.space import SearchSpace
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.causes.confirmation import Confirmation
 
 N_SEEDS = 3
 """Mission seeds, the campaign's first among them, in which a variant must break the goal."""
@@ -43,6 +49,7 @@ N_STEPS = 14
 _N_STARTS = 5  # flown variants among which to look for one that holds in all seeds
 _FINE = 16  # bisection ends when its ends differ by no more than this part
 _LEAST = 0.001  # or by this share of the first error or window
+_AXES = ("off", "before", "after")  # of what is bisected of a fault
 _BROKEN = {
     "believed": ("is violated in belief", "violated it in belief", "violate it in belief"),
     "true": ("is violated", "violated it", "violate it"),
@@ -144,24 +151,44 @@ class Deviation:
         return f"an error of {self.in_words(timed).removesuffix(' off')}{unit}"
 
 
+_Flights: TypeAlias = tuple[Sequence[Specification], int]  # and their mission seed
+_Findings: TypeAlias = Sequence[Broken]
+Walk: TypeAlias = Generator[_Flights, _Findings, tuple[Specification, int]]
+"""Asks for flights, and returns a variant, and in how many mission seeds it breaks the goal."""
+
+
 def mildest(
     space: SearchSpace,
     known: Known,
-    found: Iterable[Weakness],
+    found: Sequence[Weakness],
     evaluate: EvaluateIn,
     record: Record,
     seeds: Sequence[int],
+    on_progress: Callable[[int, int], None] = lambda *_: None,
 ) -> tuple[Mildest, ...]:
     """Return the mildest variant of each weakness, in their order.
 
     A variant must break the goal in all ``seeds``, while no part of it does. If no starting variant
     does, it must do so in as many of the first seeds as the best one. ``known`` and ``record`` are
-    of the first seed.
+    of the first seed. ``on_progress`` receives how many bisections have ended, from 0 on, and how
+    many there are.
     """
-    deviation = Deviation(space, record(()))
+    deviation, n_ended = Deviation(space, record(())), count()
     flown = Breaking(space.gate.mission, evaluate, seeds)
     flown.known |= {(each, seeds[0]): broken for each, broken in known.flown.items()}
-    least = [_mildest(deviation, known, each, flown) for each in found]
+    most = sum(len(_AXES) * len(each.witness) for each in found)
+
+    def end() -> None:
+        on_progress(next(n_ended), most)
+
+    end()
+    walks = []
+    for each in found:
+        breaking = known.breaking(each.column, frozenset(each.faults))
+        starts = (*sorted(breaking, key=deviation.size)[:_N_STARTS], each.witness)
+        walks.append(_shrunk(deviation, starts, each.column, seeds, end))
+    ended = zip(found, _side_by_side(walks, flown), strict=True)
+    least = [_mildest(deviation, known, flown, each, *shrunk) for each, shrunk in ended]
     with_ticks = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record)
     return tuple(replace(each, weakness=one) for each, one in zip(least, with_ticks, strict=True))
 
@@ -198,44 +225,87 @@ def tried_map(
     )
 
 
-def _n_held(flown: Breaking, column: Column, tried: Specification) -> int:
+def _side_by_side(
+    walks: Sequence[Walk], flown: Breaking
+) -> Iterator[tuple[Specification, int, int]]:
+    """Yield what each walk returns, and how many new flights it asked for first."""
+    ends, n_flights = {}, Counter[int]()
+    asked = {place: next(walk) for place, walk in enumerate(walks)}
+    while asked:
+        ((seed, _),) = Counter(seed for _, seed in asked.values()).most_common(1)
+        served = [place for place in asked if asked[place][1] == seed]
+        first = {each: place for place in reversed(served) for each in asked[place][0]}
+        new = {each: place for each, place in first.items() if (each, seed) not in flown.known}
+        n_flights.update(new.values())
+        flown([*new], seed)
+        for place in served:
+            try:
+                asked[place] = walks[place].send(flown(*asked[place]))
+            except StopIteration as end:
+                ends[place] = end.value
+                del asked[place]
+    return ((*ends[place], n_flights[place]) for place in range(len(walks)))
+
+
+def _n_held(
+    column: Column, tried: Specification, seeds: Sequence[int]
+) -> Generator[_Flights, _Findings, int]:
     """Return in how many seeds, one after the other, a variant breaks it, and no part does."""
     whole = [form(tried), *map(form, parts(tried))]
-    return len([*takewhile(lambda seed: flown.isolates(column, whole, seed), flown.seeds)])
+    for n_held, seed in enumerate(seeds):
+        broken, *alone = yield whole, seed
+        if column not in broken.difference(*alone):
+            return n_held
+    return len(seeds)
 
 
 def _shrunk(
-    deviation: Deviation, starts: Iterable[Specification], column: Column, flown: Breaking
-) -> Specification:
-    """Return the mildest variant that is reached from the best of some starts."""
-    found = max(starts, key=lambda each: _n_held(flown, column, each))
-    n_held = _n_held(flown, column, found)
-    for place in range(len(found)) if n_held else ():
-        for axis in ("off", "before", "after"):
-            whole, broke, kept, share = found, 1.0, 0.0, 0.0
-            while broke - kept > max(broke / _FINE, _LEAST):
-                milder = deviation.milder(whole[place], **{axis: share})
-                tried = (*whole[:place], milder, *whole[place + 1 :])
-                clashes = any(starmap(deviation.space.clash, combinations(tried, 2)))
-                if not clashes and _n_held(flown, column, tried) >= n_held:
-                    broke, found = share, tried
-                else:
-                    kept = share
-                share = (kept + broke) / 2 if kept else broke / 4
-    return found
+    deviation: Deviation,
+    starts: Sequence[Specification],
+    column: Column,
+    seeds: Sequence[int],
+    end: Callable[[], None],
+) -> Walk:
+    """Return the mildest variant that is reached from the best of some starts, and its seeds.
+
+    ``end`` is called as each bisection ends.
+    """
+    found, n_held = starts[0], 0
+    for each in starts:
+        n = yield from _n_held(column, each, seeds)
+        found, n_held = (each, n) if n > n_held else (found, n_held)
+    least = n_held
+    for place, axis in product(range(len(found)), _AXES if least else ()):
+        whole, broke, kept, share = found, 1.0, 0.0, 0.0
+        while broke - kept > max(broke / _FINE, _LEAST):
+            milder = deviation.milder(whole[place], **{axis: share})
+            tried = (*whole[:place], milder, *whole[place + 1 :])
+            clashes = any(starmap(deviation.space.clash, combinations(tried, 2)))
+            n = 0 if clashes else (yield from _n_held(column, tried, seeds))
+            if n >= least:
+                broke, found, n_held = share, tried, n
+            else:
+                kept = share
+            share = (kept + broke) / 2 if kept else broke / 4
+        end()
+    return form(found), n_held
 
 
-def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: Breaking) -> Mildest:
-    before, column = flown.n_flown.total(), weakness.column
-    faults = frozenset(weakness.faults)
-    breaking = [*known.breaking(column, faults)]
-    starts = (*sorted(breaking, key=deviation.size)[:_N_STARTS], weakness.witness)
-    shrunk = form(_shrunk(deviation, starts, column, flown))
-    as_flown = {form(each): each for each in breaking}
+def _mildest(
+    deviation: Deviation,
+    known: Known,
+    flown: Breaking,
+    weakness: Weakness,
+    shrunk: Specification,
+    n_held: int,
+    n_flights: int,
+) -> Mildest:
+    column, faults = weakness.column, frozenset(weakness.faults)
+    as_flown = {form(each): each for each in known.breaking(column, faults)}
     least = replace(
         weakness,
         witness=as_flown.get(shrunk, shrunk),
-        n_held=_n_held(flown, column, shrunk),
+        n_held=n_held,
         n_seeds=len(flown.seeds),
     )
     tried: dict[Specification, bool] = {}
@@ -244,7 +314,7 @@ def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: Brea
             tried[each] = tried.get(each, False) or column in broken
     off = (deviation.in_words(each) if deviation.share(each) else "" for each in least.witness)
     sentence = _sentence(deviation, least, tried)
-    return Mildest(least, sentence, flown.n_flown.total() - before, tuple(off))
+    return Mildest(least, sentence, n_flights, tuple(off))
 
 
 def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specification, bool]) -> str:
@@ -284,7 +354,8 @@ class GoalWeakness:
     """A numbered weakness, from 1: a goal, and a minimal set of the pool's faults that breaks it.
 
     ``by`` has a ``Weakness`` for each measure by which they break it, in the order of ``MEASURES``;
-    ``mildest`` is the mildest variant by the gravest measure, if one was sought.
+    ``mildest`` is the mildest variant by the gravest measure, if one was sought. ``elsewhere`` has
+    its results in other worlds.
     """
 
     number: int
@@ -292,6 +363,7 @@ class GoalWeakness:
     faults: tuple[str, ...]
     by: tuple[Weakness, ...]
     mildest: Mildest | None = None
+    elsewhere: "tuple[Confirmation, ...]" = ()
 
     @property
     def shown(self) -> Weakness:
@@ -350,3 +422,18 @@ def least(weaknesses: Iterable[GoalWeakness]) -> tuple[GoalWeakness, ...]:
 
     by_goal = groupby(weaknesses, key=lambda each: each.goal)
     return tuple(min(some, key=size).at_least for _, some in by_goal)
+
+
+def gravity(mission: Mission) -> Callable[[GoalWeakness], tuple[int, int, bool, int]]:
+    """Return the key by which weaknesses are sorted, the gravest first.
+
+    Those that make a goal fail come first, then true violations. Of equal ones, the more severe
+    goals, then undetected weaknesses come first.
+    """
+    severity = {goal.id: goal.severity for goal in mission.goals}
+
+    def key(each: GoalWeakness) -> tuple[int, int, bool, int]:
+        grave = -MEASURES.index(each.measure), -severity[each.goal]
+        return *grave, not each.is_undetected, each.number
+
+    return key

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple, Self, TypeAlias
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError, counted
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.model.fault_types import Units
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Mission, Outcome
@@ -68,10 +69,12 @@ class Yardstick:
 
     def broken(self, flown: Evaluated | None) -> Broken:
         """Return the columns that a flight breaks; none if the evaluation ended with an error."""
-        if not isinstance(flown, Outcome):
-            return frozenset()
-        judged = zip(self.columns, _counts(flown), self.most, strict=True)
-        return frozenset(column for column, count, most in judged if count > most)
+        return frozenset(self.over(flown) if isinstance(flown, Outcome) else ())
+
+    def over(self, counts: Outcome | Verdicts) -> Iterator[Column]:
+        """Yield the columns that are broken by counts, also of a flight that has not ended."""
+        judged = zip(self.columns, _counts(counts), self.most, strict=True)
+        return (column for column, count, most in judged if count > most)
 
     def late(self, flown: Outcome) -> Iterator[tuple[str, float]]:
         """Yield the goals that a flight truly breaks, and by how many ticks detection is late."""
@@ -91,9 +94,9 @@ class Yardstick:
         return found
 
 
-def _counts(outcome: Outcome) -> Iterator[int]:
-    """Yield the counts of an outcome by column."""
-    found = [getattr(outcome, measure) for measure in MEASURES]
+def _counts(counts: Outcome | Verdicts) -> Iterator[int]:
+    """Yield counts by column."""
+    found = [getattr(counts, measure) for measure in MEASURES]
     return (count for goal in zip(*found, strict=True) for count in goal)
 
 
@@ -407,7 +410,7 @@ class Weakness:
             "goal": self.column.goal,
             "measure": self.column.kind,
             "faults": list(self.faults),
-            "witness": [*map(_as_json, self.witness)],
+            "witness": [*map(timed_as_json, self.witness)],
             "share": self.share,
             "tried": self.n_tried,
             "broken": self.n_broken,
@@ -438,7 +441,7 @@ class Weakness:
         )
 
 
-def _as_json(timed: TimedFault) -> dict[str, Any]:
+def timed_as_json(timed: TimedFault) -> dict[str, Any]:
     """Return a timed fault as plain values, with its trigger only if it has one."""
     row = timed._asdict() | {"values": [*timed.values]}
     return row if timed.trigger else {name: row[name] for name in row if name != "trigger"}

@@ -168,7 +168,7 @@ def print_found(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
         (campaign.mission, campaign.pool),
     )
     rows = (
-        row | {"decision": decided(each)}
+        row | {"decision": decided(each), "elsewhere": [one.as_json() for one in each.elsewhere]}
         for each in found
         for row in weaknesses.as_json(mission, pool, each)
     )

@@ -1,10 +1,11 @@
-"""Commands that make a campaign and print its results: evolve, report, weaknesses, show, pack.
+"""Commands that make a campaign and print its results: evolve, report, weaknesses, confirm, pack.
 
 A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
 so that ``mrsfi --help`` loads no toolchain. One process at a time writes a campaign.
 """
 
 import datetime as dt
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +16,17 @@ from click.core import ParameterSource
 from mrsfi.engines import Given, chosen
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import FILE, OF_ENGINE, OneOf
-from mrsfi_runtime.cli.terminal import tell, write_file
-from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, expected
+from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell, write_file
+from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, counted, expected
 from mrsfi_runtime.model.faults import COSTS
-from mrsfi_runtime.record.engine_settings import AUTO, EngineSettings, Workers
+from mrsfi_runtime.record.engine_settings import (
+    AUTO,
+    CI,
+    INJECTOR,
+    ROSBRIDGE,
+    EngineSettings,
+    Workers,
+)
 from mrsfi_runtime.record.settings import ALGORITHM_NAMES, COVERING, MINIMISING, VIOLATIONS
 
 if TYPE_CHECKING:
@@ -26,6 +34,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+    from mrsfi.confirming import Budget
     from mrsfi_runtime.causes.mildest import GoalWeakness
 
 
@@ -109,7 +118,8 @@ def evolve_command(
 
     After the search, mrsfi flies at most as often again (and at most 1000 times) to find all
     weaknesses. Then it shrinks the smallest one of each goal to its mildest variant. It prints
-    these first; mrsfi weaknesses prints all. With an external simulation it only searches.
+    these first; mrsfi weaknesses prints all. If an external simulation or node does not repeat
+    itself, mrsfi only searches.
 
     \b
     Examples:
@@ -167,8 +177,7 @@ def _begun(
     **overrides: object,
 ) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
     from mrsfi.evolving import begun
-    from mrsfi.folders import campaign_file, find_mission
-    from mrsfi.loading import load_fresh
+    from mrsfi.folders import campaign_file, find_mission, load_fresh
     from mrsfi_runtime.record.decisions import decisions_of
     from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -397,6 +406,87 @@ def _write(
             if drawn_of is not None and map_path is not None:
                 of_map = (flown, evaluator, own.record, drawn_of, map_path.suffix)
                 write_file(map_path, of.map_of(*of_map))
+
+
+def _budget(_: click.Context, __: click.Parameter, text: str | None) -> "Budget | None":
+    from mrsfi.confirming import Budget
+
+    if text is None:
+        return None
+    if (found := re.fullmatch(r"([1-9]\d{0,8})([smh]?)", text)) is None:
+        what = f"found '{text}'; expected a number of flights, or a time such as 90s, 10m or 2h"
+        raise click.BadParameter(what)
+    number, unit = int(found[1]), {"s": 1.0, "m": 60.0, "h": 3600.0}.get(found[2])
+    return Budget(number) if unit is None else Budget(seconds=number * unit)
+
+
+@options.command(name="confirm")
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.option("--goal", metavar="G", help="Only weaknesses of this goal.")
+@click.option(
+    "--weakness",
+    "numbers",
+    type=int,
+    metavar="N",
+    multiple=True,
+    help="Only weakness N; repeatable.",
+)
+@click.option(
+    "--budget",
+    metavar="N|TIME",
+    callback=_budget,
+    help="At most N new flights, or begin none after 90s, 10m or 2h.",
+)
+@click.option("--anew", "is_anew", is_flag=True, help="Forget what was flown in this world before.")
+@options.worker_options
+@options.engine_options(default=ROSBRIDGE, sides=(CI, INJECTOR))
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
+def confirm_command(
+    run: Path,
+    goal: str | None,
+    numbers: tuple[int, ...],
+    budget: "Budget | None",
+    is_anew: bool,
+    engine: Given,
+    workers: Workers,
+    is_json: bool,
+) -> None:
+    """Fly the weaknesses of RUN in another world, and print which break the same goal there.
+
+    The other world is an external simulation, which --world starts, or one at --url. Each weakness
+    flies its listed variant, the gravest weaknesses first. Where that breaks its goal, mrsfi looks
+    for the mildest variant that breaks it there.
+
+    Each flight is recorded in RUN as it ends. The same command continues. If equal flights differ
+    in that world, each variant is flown three times, and a goal breaks if it breaks in more than
+    half of them.
+
+    \b
+    Examples:
+      mrsfi confirm runs/uuv_sampling-a-1 --world "python world.py {url}" --workers 2
+      mrsfi confirm runs/uuv_sampling-a-1 --url ws://127.0.0.1:9090 --budget 10m --goal g2
+      mrsfi confirm runs/uuv_sampling-a-1 --url ws://127.0.0.1:9090 --json | jq .share
+    """
+    from mrsfi import confirming
+    from mrsfi.explaining import weakness_of
+
+    def choose(found: "Sequence[GoalWeakness]") -> "list[GoalWeakness]":
+        goals = _chosen(goal, tuple(dict.fromkeys(each.goal for each in found)))
+        some = [weakness_of(run, found, number) for number in dict.fromkeys(numbers)] or found
+        return [each for each in some if each.goal in goals]
+
+    try:
+        found = confirming.confirm(run, engine, workers, choose, budget, tell, is_anew=is_anew)
+    except (KeyboardInterrupt, TransportError):
+        tell(f"flights that ended are kept in {run}; the same command continues")
+        raise
+    if is_json:
+        print_json(confirming.as_json(found))
+        return
+    print_table(confirming.table(found))
+    seconds = confirming.seconds_of(found)
+    print_words((f"In {found.world}, {found.transfer.words}", "bold"))
+    print_words(f"{counted(len(seconds), 'flights')} there, {sum(seconds):.0f} s of flight")
 
 
 @click.command(name="show")

@@ -70,8 +70,7 @@ def simulate_command(
     simulation, phantom (a false alarm: believed, not true), masked (undetected: true, not
     believed). A goal fails at the tick from which it can no longer be met; – if it was met.
     """
-    from mrsfi.folders import find_mission
-    from mrsfi.loading import load_fresh, read_specification
+    from mrsfi.folders import find_mission, load_fresh
     from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
 
     if no_faults and faults is not None:
@@ -91,6 +90,8 @@ def simulate_command(
     pool: FaultPool = code.pool
     specification: Specification = ()
     if faults is not None:
+        from mrsfi.loading import read_specification
+
         written = read_specification(faults, code, tell)
         pool, specification, flown = written.pool, written.specification, f"under {faults}"
         again += ["--faults", str(faults)]
@@ -100,7 +101,7 @@ def simulate_command(
     with open_engine(named(settings, code, seed, tell), code, seed) as flown_by:
         subject = Subject(title, [*again, "--seed", str(seed)], text)
         outcome = fly_recorded(flown_by, specification, pool, files, subject)
-    head = {"mission": code.mission.name, "duration": code.mission.duration, "seed": seed}
+    head = {"mission": folders.name, "duration": code.mission.duration, "seed": seed}
     head["digest"] = outcome.digest
     print_flight(code.mission, pool, specification, outcome, title, head if is_json else None)
 
@@ -112,7 +113,7 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
     def on_ready(url: str, _host: object) -> None:
         tell(f"simulation of {name} serves at {without_token(url)}; Ctrl-C ends it")
 
-    serve_simulation(code, settings, on_ready)
+    serve_simulation(code, settings, on_ready, tell)
 
 
 @options.command(name="replay")

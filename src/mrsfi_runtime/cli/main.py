@@ -35,6 +35,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "check": ("regressions", "Fly every kept weakness; fail if one exceeds its limit."),
     "compare": ("compare", "Compare two campaigns of a mission, or search algorithms on it."),
     "history": ("compare", "Print which weaknesses came, went and stayed over campaigns."),
+    "confirm": ("campaigns", "Fly the weaknesses of a campaign in another world, such as Gazebo."),
     "pack": ("campaigns", "Pack a campaign into one file that can be repeated elsewhere."),
     "bridge": ("flights", "Run a rosbridge server for simulators and collective intelligences."),
     "import": ("models", "Make a mission folder from a model of the paper's prototype."),
@@ -53,9 +54,12 @@ through a rosbridge server (the bus); mrsfi bridge is one that needs no ROS.
 Either side can be your own:
 
   --engine rosbridge                             both sides are mrsfi's
-  --engine rosbridge --url ws://… --side ci      your simulator, mrsfi's CI
+  --world "python world.py {url}"                your simulator, mrsfi's CI
+  --engine rosbridge --url ws://… --side ci      the same, at your server
   --engine rosbridge --url ws://… --side simulation    mrsfi's simulation alone
   --side injector --node "python node.py {url}"  your node as the CI
+  --side injector --url ws://… --world built-in  your node, at your server
+  --side injector --url ws://…                   your node and simulator there
 
 mrsfi.toml, at the root of the project, states the version of ROS and the
 topics of your node; mrsfi new NAME --node URL writes it from a server:

@@ -240,7 +240,8 @@ def rename_command(
     Either all files are written or none. A script beside the models that names an old ID, such as
     build.py, is not edited: rename prints its line.
     """
-    from mrsfi.folders import find_mission, rename, renaming
+    from mrsfi.folders import find_mission
+    from mrsfi.generating import rename, renaming
 
     print_metamodels()
     renamed = (renaming if diff else rename)(find_mission(mission, generated), names)
@@ -373,8 +374,8 @@ def generate_command(
       mrsfi generate uuv_sampling --diff      what would a changed model change?
       mrsfi generate uuv_sampling --check     for continuous integration
     """
-    from mrsfi.folders import diff as difference
     from mrsfi.folders import find_mission
+    from mrsfi.generating import diff as difference
 
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
@@ -390,7 +391,7 @@ def generate_command(
 
 
 def _write(folders: "MissionFolders", *, force: bool) -> None:
-    from mrsfi.folders import generate
+    from mrsfi.generating import generate
     from mrsfi_runtime.generated_code import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)

@@ -101,7 +101,6 @@ class OneOf(click.Choice[Any]):
 
 KINDS: Mapping[Any, click.ParamType[Any]] = {
     int: click.INT,
-    int | None: click.IntRange(1),
     float: click.FloatRange(min=0, min_open=True),
     Path | None: FILE,
 }
@@ -133,6 +132,12 @@ def options(
     return decorate
 
 
+def _kind(each: Field[Any]) -> click.ParamType[Any] | None:
+    if each.type == int | None:
+        return click.IntRange(each.metadata["least"])
+    return KINDS.get(each.type)
+
+
 def _option(
     each: Field[Any], default: str | None = None, choices: Sequence[Any] = ()
 ) -> Callable[[F], F]:
@@ -143,7 +148,7 @@ def _option(
         f"{engine_settings.flag(each)}/--no-{engine_settings.spelling(each)}"
         if each.type is bool
         else engine_settings.flag(each),
-        type=OneOf(choices) if choices else KINDS.get(each.type),
+        type=OneOf(choices) if choices else _kind(each),
         default=None,
         metavar=each.metadata["metavar"] or None,
         show_default=(default or each.default) if is_shown else None,

@@ -97,12 +97,17 @@ def print_flight(
     faults = named_faults(mission, pool, specification)
     if head is not None:
         goals = tables.goals_as_json(mission, outcome)
-        print_json({**head, "goals": goals, "faults": tables.faults_as_json(faults, outcome)})
+        flown = outcome.repetition
+        beside = {} if flown is None else {"flights": flown.n_flights, "late": flown.n_late}
+        listed = {"goals": goals, "faults": tables.faults_as_json(faults, outcome)}
+        print_json({**head, **beside, **listed})
         return
     print_table(tables.goal_table(title, mission, outcome))
     if near := tables.nearest_in_words(mission, outcome):
         print_words(near)
         print_words("")
+    if late := tables.late_in_words(mission, outcome):
+        print_words(f"{late}\n")
     if faults:
         print_table(tables.fault_table("Faults", faults, outcome))
 

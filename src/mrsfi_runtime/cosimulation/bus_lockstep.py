@@ -16,6 +16,7 @@ Source paper, section III-F.
 """
 
 import secrets
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from time import monotonic, sleep
@@ -34,6 +35,7 @@ from mrsfi_runtime.cosimulation.bus_topics import (
     CountedTopics,
     Go,
     Patience,
+    Process,
     Setup,
     Tick,
     numbers,
@@ -46,12 +48,20 @@ from mrsfi_runtime.cosimulation.lockstep import (
     Simulation,
     take_true_values,
 )
-from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    ProtocolError,
+    TransportClosed,
+    TransportError,
+    TransportTimeout,
+    counted,
+)
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.model.fault_types import SEMANTICS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import (
+    SEE_LOG,
     Payload,
     Reply,
     Service,
@@ -67,6 +77,10 @@ class BusLockstep:
 
     The ``mind`` answers received messages; by default, the generated reactions do. ``advertise``
     returns a function that publishes a command and counts it.
+
+    A ``process`` of the simulation is started before the first flight, or for each. After an error,
+    ``is_to_blame`` says whether it may have caused that, and has flown before. More late ticks than
+    ``most_late`` in a flight are a ``TransportError``; ``n_late`` are those of the last flight.
     """
 
     def __init__(
@@ -77,8 +91,14 @@ class BusLockstep:
         truth: tuple[Topic, ...],
         patience: Patience,
         mind: Mind | None = None,
+        process: Process | None = None,
+        most_late: int = 0,
     ) -> None:
         self._transport = transport
+        self._process = process
+        self._most_late = most_late
+        self._has_flown = self.is_to_blame = False
+        self.n_late = 0
         self._mind = mind or Mind()
         self._mission = mission
         self._patience = patience
@@ -110,8 +130,10 @@ class BusLockstep:
 
         Errors of the bus are raised as a ``TransportError`` that names run and tick.
         """
+        self.n_late = 0
         try:
             self._prepare(seed)
+            self._has_flown = True
             self._mind.begin(flight, self._run, seed)
             self._completion = Completion()
             for topic in (*self._truth, self._clock):
@@ -126,9 +148,10 @@ class BusLockstep:
             self._completion.wait(self._overdue)
             self._topics.close()
             self._mind.end()
-            self._call(STOP)
+            self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
+            self.is_to_blame = self._process is not None and self._has_flown
             where = "before tick 0" if self._flight is None else f"tick {self.tick}"
             raise type(error)(f"run {self._n_runs}, {where}: {error}") from error
         finally:
@@ -148,17 +171,20 @@ class BusLockstep:
         return self._session + self._n_runs
 
     def _prepare(self, seed: int) -> None:
-        """Reset the simulation until it answers for this run.
+        """Reset the simulation until it answers for this run; start it first if it does not run.
 
         Each request waits for its answer, because a reset may be slow.
         """
         self._n_runs += 1
         self._refusal = None
+        process = self._process
+        if process is not None and (process.restarts or process.ended() or not process.pid):
+            process.start(seed)
         deadline = monotonic() + self._patience.handshake
         is_overtaken = False
         while True:
             self._setup({"data": [*Setup(self._run, seed, SEMANTICS)]})
-            reply = self._call(RESET)
+            reply = self._call(RESET, self._patience.handshake)
             answer = reply.problem or str(reply.values.get("message"))
             if answer == f"run {self._run}":
                 return
@@ -168,28 +194,38 @@ class BusLockstep:
             if answer.startswith("run ") and not is_overtaken:
                 is_overtaken = True  # reset came before setup, as on a server of ROS 2
                 continue
+            if (ended := self._ending()) is not None:
+                raise ended
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {answer}; "
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
-                    "--url URL), or increase --timeout"
+                    f"--url URL), or increase --timeout; if one runs, {SEE_LOG}"
                 )
             sleep(0.1)
 
-    def _call(self, service: Service) -> Reply:
+    def _call(self, service: Service, timeout: float) -> Reply:
         """Call a service of the simulation and wait for its reply, or for its refusal."""
-        completion, timeout = Completion(), self._patience.tick
+        completion = Completion()
         self._completion = completion
         self._transport.call(service, {}, completion.end)
         late = TransportTimeout(
             f"the simulation did not answer {service.name} within {timeout:g} s; check that it "
             "still runs, or increase --timeout"
         )
-        completion.wait(lambda silence: self._refusal or (late if silence > timeout else None))
+        completion.wait(
+            lambda silence: self._ending() or self._refusal or (late if silence > timeout else None)
+        )
         reply: Reply = completion.result
         return reply
 
+    def _ending(self) -> TransportClosed | None:
+        how = "" if self._process is None else self._process.ended()
+        return TransportClosed(f"the simulation ended: {how}") if how else None
+
     def _overdue(self, silence: float) -> MrsfiError | None:
+        if (ended := self._ending()) is not None:
+            return ended
         error = self._mind.overdue(silence if self._is_thinking else 0.0)
         if error is not None or self._is_thinking:
             return error
@@ -199,7 +235,7 @@ class BusLockstep:
         reason = str(payload.get("data"))
         if self._topics.is_open:
             raise TransportError(f"the simulation failed: {reason}")
-        if self._flight is None and str(self._run) in reason:  # it cannot read the setup
+        if self._flight is None and str(self._run) in reason:  # its reset failed
             self._refusal = _refused(reason)
 
     def _on_tick(self, payload: Payload) -> None:
@@ -207,6 +243,7 @@ class BusLockstep:
         if not self._topics.is_open or reported.run != self._run:
             return
         self._completion.advance()
+        self._count_late(reported)
         is_complete = self._topics.announced(reported.tick, reported.n_messages)
         if reported.n_commands != self._topics.n_sent:
             raise ProtocolError(
@@ -216,6 +253,15 @@ class BusLockstep:
             )
         if is_complete:
             self._proceed()
+
+    def _count_late(self, reported: Tick) -> None:
+        self.n_late += reported.n_late > 0
+        if self.n_late > self._most_late:
+            raise TransportError(
+                f"commands came too late in {counted(self.n_late, 'ticks')}; expected at most "
+                f"{self._most_late} of {self._mission.duration}; let the simulator run slower, or "
+                "increase --late"
+            )
 
     def _proceed(self) -> None:
         flight, tick = self._flight, self._topics.tick
@@ -263,13 +309,16 @@ class BusLockstep:
 
 
 def _refused(reason: str) -> ProtocolError:
-    return ProtocolError(f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {reason}")
+    refuses = f"refuses {SETUP.name} of semantics {SEMANTICS}"
+    what = refuses if reason.startswith(REFUSAL) else "could not be set up"
+    return ProtocolError(f"the simulation {what}: {reason}")
 
 
 class SimulationHost:
     """Serves one generated simulation, run after run.
 
-    ``patience`` limits how long the CI may be silent during a run, and before it.
+    ``patience`` limits how long the other side may be silent during a run, and before its first
+    tick; a run that exceeds it is over, and ``tell`` receives that.
     """
 
     def __init__(
@@ -278,11 +327,13 @@ class SimulationHost:
         simulation: type[Simulation],
         mission: Mission,
         patience: Patience,
+        tell: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._patience = patience
+        self._tell = tell
         self._ros = transport.ros
         self._completion = Completion()
-        self._topics = CountedTopics(transport, "collective intelligence", self._fly)
+        self._topics = CountedTopics(transport, "collective intelligence or node", self._fly)
         self._run = 0
         self._failed_at: str | None = None
         self._setup: Setup | None = None
@@ -300,8 +351,8 @@ class SimulationHost:
     def serve(self) -> None:
         """Serve runs until ``stop`` is called.
 
-        Lost messages, a lost connection, and a CI that is silent during a run or has other
-        semantics are a ``TransportError``. Errors of the simulation's own code are raised as is.
+        Lost messages, a lost connection, and a CI of other semantics are a ``TransportError``.
+        Errors of the simulation's own code are raised as is.
         """
         self._completion.wait(self._overdue)
 
@@ -326,10 +377,21 @@ class SimulationHost:
         self._topics.close()  # the run stays at the tick at which it failed
         self._completion.fail(error)
 
+    def _abandon(self, error: TransportTimeout) -> None:
+        """End a run, and wait for the next one."""
+        reason = f"{self.where()}: {error}"
+        self._topics.close()
+        self._failure({"data": reason})
+        self._tell(f"{reason}; this run is over, the simulation waits for the next")
+
     def _overdue(self, silence: float) -> MrsfiError | None:
         if self._refusal is None:
             patience = self._patience.tick if self._topics.tick else self._patience.handshake
-            return self._topics.overdue(silence, patience)
+            error = self._topics.overdue(silence, patience)
+            if isinstance(error, TransportTimeout):
+                self._abandon(error)
+                return None
+            return error
         return self._refusal if silence > self._patience.tick else None
 
     def _on_setup(self, payload: Payload) -> None:

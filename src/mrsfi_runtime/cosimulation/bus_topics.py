@@ -21,10 +21,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Event
 from time import monotonic
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple, Protocol, TypeVar
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.transport.topics import (
+    SEE_LOG,
     NodeTransport,
     Payload,
     Publisher,
@@ -85,13 +86,16 @@ class Go(NamedTuple):
 class Tick(NamedTuple):
     """Numbers of ``TICK``.
 
-    ``n_messages`` were sent in this tick before it; ``n_commands`` were obeyed since the reset.
+    ``n_messages`` were sent in this tick before it; ``n_commands`` were obeyed since the reset. A
+    simulator that cannot be stepped adds ``n_late``: the commands of this tick that came after it
+    had moved on.
     """
 
     run: int
     tick: int
     n_messages: int
     n_commands: int
+    n_late: int = 0
 
 
 Numbers = TypeVar("Numbers", Setup, Go, Tick)
@@ -102,15 +106,16 @@ def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
 
     Another number of values, or values of another type, are a ``ProtocolError``.
     """
-    values = payload.get("data")
+    values, n_most = payload.get("data"), len(kind._fields)
+    n_least = n_most - len(kind._field_defaults)
     if (
         not isinstance(values, list)
-        or len(values) != len(kind._fields)
+        or not n_least <= len(values) <= n_most
         or not all(type(value) is int for value in values)
     ):
         raise ProtocolError(
-            f"{topic.name} carried {values!r}; expected {len(kind._fields)} integers: "
-            f"{', '.join(kind._fields)} (docs/bus.md)"
+            f"{topic.name} carried {values!r}; expected {n_least} integers: "
+            f"{', '.join(kind._fields[:n_least])} (docs/bus.md)"
         )
     return kind(*values)
 
@@ -237,16 +242,24 @@ class CountedTopics:
         """Return the error, if any, after so many seconds without progress."""
         if not self.is_open:
             return None
+        silent = ", ".join(sorted(self._topics - self._received))
         if self._n_expected is not None and silence > GRACE:
-            silent = ", ".join(sorted(self._topics - self._received))
+            what = "it flies another mission, with more topics"
+            if silent:
+                lost = f"none on {silent}: a message was lost"
+                what = lost if self.tick else f"{lost}, or {SEE_LOG}"
+            elif self.tick:
+                what = "it counted a message that it did not send, or one was lost"
             return TransportError(
                 f"{len(self._received)} of {self._n_expected} messages from the {self._sender} "
-                f"arrived; none on {silent}: a message was lost"
+                f"arrived; {what}"
             )
         if silence > timeout:
+            silent = silent or "the topic that ends a tick"
+            unheard = "" if self.tick else f"; nothing arrived on {silent}, {SEE_LOG}"
             return TransportTimeout(
                 f"the {self._sender} was silent for {timeout:g} s; check that it still runs, "
-                "or increase --timeout"
+                f"or increase --timeout{unheard}"
             )
         return None
 
@@ -399,6 +412,25 @@ class Completion:
             raise self._failure
 
 
+class Process(Protocol):
+    """An external program that is started here; ``pid`` is 0 while it does not run.
+
+    If ``restarts`` is set, each flight starts it anew, and otherwise the first.
+    """
+
+    pid: int
+    restarts: bool
+
+    def start(self, seed: int) -> None:
+        """End it if it runs, and start it for a mission seed."""
+
+    def stop(self) -> None:
+        """End it if it runs."""
+
+    def ended(self) -> str:
+        """Return how it ended, or an empty text while it runs."""
+
+
 ANSWER, BARRIER = "answer", "barrier"
 """The node publishes an answer, or it answers pings sent after the messages of the tick."""
 
@@ -408,15 +440,21 @@ PACES = (ANSWER, BARRIER)
 class Pace:
     """``answer``, ``barrier``, or a rate in ticks a second, which waits for no answer.
 
-    The argument ``barrier`` calls a function when all clients of a server have answered pings
-    sent after their messages.
+    The argument ``barrier`` calls a function when the node has answered pings, or another
+    ``question``, sent after its messages; ``settle`` takes what has arrived since.
     """
 
     def __init__(
-        self, kind: str, barrier: Callable[[Callable[[], None]], None] | None = None
+        self,
+        kind: str,
+        barrier: Callable[[Callable[[], None]], None] | None = None,
+        settle: Callable[[], None] = lambda: None,
+        question: str = "pings",
     ) -> None:
         self.kind = kind
+        self.settle = settle
         self._barrier = barrier
+        self._question = question
         self._start = 0.0
 
     @property
@@ -438,4 +476,4 @@ class Pace:
 
     def awaited(self, answer: str) -> str:
         """Return the awaited event in words."""
-        return f"a message on {answer}" if self.kind == ANSWER else "answers to pings"
+        return f"a message on {answer}" if self.kind == ANSWER else f"answers to {self._question}"

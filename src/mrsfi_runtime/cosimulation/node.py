@@ -15,16 +15,18 @@ uses, ``node_speech`` the content of its messages.
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic, sleep
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from mrsfi_runtime.cosimulation.bus_topics import (
     ANSWER,
+    BARRIER,
     CLOCK,
     SETUP,
     TICK,
     Completion,
     Pace,
     Patience,
+    Process,
     Setup,
 )
 from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
@@ -40,6 +42,9 @@ from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.model.fault_types import SEMANTICS, Field
 from mrsfi_runtime.model.faults import Target
 from mrsfi_runtime.transport.topics import (
+    PUBLISHERS,
+    SUBSCRIBERS,
+    TOPICS,
     NodeTransport,
     Payload,
     Publisher,
@@ -52,31 +57,18 @@ from mrsfi_runtime.transport.topics import (
 _LOOK = 0.1
 _STEADY = 0.3  # seconds without a new subscription after which a node counts as ready
 _FLOOD: Final = 1000  # most commands of a node on a topic in a tick
-_SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
-
-
-class Process(Protocol):
-    """The process of a node; ``pid`` is 0 while it does not run."""
-
-    pid: int
-
-    def start(self, seed: int) -> None:
-        """Start it for a mission seed."""
-
-    def stop(self) -> None:
-        """End it if it runs."""
-
-    def ended(self) -> str:
-        """Return how it ended, or an empty text while it runs."""
+_SUBSCRIBERS = Service(SUBSCRIBERS, "rosapi/Subscribers")
+_PUBLISHERS = Service(PUBLISHERS, "rosapi/Publishers")
+_TOPICS = Service(TOPICS, "rosapi/Topics")
 
 
 class Node(Mind):
     """A node behind a transport, for the flights of one mission, one after the other.
 
-    Its callbacks run in the transport's thread; ``begin`` and ``end`` in another. A
-    ``process`` is started for each flight if ``restarts`` is set, otherwise before the first. After
-    an error, ``is_to_blame`` says whether the node caused it after it was ready.
-    ``held`` are the faults of the next flight that hold back relayed commands.
+    Its callbacks run in the transport's thread; ``begin`` and ``end`` in another. A ``process`` is
+    started before the first flight, or for each. After an error, ``is_to_blame`` says whether the
+    node caused it after it was ready. ``held`` are the faults of the next flight that hold back
+    relayed commands.
     """
 
     def __init__(
@@ -86,8 +78,6 @@ class Node(Mind):
         pace: Pace,
         patience: Patience,
         process: Process | None = None,
-        *,
-        restarts: bool = False,
     ) -> None:
         self._transport = transport
         self.speech = speech
@@ -95,7 +85,7 @@ class Node(Mind):
         self._pace = pace
         self._patience = patience
         self._process = process
-        self._restarts = restarts
+        self._restarts = process is not None and process.restarts
         self.is_to_blame = False
         self.held: Sequence[Held] = ()
         self._sayings = [(each, transport.advertise(each.topic)) for each in speech.sayings]
@@ -104,6 +94,7 @@ class Node(Mind):
         self._has_flown = False
         self._flight: Flight | None = None
         self._run = self._tick = 0
+        self._has_answered = False
         self._then: Callable[[], None] | None = None
         self._n_heard: dict[str, int] = {}
         self._n_answered: int | None = None
@@ -131,7 +122,7 @@ class Node(Mind):
         If that takes too long, it is a ``TransportTimeout``.
         """
         self._flight, self._run, self._then = flight, run, None
-        self.is_to_blame = False
+        self.is_to_blame = self._has_answered = False
         self._relay.begin(self.held)
         self._sent = [None] * len(self._sayings)
         self._n_obeyed = 0
@@ -142,14 +133,16 @@ class Node(Mind):
         ):
             self._process.stop()
             gone = monotonic() + 2.0  # or another client subscribes, too
-            while self._subscribed() and monotonic() < gone:
+            while self._joined() and monotonic() < gone:
                 sleep(_LOOK / 2)
             self._process.start(seed)
             is_new, self._has_flown = True, False
+        if is_new:  # before the reset: ROS 1 lets a call to a service wait whose node was killed
+            self._await_node(deadline)
         if not self._restarts:
             self._reset(run, seed, deadline)
         if is_new:
-            self._await_subscriptions(deadline)
+            self._shake_hands()
         if self._restarts:
             self._set_up(run, seed)
         self._pace.begin()
@@ -157,9 +150,11 @@ class Node(Mind):
 
     def answer(self, flight: Flight, tick: int, then: Callable[[], None]) -> bool:
         """Send the node the messages of a tick; call a function when it has answered."""
+        self._pace.settle()
         self._tick, self._then = tick, then
         self._n_heard = dict.fromkeys(self._n_heard, 0)
         self._n_answered = None
+        self._tell_time(tick)
         n_sent = self._publish(flight, tick)
         self._clock({"clock": time_of(tick, self._transport.ros)})
         self._publish_tick({"data": [self._run, tick, n_sent, self._n_obeyed]})
@@ -186,21 +181,28 @@ class Node(Mind):
                 "; if it answers on another topic, name that topic as answer in [node] of "
                 "mrsfi.toml; if it answers on none, set a rate with --node-pace RATE"
             )
+        unheard = ""
+        if self._pace.kind == ANSWER and not self._tick:
+            silent = {self._mapping.answer.name} if self._n_answered is None else set()
+            silent |= self.speech.obeyed - self._n_heard.keys()
+            unheard = f"; nothing arrived on {', '.join(sorted(silent))}, {self._transport.hint}"
         return TransportTimeout(
             f"the node was silent for {self._patience.tick:g} s; expected {awaited}; check that "
-            "it still runs, or increase --timeout"
+            f"it still runs, or increase --timeout{unheard}"
         )
 
     def end(self) -> None:
         """Finish a flight; commands to robots that the mission does not have are an error."""
         self._flight = self._then = None
-        lost = (self._ready or frozenset()) - self._subscribed() if self._pace.is_free else None
+        heard = {each.topic.name for each, _ in self._sayings}
+        was = (self._ready or frozenset()) & heard
+        lost = was - self._joined() if self._pace.is_free else None
         if lost:  # at a rate, no answer is missing
             raise self._wrong(
                 f"the node no longer subscribes to {', '.join(sorted(lost))}; expected it to stay "
                 "connected and subscribed until it is stopped"
             )
-        topics = self._ask(Service("/rosapi/topics", "rosapi/Topics"), {}).values.get("topics", ())
+        topics = self._ask(_TOPICS, {}).values.get("topics", ())
         for topic, kind, name in self.speech.strangers(topics):
             elements = self._mapping.elements(self.speech.mission)
             known = ", ".join(each.name for each in elements if each.kind == kind)
@@ -232,9 +234,18 @@ class Node(Mind):
             values = saying.values(ci)
             if values != sent[number] or not saying.spoken <= silent:  # or the world sent it
                 sent[number] = values
-                publish(saying.payload(values))
+                message = saying.payload(values)
+                if saying.is_stamped:
+                    message["header"]["stamp"] = time_of(tick, self._transport.ros)
+                publish(message)
                 n_sent += 1
         return n_sent
+
+    def _tell_time(self, tick: int) -> None:
+        """Publish the time between the last tick and this one, for timers of the node."""
+        n_steps = self._mapping.clock_hz
+        for step in range(1, n_steps if tick else 0):
+            self._clock({"clock": time_of(tick - 1, self._transport.ros, step / n_steps)})
 
     def _silent(self, flight: Flight, tick: int) -> set[Target]:
         """Return the properties about which no message arrives in this tick."""
@@ -262,6 +273,11 @@ class Node(Mind):
         if n_heard > _FLOOD and not self._pace.is_free:
             raise self._wrong(f"{name}: the node sent more than {_FLOOD} commands in a tick")
         self._n_obeyed += 1
+        if self._then is None and self._has_answered and self._pace.kind == BARRIER:
+            raise ProtocolError(
+                f"{name}: a command came after the node had answered tick {self._tick}; expected "
+                "a node that receives and commands in one thread, or --node-pace answer or a rate"
+            )
         try:
             obey()
         except ProtocolError as error:
@@ -305,6 +321,7 @@ class Node(Mind):
 
     def _answered(self) -> None:
         then, self._then, self._n_answered = self._then, None, None
+        self._has_answered = True
         if then is not None and self._flight is not None:
             self._relay.pass_on(self._flight.plan, self._tick)
             then()
@@ -330,49 +347,67 @@ class Node(Mind):
                 raise TransportTimeout(
                     f"the node did not reset within {self._patience.handshake:g} s: "
                     f"{self._mapping.reset.name}: {answer or 'no success'}; check that it runs, "
-                    "or increase --timeout"
+                    f"or increase --timeout; {self._transport.hint}"
                 )
             if not reply.values.get("success"):
                 sleep(_LOOK)
 
-    def _await_subscriptions(self, deadline: float) -> None:
-        """Wait until the node has the subscriptions of the flight before, or adds no more."""
+    def _await_node(self, deadline: float) -> None:
+        """Wait until the node has joined the topics of the flight before, or joins no more."""
+        heard = frozenset(each.topic.name for each, _ in self._sayings)
         before: frozenset[str] = frozenset()
         steady = monotonic()
         while True:
-            subscribed = self._subscribed()
-            if subscribed != before:
-                before, steady = subscribed, monotonic()
-            if self._ready is not None and subscribed >= self._ready:
+            joined = self._joined()
+            if joined != before:
+                before, steady = joined, monotonic()
+            if self._ready is not None and joined >= self._ready:
                 return
-            if self._ready is None and subscribed and monotonic() - steady > _STEADY:
-                self._ready = subscribed
+            if self._ready is None and joined & heard and monotonic() - steady > _STEADY:
+                self._ready = joined
                 return
             self._require_alive()
             if monotonic() > deadline:
-                names = (each.topic.name for each, _ in self._sayings)
-                missing = ", ".join(sorted((self._ready or {*names}) - subscribed))
+                missing = ", ".join(sorted((self._ready or heard) - joined))
                 raise TransportTimeout(
-                    f"the node subscribed to {'not every' if subscribed else 'no'} topic within "
+                    f"the node subscribed to {'not every' if joined else 'no'} topic within "
                     f"{self._patience.handshake:g} s; no subscriber to {missing}; check [node] in "
-                    "mrsfi.toml, or increase --timeout"
+                    f"mrsfi.toml, or increase --timeout; {self._transport.hint}"
                 )
             sleep(_LOOK / 2)
 
+    def _shake_hands(self) -> None:
+        """Wait until the node answers, before tick 0."""
+        completion, timeout = Completion(), self._patience.tick
+        if self._pace.kind == BARRIER:
+            self._pace.wait(self._transport, 0, completion.end)
+            awaited = self._pace.awaited("")
+            late = TransportTimeout(
+                f"the node was silent for {timeout:g} s before tick 0; expected {awaited}; check "
+                "that it still runs, or increase --timeout"
+            )
+            completion.wait(lambda silence: self._ended() or (late if silence > timeout else None))
+
     def _require_alive(self) -> None:
-        """Raise an error if the node's process has ended; after a flight, the node is to blame."""
-        ended = self._ending()
+        """Raise an error if the node's process has ended."""
+        ended = self._ended()
         if ended is not None:
-            self.is_to_blame = self._has_flown
             raise ended
 
-    def _subscribed(self) -> frozenset[str]:
-        """Return the topics of the node that have a subscriber."""
-        names = (each.topic.name for each, _ in self._sayings)
+    def _ended(self) -> TransportClosed | None:
+        """Return that the node's process has ended; after a flight, the node is to blame."""
+        ended = self._ending()
+        self.is_to_blame |= ended is not None and self._has_flown
+        return ended
+
+    def _joined(self) -> frozenset[str]:
+        """Return the topics that the node has joined: those that it receives, and commands."""
+        ends = [(_SUBSCRIBERS, "subscribers", each.topic.name) for each, _ in self._sayings]
+        ends += [(_PUBLISHERS, "publishers", name) for name in self.speech.obeyed]
         return frozenset(
             name
-            for name in names
-            if self._ask(_SUBSCRIBERS, {"topic": name}).values.get("subscribers")
+            for service, found, name in ends
+            if self._ask(service, {"topic": name}).values.get(found)
         )
 
     def _ask(self, service: Service, request: Payload) -> Reply:
@@ -383,6 +418,6 @@ class Node(Mind):
             f"{service.name} did not answer within {timeout:g} s; check that the node still "
             "runs, or increase --timeout"
         )
-        completion.wait(lambda silence: late if silence > timeout else None)
+        completion.wait(lambda silence: self._ended() or (late if silence > timeout else None))
         reply: Reply = completion.result
         return reply

@@ -26,7 +26,15 @@ from mrsfi_runtime.kernel.commands import feasible
 from mrsfi_runtime.kernel.state import TOLERANCE, State
 from mrsfi_runtime.model.fault_types import Field, plain_name
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.transport.topics import Service, Topic
+from mrsfi_runtime.transport.topics import (
+    BEST_EFFORT,
+    RELIABLE,
+    TRANSIENT_LOCAL,
+    VOLATILE,
+    Service,
+    Topic,
+    TopicQos,
+)
 
 
 class Quantity(NamedTuple):
@@ -101,8 +109,11 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
 """Commands of a node, by kind of element."""
 
 
-def command_robot(ci: State, index: int, given: Given) -> None:
-    """Apply a message to the commands of a robot; it replaces earlier values."""
+def command_robot(ci: State, index: int, given: Given, before: tuple[float, float]) -> None:
+    """Apply a message to the commands of a robot; it replaces earlier values of the tick.
+
+    ``before`` is the heading that was commanded before the tick.
+    """
     robot, command = ci.robots[index], ci.commands[index]
     if "heading_x" in given:
         _turn(ci, index, given["heading_x"], given["heading_y"])
@@ -111,7 +122,7 @@ def command_robot(ci: State, index: int, given: Given) -> None:
     if "yaw" in given:
         _turn(ci, index, math.cos(given["yaw"]), math.sin(given["yaw"]))
     if "turn" in given:
-        x, y = command.heading_x, command.heading_y
+        x, y = before
         cos, sin = math.cos(given["turn"]), math.sin(given["turn"])
         _turn(ci, index, x * cos - y * sin, x * sin + y * cos)
     speed = given.get("speed")
@@ -171,8 +182,8 @@ GENERATED: Table = {
 
 _ANSWER = Topic("/mission/answer", "std_msgs/Int64MultiArray")
 _RESET = Service("/mission/reset", "std_srvs/Trigger")
-_NAMES = ("tells", "obeys", "answer", "reset", "names", "types")
-_OF_RULE = ("topic", "type", "fields", "world")
+_NAMES = ("tells", "obeys", "answer", "reset", "names", "types", "frame_id", "clock_hz")
+_OF_RULE = ("topic", "type", "fields", "world", "qos")
 _KIND = re.compile(r"\{(\w*)\}")
 
 
@@ -188,12 +199,13 @@ class Entry(NamedTuple):
 class Rule(NamedTuple):
     """A topic, or one of each element that it names, and the content of its fields.
 
-    Without fields, messages are relayed to a topic of the ``world``.
+    Without fields, messages are relayed to a topic of the ``world``. ``qos`` is for native ROS 2.
     """
 
     topic: Topic
     fields: Mapping[Path, Entry]
     world: str = ""
+    qos: TopicQos = TopicQos()
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -214,7 +226,8 @@ class NodeMapping:
     """The topics of a node, made of ``table``.
 
     A message on ``answer`` ends its answer to a tick; the service ``reset`` returns it to before
-    tick 0. ``types`` are folders with definitions.
+    tick 0. ``types`` are folders with definitions. Headers have the time of the tick and
+    ``frame_id``, and ``/clock`` is published ``clock_hz`` times a tick.
     """
 
     table: Table = field(default_factory=lambda: GENERATED)
@@ -224,6 +237,8 @@ class NodeMapping:
     reset: Service = _RESET
     names: Mapping[str, str] = field(default_factory=dict)
     types: tuple[str, ...] = ()
+    frame_id: str = "map"
+    clock_hz: int = 1
 
     @classmethod
     def of(cls, table: Table | None, source: str = "[node]") -> "NodeMapping":
@@ -245,6 +260,8 @@ class NodeMapping:
             reset=_RESET._replace(name=_text(table, "reset", source, _RESET.name)),
             names=_names(table.get("names", {}), source),
             types=tuple(map(str, table.get("types", ()))),
+            frame_id=_text(table, "frame_id", source, "map"),
+            clock_hz=_clock_hz(table.get("clock_hz", 1), source),
         )
 
     def elements(self, mission: Mission) -> tuple[Element, ...]:
@@ -314,16 +331,37 @@ def _rules(
         for key in rule:
             if key not in _OF_RULE:
                 raise UsageError(f"{place}: found '{key}'; {expected(key, _OF_RULE)}")
-        topic = Topic(_text(rule, "topic", place), _type(rule, place))
+        topic, qos = Topic(_text(rule, "topic", place), _type(rule, place)), _qos(rule, place)
         if "world" in rule and known is COMMANDS:
             if rule.get("fields") or _KIND.findall(topic.name) != ["robot"]:
                 raise UsageError(
                     f"{place}: found world = {rule['world']!r}; expected a topic with {{robot}} "
                     "and no fields: its messages are passed on unchanged"
                 )
-            yield Rule(topic, {}, _text(rule, "world", place))
+            yield Rule(topic, {}, _text(rule, "world", place), qos)
             continue
-        yield _checked(Rule(topic, dict(_fields(rule, place))), known, place)
+        yield _checked(Rule(topic, dict(_fields(rule, place)), qos=qos), known, place)
+
+
+def _qos(rule: Table, place: str) -> TopicQos:
+    given = rule.get("qos", {})
+    known = {"reliability": (RELIABLE, BEST_EFFORT), "durability": (VOLATILE, TRANSIENT_LOCAL)}
+    if not isinstance(given, Mapping):
+        raise UsageError(f"{place}: found qos = {given!r}; expected {{ depth = 10 }}")
+    for name, value in given.items():
+        if name not in TopicQos._fields:
+            raise UsageError(f"{place}: qos: found '{name}'; {expected(name, TopicQos._fields)}")
+        if name in known and value not in known[name]:
+            raise UsageError(f"{place}: {name}: found {value!r}; {expected(value, known[name])}")
+        if name == "depth" and not (type(value) is int and value > 0):
+            raise UsageError(f"{place}: depth: found {value!r}; expected a number of messages")
+    return TopicQos(**given)
+
+
+def _clock_hz(given: Any, source: str) -> int:
+    if type(given) is not int or not 1 <= given <= 1000:
+        raise UsageError(f"{source}: clock_hz: found {given!r}; expected an integer, 1 to 1000")
+    return given
 
 
 def _fields(rule: Table, place: str) -> Iterator[tuple[Path, Entry]]:

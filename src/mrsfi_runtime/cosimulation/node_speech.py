@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import TypeTable
-from mrsfi_bridge.structures import FLOATS, INTEGERS, SCALAR, TEXTS
+from mrsfi_bridge.structures import FLOATS, HEADER, INTEGERS, SCALAR, TEXTS
 from mrsfi_runtime.cosimulation.node_mapping import (
     COMMANDS,
     QUANTITIES,
@@ -43,18 +43,22 @@ from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import LAST, FaultPool, Specification, Target, describe, touched
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.transport.topics import Payload, Publisher, Topic
+from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, TopicQos
 
 if TYPE_CHECKING:
     from mrsfi_bridge.structures import Structure
     from mrsfi_runtime.kernel.injections import InjectionState
 
 
+_STAMP, _FRAME = ("header", "stamp"), ("header", "frame_id")
+
+
 class Saying(NamedTuple):
     """A topic that a node receives, and its content.
 
     ``targets`` are the properties that it carries; ``spoken`` those that a world sends
-    in every tick. ``values`` are read from a belief, ``payload`` makes a message of them.
+    in every tick. ``values`` are read from a belief, ``payload`` makes a message of them, whose
+    header gets the time if it ``is_stamped``.
     """
 
     topic: Topic
@@ -62,6 +66,7 @@ class Saying(NamedTuple):
     spoken: frozenset[Target]
     values: Callable[[State], tuple[Any, ...]]
     payload: Callable[[tuple[Any, ...]], Payload]
+    is_stamped: bool = False
 
 
 class Hearing(NamedTuple):
@@ -87,6 +92,7 @@ class Speech:
         self.mapping = mapping
         self.mission = mission
         self._elements = mapping.elements(mission)
+        self._headings: dict[int, tuple[State, int, tuple[float, float]]] = {}
         self._patterns = [(_pattern(rule), rule.kinds[-1]) for rule in mapping.obeys if rule.kinds]
         self.sayings = tuple(
             self._saying(rule, filled(rule.topic.name), element)
@@ -120,6 +126,15 @@ class Speech:
         types = TypeTable([pathlib.Path(folder) for folder in table.types], ros)
         return cls(table, mission, types)
 
+    def qos(self, prefix: str) -> dict[str, TopicQos]:
+        """Return the quality of service of all topics in the mapping, by their names."""
+        mapping = self.mapping
+        return {
+            f"{prefix}{filled(rule.topic.name)}": rule.qos
+            for rule in (*mapping.tells, *mapping.obeys)
+            for filled, _ in spread(rule, self._elements, self.mission)
+        }
+
     @property
     def received(self) -> frozenset[Target]:
         """Properties that the node receives."""
@@ -146,9 +161,13 @@ class Speech:
         else:
             values = lambda ci: tuple([read(ci) for read in reads])  # noqa: E731
             payload = lambda values: _message(places, values)  # noqa: E731
+        mapped = {path[:2] for path in rule.fields}
+        is_stamped = self._has_header(rule.topic.type) and _STAMP not in mapped
+        if is_stamped and _FRAME not in mapped:
+            places.append((_FRAME, None, self.mapping.frame_id))
         carried = frozenset(targets)
         spoken = frozenset(target for target in carried if target[0] in SPOKEN)
-        return Saying(Topic(name, rule.topic.type), carried, spoken, values, payload)
+        return Saying(Topic(name, rule.topic.type), carried, spoken, values, payload, is_stamped)
 
     def _hearing(self, rule: Rule, name: str, element: Element | None) -> Hearing:
         kinds = {path: self._kind(rule, path) for path in rule.fields}
@@ -165,11 +184,19 @@ class Speech:
                     for command, path, entry in commands
                 }
                 if of.kind == "robot":
-                    command_robot(ci, of.place, given)
+                    command_robot(ci, of.place, given, self._heading_before(ci, of.place))
                 else:
                     command_sensor(ci, of.place, given)
 
         return Hearing(Topic(name, rule.topic.type), obey)
+
+    def _heading_before(self, ci: State, robot: int) -> tuple[float, float]:
+        """Return the heading that was commanded before the tick."""
+        command, noted = ci.commands[robot], self._headings.get(robot)
+        if noted is None or noted[0] is not ci or noted[1] != ci.mission.tick:
+            noted = ci, ci.mission.tick, (command.heading_x, command.heading_y)
+            self._headings[robot] = noted
+        return noted[2]
 
     def _resolved(
         self,
@@ -195,6 +222,10 @@ class Speech:
                 match = pattern.fullmatch(topic)
                 if match is not None and topic not in self.obeyed:
                     yield topic, kind, match[kind]
+
+    def _has_header(self, kind: str) -> bool:
+        fields = self.types.message(kind).definition.fields
+        return any((each.name, each.type) == ("header", HEADER) for each in fields)
 
     def _kind(self, rule: Rule, path: Path) -> str:
         """Return the type of a field, which must be one number or text of its message."""

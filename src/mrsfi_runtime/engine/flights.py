@@ -104,10 +104,15 @@ class Engine(Evaluator):
         specification = Gate(self.code.mission, self.code.pool).admitted(specification)
         return self._record(specification, self.seed if seed is None else seed)
 
-    def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
+    def attempt(
+        self,
+        specification: Specification,
+        seed: int | None = None,
+        observer: Observer | None = None,
+    ) -> Evaluated:
         """Evaluate a specification; an error in a region is a result too."""
         try:
-            return self.evaluate(specification, seed)
+            return self.evaluate(specification, seed, observer=observer)
         except WorkerLost:
             raise
         except EvaluationError:

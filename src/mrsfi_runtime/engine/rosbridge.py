@@ -18,19 +18,18 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import replace
-from multiprocessing import Pipe
+from dataclasses import astuple
 from multiprocessing.connection import Connection
-from subprocess import DEVNULL, Popen, TimeoutExpired
+from subprocess import DEVNULL, TimeoutExpired
 from threading import Thread
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
-from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport
+from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport, Patience
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.engine.flights import PlainEngine
+from mrsfi_runtime.engine.external import ExternalEngine, child_of
 from mrsfi_runtime.errors import (
     MrsfiError,
     TransportClosed,
@@ -43,20 +42,25 @@ from mrsfi_runtime.record.engine_settings import BOTH, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
 from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
 
+_LATER = 5.0  # seconds
+
 
 def serve_simulation(
     code: MissionCode,
     settings: EngineSettings,
     on_ready: Callable[[str, SimulationHost], None],
+    tell: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Serve the simulation of a mission until it is stopped, on the settings' server or its own.
 
-    Their patience is how long the collective intelligence may be silent in mid-run; ``on_ready``
-    receives the server's URL, and the host, to stop it. Lost messages are a TransportError.
+    It waits 5 s longer than their patience for the other side, which knows more about a silence and
+    reports first; ``tell`` receives which run ended so. ``on_ready`` receives the server's URL, and
+    the host, to stop it. Lost messages are a TransportError.
     """
+    patience = Patience(*(each + _LATER for each in astuple(settings.patience)))
     with _transport(settings) as (transport, reached):
         bundling = BundlingTransport.of_simulation(transport)
-        host = SimulationHost(bundling, code.simulation, code.mission, settings.patience)
+        host = SimulationHost(bundling, code.simulation, code.mission, patience, tell)
         on_ready(reached, host)
         try:
             host.serve()
@@ -123,25 +127,16 @@ class SimulationProcess:
     """The simulation of a mission in a process of its own, which dies with this one.
 
     It joins the server that the settings name, or embeds one if they name none; their patience is
-    how long to wait for it, and how long it waits in mid-run. ``url`` is the URL of its server,
-    with the token if one is needed. If it cannot serve, that is a TransportError.
+    how long to wait for it. ``url`` is the URL of its server, with the token if one is needed. If
+    it cannot serve, that is a TransportError.
     """
 
     def __init__(self, code: MissionCode, settings: EngineSettings) -> None:
         patience = settings.patience
-        self._connection, other_end = Pipe()
-        with other_end:
-            self._process = Popen(
-                [sys.executable, "-m", __name__, str(other_end.fileno())],
-                pass_fds=[other_end.fileno()],
-                stdin=DEVNULL,
-                stdout=DEVNULL,
-                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
-            )
-        # the CI, which knows more, reports first; a URL may hold a token, so it is no argument
-        patient = replace(settings, timeout=settings.timeout + 5.0)
+        self._process, self._connection = child_of(__name__, stdout=DEVNULL)
         with suppress(BrokenPipeError):  # its message, or how it ended, explains why
-            self._connection.send((code.directory.resolve(), patient))
+            # a URL may hold a token, so it is no argument
+            self._connection.send((code.directory.resolve(), settings))
         message = self._received(patience.handshake)
         if "url" not in message:
             reason = message.get("error") or self._ending()
@@ -182,42 +177,52 @@ class SimulationProcess:
         return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
-class RosbridgeEngine(PlainEngine):
+class RosbridgeEngine(ExternalEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
-    A seed is at most 2**63 - 1. A server or a simulation that cannot be reached is a
-    TransportError; settings that contradict each other are a UsageError.
+    The simulation is the built-in one, in a process of its own, or an external one. A seed is at
+    most 2**63 - 1. A server or a simulation that cannot be reached is a TransportError; settings
+    that contradict each other are a UsageError.
     """
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
-        super().__init__(code, seed)
-        url, patience = settings.url, settings.patience
-        has_simulation = settings.side == BOTH
+        super().__init__(code, seed, settings)
+        patience = settings.patience
         _require_seed(seed)
         self.patience = 2 * (patience.tick + patience.handshake)
         self.simulation: SimulationProcess | None = None
         with ExitStack() as opened:
-
-            def join(url: str) -> RosbridgeTransport:
-                transport = RosbridgeTransport(url, settings.client, settings.ros)
-                opened.callback(transport.close)
-                return transport
-
-            if url is not None:  # first: it explains best what is wrong with the URL
-                self._transport = join(url)
-            if has_simulation:
-                self.simulation = SimulationProcess(code, settings)
-                opened.callback(self.simulation.close)
-            if url is None and self.simulation is not None:
-                self._transport = join(self.simulation.url)
+            try:
+                self._transport = self._join(opened)
+            except BridgeError as error:
+                raise as_ours(error) from error
             self._opened = opened.pop_all()
-        self._may_ignore_bundles = settings.is_bundled and not has_simulation
-        world = PrefixedTransport(self._transport, settings.world_prefix)
-        transport = BundlingTransport.of_ci(world) if settings.is_bundled else world
-        self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
+        self._may_ignore_bundles = settings.is_bundled and settings.side != BOTH
+        world = self.bundled(PrefixedTransport(self._transport, settings.world_prefix))
+        self._lockstep = self.lockstep(world)
         self.interface = self._lockstep.interface
         if self.simulation is not None:
             Thread(target=self._watch, args=(self.simulation,), daemon=True).start()
+
+    def _join(self, opened: ExitStack) -> EmbeddedTransport | RosbridgeTransport:
+        """Return the transport of the simulation, after starting it if it is started here."""
+        settings, url = self.settings, self.settings.url
+        if settings.world_command is not None:
+            return self.started_world(opened)
+
+        def join(url: str) -> RosbridgeTransport:
+            transport = RosbridgeTransport(url, settings.client, settings.ros)
+            opened.callback(transport.close)
+            return transport
+
+        # first: it explains best what is wrong with the URL
+        found = None if url is None else join(url)
+        if settings.side == BOTH:
+            self.simulation = SimulationProcess(self.code, settings)
+            opened.callback(self.simulation.close)
+            found = found or join(self.simulation.url)
+        assert found is not None  # the settings made sense
+        return found
 
     def close(self) -> None:
         """Close the connection and end the simulation process."""
@@ -231,7 +236,7 @@ class RosbridgeEngine(PlainEngine):
     def _fly(self, flight: Flight, seed: int) -> None:
         _require_seed(seed)
         try:
-            self._lockstep.fly(flight, seed)
+            super()._fly(flight, seed)
         except TransportTimeout as error:
             if not self._may_ignore_bundles or self._lockstep.tick:
                 raise

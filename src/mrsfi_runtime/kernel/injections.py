@@ -15,7 +15,7 @@ Source paper, sections III-B b) and III-G; what each fault does, in ``docs/fault
 from array import array
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.state import State, no_memory
@@ -164,6 +164,7 @@ OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
 
 _START: Final = 4
 _FINISH: Final = 5  # positions of the first and the last active tick in a row
+_TRIGGER = attrgetter("trigger")
 
 
 class PlanRows(NamedTuple):
@@ -249,11 +250,11 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     for number, timed in enumerate(specification):
         fault, start, finish, values, _ = timed
         kind, change, is_random, is_held_back, targets, places = shapes[fault]
-        if kind.mode is Mode.OWN:
+        if kind.effect >= 0:  # user-defined
             own += _own_rows(number, timed, kind, targets)
             continue
         if change is not None:
-            values = tuple(map(float, change(*values)))
+            values = change(*values)
         a, b, c = (*values, 0.0, 0.0, 0.0)[:3]
         delay = 0
         if is_held_back:
@@ -266,11 +267,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     for listed in (*lists, own):
         listed.sort(key=itemgetter(_START))
     rows = PlanRows(lists, own, n_held, len(specification))
-    return (
-        _waiting(shapes, specification, rows)
-        if any(timed.trigger for timed in specification)
-        else rows
-    )
+    return _waiting(shapes, specification, rows) if any(map(_TRIGGER, specification)) else rows
 
 
 def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) -> PlanRows:

@@ -342,7 +342,7 @@ LAST = 2**31 - 1  # the largest tick of a window, and the largest whole value
 
 def plain(timed: TimedFault) -> TimedFault:
     """Return a timed fault in Python's own numbers, values as floats; refuse what is not one."""
-    if type(timed) is TimedFault and _is_plain(timed):
+    if _is_plain(timed):
         return timed
     try:
         fault, start, finish, values, *more = timed
@@ -363,6 +363,8 @@ def plain(timed: TimedFault) -> TimedFault:
 
 def _is_plain(timed: TimedFault) -> bool:
     """Return quickly whether nothing has to change; search has millions of timed faults."""
+    if type(timed) is not TimedFault:
+        return False
     fault, start, finish, values, trigger = timed
     if not (type(start) is type(finish) is int and type(fault) is type(trigger) is str):
         return False
@@ -411,11 +413,11 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
         raise _misfit(timed.fault, f"{len(values)} values", f"{len(parameters)} values ({names})")
     for parameter, value in zip(parameters, values, strict=True):
         if parameter.is_integer and not (
-            value.is_integer() and limits(parameter)[0] <= value <= LAST
+            value.is_integer() and (0.0 <= value <= LAST or limits(parameter)[0] <= value < 0.0)
         ):
             wanted = "a whole number from {:.0f} to {:.0f}".format(*limits(parameter))
             raise _misfit(timed.fault, f"{parameter.name} {value}", wanted)
-    if kind.mode is Mode.RANDOM and values and values[0] > values[1]:
+    if len(values) > 1 and values[0] > values[1] and kind.mode is Mode.RANDOM:
         raise _misfit(timed.fault, kind.in_words(values, Units()), "the lower one first")
     return timed
 
@@ -441,7 +443,8 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         itself = f"{original(fault_id, self._originals)}: {fault.words}"
         keys: tuple[Target | str, ...] = (itself, *touched(self.mission, fault))
         parameters = fault.kind.parameters
-        is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)
+        is_random = fault.kind.mode is Mode.RANDOM and bool(parameters)
+        is_any = not is_random and not any(each.is_integer for each in parameters)
         self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
         return found
 
@@ -456,7 +459,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         except TypeError:
             wanted = "timed faults, in a list or tuple"
             raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
-        found = tuple(map(plain, asked))
+        found = asked if all(map(_is_plain, asked)) else tuple(map(plain, asked))
         for timed in found:
             fault, _, _, values, trigger = timed
             kind, n_values, _ = self[fault]

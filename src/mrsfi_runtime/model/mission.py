@@ -15,11 +15,11 @@ Source paper, section III-B a).
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from itertools import accumulate
 from operator import add
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 from mrsfi_runtime.model.fault_types import Field, Range, Units
 from mrsfi_runtime.model.polygons import middle, off_segment
@@ -487,6 +487,36 @@ Margin: TypeAlias = tuple[float, int]
 """The least distance of a goal from a violation, below 0 if violated, and its tick."""
 
 
+class Repetition(NamedTuple):
+    """The flights of a specification with external parts, of which the outcome is the median.
+
+    ``n_late`` are the late ticks of all of them; ``broken`` has for each goal in how many of them
+    it was truly violated or missed.
+    """
+
+    n_flights: int
+    n_late: int
+    broken: tuple[int, ...]
+
+
+def wilson(k: int, n: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share of ``k`` in ``n`` trials, n > 0, by Wilson's score.
+
+    References
+    ----------
+    E. B. Wilson, "Probable inference, the law of succession, and statistical inference", Journal of
+    the American Statistical Association 22, 1927.
+    """
+    z = 1.96
+    middle, off = k + z**2 / 2, z * math.sqrt(k * (n - k) / n + z**2 / 4)
+    return max(0.0, (middle - off) / (n + z**2)), min(1.0, (middle + off) / (n + z**2))
+
+
+def interval_in_words(k: int, n: int) -> str:
+    """Return the interval as it follows a share: ``(95 %: 69 % to 94 %)``."""
+    return "(95 %: {:.0f} % to {:.0f} %)".format(*(100 * end for end in wilson(k, n)))
+
+
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """Violations per goal, each of shape ``(n_goals,)`` in model order, and effects of faults.
@@ -520,6 +550,9 @@ class Outcome:
     detection
         For each goal, the ticks since it was first truly violated or missed, and how many of these
         passed before the belief showed a violation. ``None`` as a whole if not recorded.
+    repetition
+        The flights with external parts; ``None`` without, or if not recorded. Equal outcomes may
+        differ in it.
     """
 
     believed: tuple[int, ...]
@@ -533,6 +566,7 @@ class Outcome:
     digest: str
     margins: tuple[Margin | None, ...] | None = None
     detection: tuple[tuple[int, int], ...] | None = None
+    repetition: Repetition | None = field(default=None, compare=False)
 
     @property
     def depths(self) -> tuple[Margin | None, ...]:

@@ -7,8 +7,8 @@ connection of ``sqlite3`` leaves this module; each error becomes a ``RecordError
 the problem and the expectation. ``store.py`` reads and writes the rows.
 
 Every record from mrsfi 0.3.0 on, which began with version 4, stays readable. A later version only
-adds columns. Where a record lacks one, its values are ``None`` and print as *not recorded*. Records
-of versions 1 to 3 are refused.
+adds columns and tables. Where a record lacks a column, its values are ``None`` and print as *not
+recorded*. Records of versions 1 to 3 are refused.
 """
 
 import fcntl
@@ -333,12 +333,32 @@ _TABLES = (
     "CREATE TABLE flight (idx INTEGER PRIMARY KEY, mission_seed, specification, found)",
 )
 
+ELSEWHERE = (
+    "CREATE TABLE IF NOT EXISTS elsewhere (idx INTEGER PRIMARY KEY, world, since, seconds, "
+    "mission_seed, specification, found)"
+)
+"""The table of flights in other worlds, which a record lacks before the first of them."""
+
 
 def stored_columns(path: Path, connection: sqlite3.Connection) -> frozenset[str]:
     """Return the columns of a record's table of evaluations."""
     with translated(path):
         columns = connection.execute("PRAGMA table_info(evaluation)")
         return frozenset(name for _, name, *_ in columns)
+
+
+def inserting(table: str, n_values: int) -> str:
+    """Return the statement that inserts rows; of evaluations in the order of their columns."""
+    columns = f" ({quoted(EVALUATION)})" if table == "evaluation" else ""
+    return f"INSERT INTO {table}{columns} VALUES ({', '.join('?' * n_values)})"
+
+
+def completed(connection: sqlite3.Connection, columns: frozenset[str]) -> frozenset[str]:
+    """Add the columns that an older record lacks, and return all."""
+    for name in EVALUATION:
+        if name not in columns:
+            connection.execute(f'ALTER TABLE evaluation ADD COLUMN "{name}"')
+    return columns | {*EVALUATION}
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:

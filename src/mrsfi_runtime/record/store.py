@@ -11,7 +11,7 @@ turn rows into values and back. ``Measure`` names the violations that a campaign
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
 from sqlite3 import Connection
@@ -20,7 +20,14 @@ from typing import Any, Self, TypeVar
 from mrsfi_runtime.errors import RecordError, UsageError, expected
 from mrsfi_runtime.model.fault_types import SEMANTICS, difference
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Evaluated, FailedFlight, Margin, Mission, Outcome
+from mrsfi_runtime.model.mission import (
+    Evaluated,
+    FailedFlight,
+    Margin,
+    Mission,
+    Outcome,
+    Repetition,
+)
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.engine_settings import Manifest
@@ -84,7 +91,10 @@ class RecordedFlight:
 
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, result."""
-        found = self.found.traceback if isinstance(self.found, FailedFlight) else asdict(self.found)
+        found: object = self.found.traceback if isinstance(self.found, FailedFlight) else None
+        if isinstance(self.found, Outcome):
+            values = {name: getattr(self.found, name) for name in database.OUTCOME}
+            found = {name: each for name, each in values.items() if each is not None}
         text = database.specification_text(self.specification)
         return int(self.mission_seed), text, database.canonical([found])
 
@@ -100,6 +110,28 @@ class RecordedFlight:
         if rest or not isinstance(found, dict) or not least <= {*found} <= most:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         return cls(int(seed), specification, _outcome(*map(found.get, database.OUTCOME)))
+
+
+@dataclass(frozen=True, slots=True)
+class FlightElsewhere:
+    """A flight in another world than the campaign's, and how many seconds it took.
+
+    ``world`` is how the world is reached; ``since`` has the first tick from which on each goal, by
+    a measure, is broken.
+    """
+
+    world: str
+    flown: RecordedFlight
+    since: Mapping[tuple[str, str], int]
+    seconds: float
+
+    @classmethod
+    def from_row(cls, row: tuple[Any, ...]) -> Self:
+        """Return the flight of a row; ``ValueError`` or ``TypeError`` if it is invalid."""
+        _, world, text, seconds, *flown = row
+        (rows,) = database.lists([text])
+        since = {(str(goal), str(kind)): int(tick) for goal, kind, tick in rows}
+        return cls(str(world), RecordedFlight.from_row((*flown,)), since, float(seconds))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -194,8 +226,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
                     if table != "failure" and row[0] != index:
                         raise ValueError(f"found {table} {row[0]}; expected {index} next")
                 if new:
-                    marks = ", ".join("?" * len(new[0]))
-                    connection.executemany(f"INSERT INTO {table} VALUES ({marks})", new)
+                    if table == "evaluation":
+                        self._columns = database.completed(connection, self._columns)
+                    connection.executemany(database.inserting(table, len(new[0])), new)
 
     @property
     def n_evaluations(self) -> int:
@@ -333,6 +366,26 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         with database.transaction(self.path, self._connection) as connection:
             connection.executemany("INSERT INTO flight VALUES (?, ?, ?, ?)", rows)
 
+    def flights_elsewhere(self) -> tuple[FlightElsewhere, ...]:
+        """Return the flights in other worlds, in order."""
+        if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'elsewhere'"):
+            return ()
+        return tuple(self._decoded(FlightElsewhere.from_row, row) for row in self.rows("elsewhere"))
+
+    def append_elsewhere(self, flight: FlightElsewhere) -> None:
+        """Store a flight in another world."""
+        since = database.canonical([[*broken, tick] for broken, tick in flight.since.items()])
+        row = None, flight.world, since, float(flight.seconds), *flight.flown.row()
+        with database.transaction(self.path, self._connection) as connection:
+            connection.execute(database.ELSEWHERE)
+            connection.execute("INSERT INTO elsewhere VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+
+    def forget_elsewhere(self, world: str) -> None:
+        """Remove all flights in a world."""
+        with database.transaction(self.path, self._connection) as connection:
+            connection.execute(database.ELSEWHERE)
+            connection.execute("DELETE FROM elsewhere WHERE world = ?", (world,))
+
     def rows(self, table: str) -> list[tuple[Any, ...]]:
         """Return all rows of a table, as they are stored."""
         return self._select(f"SELECT * FROM {table} ORDER BY idx")
@@ -375,7 +428,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
     counts = (getattr(outcome, name) for name in database.COUNTS)
-    beside = outcome.margins, outcome.detection
+    beside = outcome.margins, outcome.detection, outcome.repetition
     fitness, *found = database.texts([[float(each) for each in evaluation.fitness], *counts])
     return (
         int(evaluation.index),
@@ -396,10 +449,12 @@ def _evaluation(row: Sequence[Any]) -> Evaluation:
 
 
 def _flown(row: Sequence[Any]) -> tuple[int, int, Outcome, tuple[float, ...], int]:
-    index, generation, fitness_text, fault_ticks, *texts, digest, margins, detection = row
-    texts += [margins or "[]", detection or "[]"]
-    fitness, *counts, margins, detection = database.lists([fitness_text, *texts])
-    outcome = _outcome(*counts, digest, margins, detection)
+    index, generation, fitness_text, fault_ticks, *texts, digest, margins, detection, repetition = (
+        row
+    )
+    texts += [each or "[]" for each in (margins, detection, repetition)]
+    fitness, *counts, margins, detection, repetition = database.lists([fitness_text, *texts])
+    outcome = _outcome(*counts, digest, margins, detection, repetition)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -416,11 +471,22 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
 
 
 def _outcome(*found: Any) -> Outcome:
-    """Return an outcome from its stored fields; margins and detection may be missing."""
-    *counts, digest, margins, late = found
+    """Return an outcome from its stored fields; those after the digest may be missing."""
+    *counts, digest, margins, late, repetition = found
     detection = tuple((n, n_late) for n, n_late in database.integers(late or ())) or None
     named: dict[str, Any] = dict(zip(database.COUNTS, database.integers(counts), strict=True))
-    return Outcome(**named, digest=digest, margins=database.margins(margins), detection=detection)
+    return Outcome(
+        **named,
+        digest=digest,
+        margins=database.margins(margins),
+        detection=detection,
+        repetition=_repetition(*repetition) if repetition else None,
+    )
+
+
+def _repetition(n_flights: int, n_late: int, broken: Sequence[int]) -> Repetition:
+    (n_flights, n_late), goals = database.integers([(n_flights, n_late), broken])
+    return Repetition(n_flights, n_late, goals)
 
 
 @dataclass(frozen=True, slots=True)

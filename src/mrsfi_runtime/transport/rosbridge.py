@@ -41,6 +41,7 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.transport.topics import (
     CLIENTS,
+    SEE_LOG,
     Client,
     FailureListener,
     Payload,
@@ -63,6 +64,8 @@ class ListenedTransport:
 
     ``lost`` is the reason why the connection ended, or ``None`` while it is open.
     """
+
+    hint = SEE_LOG
 
     def __init__(self) -> None:
         self.lost: Exception | None = None
@@ -171,6 +174,7 @@ class EmbeddedTransport(ListenedTransport):
         if self.lost is None:
             self._run(self._client.close)
             self.lost = TransportClosed("the embedded transport was closed")
+            self.report(self.lost)
 
     def _run(self, function: Callable[[], T]) -> T:
         self.require_open()
@@ -288,6 +292,7 @@ class RosbridgeTransport(ListenedTransport):
             self._closed.wait(6.0)  # roslibpy gives the server 5 s to agree
         if self.lost is None:
             self.lost = TransportClosed(f"the connection to {self.url} was closed")
+            self.report(self.lost)  # a flight in another thread ends at once
 
     def _topic(self, topic: Topic) -> Any:
         kind = type_name(topic.type, "msg", self.ros)

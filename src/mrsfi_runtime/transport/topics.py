@@ -40,6 +40,23 @@ class Service(NamedTuple):
     type: str
 
 
+SUBSCRIBERS, PUBLISHERS, TOPICS = "/rosapi/subscribers", "/rosapi/publishers", "/rosapi/topics"
+"""Services of a server, with the subscribers and publishers of a topic, and all topics."""
+
+RELIABLE, BEST_EFFORT = "reliable", "best_effort"
+TRANSIENT_LOCAL, VOLATILE = "transient_local", "volatile"
+STRONG = {"reliability": RELIABLE, "durability": TRANSIENT_LOCAL}
+"""What a subscriber may request in vain."""
+
+
+class TopicQos(NamedTuple):
+    """The quality of service of a topic of ROS 2; as by default in rclpy and rclcpp."""
+
+    reliability: str = RELIABLE
+    durability: str = VOLATILE
+    depth: int = 10
+
+
 class Reply(NamedTuple):
     """The answer of a service: its values, or the problem if it failed."""
 
@@ -89,8 +106,14 @@ class Transport(PubSub, Protocol):
         """Give up all topics and services."""
 
 
+SEE_LOG = "the server may have refused the type of a topic or service: see its log"
+"""A genuine server reports that nowhere else; it appears as silence before the first tick."""
+
+
 class NodeTransport(Transport, Protocol):
-    """A transport with a clock."""
+    """A transport with a clock; ``hint`` is what to look at if nothing arrives from a node."""
+
+    hint: str
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, in the thread of the callbacks."""
@@ -104,9 +127,10 @@ def type_name(name: str, kind: str, ros: int) -> str:
     return name if ros == 1 else name.replace("/", f"/{kind}/")
 
 
-def time_of(tick: int, ros: int) -> Payload:
-    """Return the time of a tick: one tick is one second."""
-    return {"secs": tick, "nsecs": 0} if ros == 1 else {"sec": tick, "nanosec": 0}
+def time_of(tick: int, ros: int, share: float = 0.0) -> Payload:
+    """Return the time of a tick, or of a share of the next: one tick is one second."""
+    rest = round(share * 1e9)
+    return {"secs": tick, "nsecs": rest} if ros == 1 else {"sec": tick, "nanosec": rest}
 
 
 def seconds_of(time: Payload) -> int:
@@ -194,7 +218,7 @@ class PrefixedTransport:
     def __init__(self, transport: NodeTransport, prefix: str) -> None:
         self._transport = transport
         self._prefix = prefix.rstrip("/")
-        self.ros = transport.ros
+        self.ros, self.hint = transport.ros, transport.hint
         self.watch, self.close = transport.watch, transport.close
         self.call_later = transport.call_later
 

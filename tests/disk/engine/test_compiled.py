@@ -40,6 +40,7 @@ GENERATED = ROOT / "generated" / "uuv_sampling"
 MADE = b"machine\ncode"
 NAMES = ["fly", "check"]
 SEED = 3
+TENTH = "define double @f(double %x) {\n%y = fmul double %x, 0x3FB999999999999A\nret double %y\n}"
 
 
 def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
@@ -226,7 +227,7 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
 
 def test_machine_code_is_found_as_it_was_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
-    code = MachineCode(("fly",), b"machine\ncode", ("floor",))
+    code = MachineCode(("fly",), b"machine\ncode", ("floor",), is_near=True)
 
     assert kept_code("one", lambda: code) == (code, True)
     assert kept_code("one", lambda: pytest.fail("compiled twice")) == (code, False)
@@ -249,6 +250,17 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
 
     found = {path.name for path in tmp_path.iterdir()}
     assert found == {*[f"mission_{k}" for k in range(n_before)][-(N_KEPT - 1) :], "last"}
+
+
+@pytest.mark.skipif(machine_code.platform.machine() != "x86_64", reason="it is of x86-64")
+def test_code_has_no_addresses_of_64_bits_of_its_constants():
+    llvm = pytest.importorskip("llvmlite.binding")
+    machine = machine_code.this_machine(is_near=True)
+
+    code = machine.emit_assembly(llvm.parse_assembly(TENTH))
+
+    assert "mulsd" in code
+    assert "movabs" not in code
 
 
 def found_in(folder, monkeypatch, names, seal):

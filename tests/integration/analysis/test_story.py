@@ -219,6 +219,21 @@ def test_labels_on_one_another_are_parted():
     assert not [1 for one, other in combinations(boxes, 2) if one.overlaps(other)]
 
 
+def test_a_map_of_very_many_robots_has_no_labels_and_a_few_of_them_in_its_key(tmp_path):
+    mission = paper_mission()
+    robots = tuple(replace(mission.robots[0], id=f"q{k}", name=f"robot {k}") for k in range(200))
+
+    figure = mission_map(replace(mission, robots=robots))
+    _, svg = save(figure, tmp_path / "map")
+
+    assert [*figure.axes[0].texts] == []
+    assert len(figure.axes[0].collections[0].get_offsets()) == 200
+    named = {each for each in texts(svg) if each.startswith("start")}
+    assert named == {f"start of robot {k} (q{k})" for k in range(12)} | {
+        "starts of 200 robots in all"
+    }
+
+
 def test_trajectories_are_drawn(tmp_path):
     figure = mission_map(crowded(0))
     _, svg = save(figure, tmp_path / "map")

@@ -8,7 +8,7 @@ import pytest
 
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
-from mrsfi_runtime.causes.mildest import least
+from mrsfi_runtime.causes.mildest import least, mildest
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, detected, faults_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
@@ -74,8 +74,8 @@ def test_progress_never_goes_back_and_its_bound_never_rises(store, space, engine
     harvest(space, store, engine.evaluate_many, engine.record, lambda *step: steps.append(step[:3]))
 
     units = [*dict.fromkeys(unit for unit, _, _ in steps)]
-    assert units == ["flights", "mildest variants"]
-    assert [unit for unit, _, _ in steps] == sorted(unit for unit, _, _ in steps)
+    assert units == ["flights", "bisections"]
+    assert [unit for unit, _, _ in steps] == sorted((step[0] for step in steps), reverse=True)
     for unit in units:
         done, most = zip(*(step[1:] for step in steps if step[0] == unit), strict=True)
         assert list(done) == sorted(done)
@@ -106,6 +106,24 @@ def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
         broken = found.yardstick.broken(found.outcomes[each.shown.witness])
         assert each.shown.column in broken
         assert each.shown.n_held == each.shown.n_seeds == 3
+
+
+def test_what_is_shrunk_side_by_side_ends_as_what_is_shrunk_alone(store, space, engine):
+    found, batches, seeds = harvest(space, store, engine.evaluate_many, engine.record), [], (1, 2)
+
+    def noted(specifications, seed):
+        batches.append(len(specifications))
+        return engine.evaluate_many(specifications, seed)
+
+    together = mildest(space, found.known, found.weaknesses, noted, engine.record, seeds)
+
+    for each, weakness in zip(together, found.weaknesses, strict=True):
+        (alone,) = mildest(
+            space, found.known, [weakness], engine.evaluate_many, engine.record, seeds
+        )
+        assert each.weakness == alone.weakness
+    assert sum(each.n_flights for each in together) == sum(batches) - len(seeds)  # without faults
+    assert sum(batches) > 1.5 * len(batches)
 
 
 def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):

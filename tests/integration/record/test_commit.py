@@ -38,7 +38,7 @@ def test_a_new_campaign_records_when_it_was_made_and_from_which_commit(folders, 
 
     with CampaignStore.open(tmp_path / "run") as store:
         found = store.manifest
-    assert found.created == "2026-11-28T09:15:02+00:00"
+    assert found.created == "2026-11-28T09:15:02.000+00:00"
     assert (found.commit, found.is_edited) == (git(tmp_path, "rev-parse", "HEAD"), False)
 
 

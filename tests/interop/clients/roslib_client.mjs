@@ -161,8 +161,8 @@ async function services(a, b) {
 }
 
 async function parameters(a, b) {
-  const name = "js/limits";
-  const value = { speed: 2.5, names: ["a", "b"] };
+  const name = isRos2 ? "js:limits" : "js/limits";
+  const value = isRos2 ? [2.5, 3] : { speed: 2.5, names: ["a", "b"] };
   const mine = new ROSLIB.Param({ ros: a, name });
   const theirs = new ROSLIB.Param({ ros: b, name });
   const missing = await asked(theirs, "get");
@@ -263,6 +263,9 @@ async function actions(a, b) {
   const wrong = await ended(client, { orders: 1 });
   const misfit = await ended(client, { order: 0 });
   const given_up = await ended(client, { order: 5 }, (id) => client.cancelGoal(id));
+  let begun = 0;
+  const cancel = () => ++begun === 2 && client.cancelAllGoals();
+  const all_given_up = await Promise.all([8, 9].map((order) => ended(client, { order }, cancel)));
   const unadvertised = await ended(client, { order: 6 }, () => provider.unadvertise());
   const gone = await ended(client, { order: 1 });
   const c = await connected();
@@ -278,6 +281,7 @@ async function actions(a, b) {
     wrong,
     misfit,
     given_up,
+    all_given_up,
     n_cancelled: cancelled.length,
     unadvertised,
     gone,

@@ -471,6 +471,7 @@ VIOLATED = verdict("g3", State.VIOLATED, "f3")
         [ALONE, JOINTLY, HOLDS],
         [ALONE, VIOLATED, HOLDS],
         [JOINTLY, HOLDS],
+        [HOLDS, replace(HOLDS, is_unexplained=True)],
     ],
 )
 def test_the_headline_says_how_many_goals_break_and_under_how_many_faults(found, approved):

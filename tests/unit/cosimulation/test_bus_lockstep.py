@@ -1,7 +1,7 @@
 """The two sides of a mission over a bus: same results, and no message lost unseen."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from queue import SimpleQueue
 from threading import Thread
@@ -145,10 +145,11 @@ def sides(
     patience: Patience = PATIENCE,
     patience_of_ci: Patience | None = None,
     mind: Mind | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Iterator[tuple[SimulationHost, BusLockstep, QueuedTransport]]:
     """Yield the two sides of a mission on a bus, and the transport of the CI."""
     bus = QueuedBus(tamper)
-    simulation = SimulationHost(bus.join(), code.simulation, code.mission, patience)
+    simulation = SimulationHost(bus.join(), code.simulation, code.mission, patience, tell)
     transport = bus.join()
     try:
         yield (
@@ -300,11 +301,11 @@ def test_what_goes_wrong_on_the_way_to_the_ci_is_told_with_its_tick(tamper, prob
     [
         (
             nth(HEADING, 0, lose),
-            r"\d+ messages from the collective intelligence arrived; none on .*/r1/command/h",
+            r"\d+ messages from the collective intelligence or node arrived; none on .*/r1/command",
         ),
         (nth(HEADING, 0, double), "two messages arrived on /r1/command/heading"),
         (nth(GO, 17, lambda go: [*other_command(go), go]), "it announced|two messages arrived on"),
-        (nth(GO, 17, double), "tick 18: the collective intelligence announced tick 17"),
+        (nth(GO, 17, double), "tick 18: the collective intelligence or node announced tick 17"),
     ],
 )
 def test_what_goes_wrong_on_the_way_to_the_simulation_ends_both_sides(tamper, problem):
@@ -432,7 +433,10 @@ def test_a_simulation_that_does_not_understand_the_setup_is_not_waited_for():
     with (
         sides(CODE, every_setup(lambda *found: [*found, 1]), patience) as (simulation, lockstep, _),
         served(simulation),
-        pytest.raises(ProtocolError, match=r"refuses .*\[\d+, 1, 3, 1\]; expected 3 integers"),
+        pytest.raises(
+            ProtocolError,
+            match=r"the simulation could not be set up: .*\[\d+, 1, 3, 1\]; expected 3 integers",
+        ),
     ):
         BusEngine(CODE, 1, lockstep).evaluate(())
 
@@ -472,21 +476,41 @@ def test_an_error_in_a_region_ends_its_run_only():
     assert outcome == ReferenceEngine(CODE, 1).evaluate(())
 
 
-def test_a_silent_ci_in_mid_run_ends_the_simulation():
-    patient = Patience(tick=2.0)  # it would tell the simulation to stop
-    with sides(CODE, nth(GO, 17, lose), HASTY, patient) as (simulation, lockstep, _):
+def test_a_side_that_is_silent_in_mid_run_ends_its_run_and_the_next_is_served():
+    patient = Patience(tick=5.0)  # it would tell the simulation to stop
+    said = []
+    with (
+        sides(CODE, nth(GO, 17, lose), HASTY, patient, tell=said.append) as (simulation, ci, _),
+        served(simulation) as ended,
+    ):
+        engine = BusEngine(CODE, 1, ci)
+        problem = "run 1, tick 17: the collective intelligence or node was silent for 0.5 s"
+        with pytest.raises(TransportError, match=f"the simulation failed: {problem}"):
+            engine.evaluate(())
+        outcome = engine.evaluate(())
+        simulation.stop()
 
-        def fly():
-            with suppress(TransportError):
-                BusEngine(CODE, 1, lockstep).evaluate(())
+    assert outcome == flown_in_process()
+    assert (ended, [problem in line for line in said]) == ([], [True])
+    assert said[0].endswith("; this run is over, the simulation waits for the next")
 
-        thread = Thread(target=fly)
-        thread.start()
-        with pytest.raises(
-            TransportTimeout, match=r"collective intelligence was silent for 0\.5 s"
-        ):
-            simulation.serve()
-        thread.join()
+
+@pytest.mark.parametrize(
+    ("topic", "problem"),
+    [
+        (SPEED, r"none on [^;]*/r2/speed.*: a message was lost, or the server may have refused"),
+        (TICK, "silent for 0.5 s; .*; nothing arrived on the topic that ends a tick, the server"),
+        (GO, "silent for 0.5 s; .*; nothing arrived on /clock, /r1/energy, .*, the server may"),
+    ],
+)
+def test_silence_before_the_first_tick_may_be_a_refused_type(topic, problem):
+    with pytest.raises(TransportError, match=f"run 1, tick 0: .*{problem}.*: see its log"):
+        flown(nth(topic, 0, lose), patience=HASTY if "silent" in problem else PATIENCE)
+
+
+def test_silence_in_a_later_tick_is_no_refused_type():
+    with pytest.raises(TransportError, match=r"tick 17: .*: a message was lost$"):
+        flown(nth(SPEED, 17, lose))
 
 
 def test_a_simulation_waits_for_the_first_tick_while_a_node_gets_ready():

@@ -94,6 +94,16 @@ def test_what_is_missing_is_overdue_after_the_grace(count):
     assert "1 of 2 messages from the simulation arrived; none on /a, /c" in str(error)
 
 
+def test_what_arrives_on_no_known_topic_is_of_another_mission(count):
+    for topic in ("/a", "/b", "/c"):
+        count.count(topic)
+    count.announced(0, 4)
+
+    assert "3 of 4 messages from the simulation arrived; it flies another mission" in str(
+        count.overdue(2 * GRACE, 10.0)
+    )
+
+
 def test_silence_is_overdue_after_the_timeout(count):
     assert count.overdue(9.9, 10.0) is None
     assert type(count.overdue(10.1, 10.0)) is TransportTimeout

@@ -164,11 +164,73 @@ def test_a_message_has_what_is_mapped_in_its_place():
     (x,) = ticks[0]["/r1/odom"]["pose"]["pose"]["position"].values()
     assert ticks[0]["/r1/pose"] == {
         "pose": {"position": {"x": x}},
-        "header": {"frame_id": "map"},
+        "header": {"frame_id": "map", "stamp": {"secs": 0, "nsecs": 0}},
     }
     assert [{*tick} - {"/clock"} for tick in ticks] == [
         {f"/{robot}/{what}" for robot in ("r1", "r2", "r3") for what in ("odom", "pose")}
     ] * T
+
+
+def test_the_last_turn_of_a_tick_counts_from_the_heading_before_the_tick():
+    twists = [{"linear": {"x": 2.0}, "angular": {"z": turn}} for turn in (0.5, -0.3)]
+
+    def node(last):
+        def both(hear, say):
+            publish = say("/r1/cmd_vel", "geometry_msgs/Twist")
+            sent = twists[-last:]
+            hear("/r2/pose", "geometry_msgs/PoseStamped", then=lambda _: [*map(publish, sent)])
+
+        return both
+
+    outcomes = [flown(mapping(), node=node(last))[0] for last in (1, 2)]
+
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[0] != flown(mapping())[0]
+
+
+def test_headers_have_the_time_of_the_tick_and_a_frame():
+    _, ticks = flown(mapping(frame_id="odom"))
+
+    for topic, frame in (("/r1/pose", "map"), ("/r1/odom", "odom")):
+        assert [tick[topic]["header"] for tick in ticks] == [
+            {"frame_id": frame, "stamp": {"secs": t, "nsecs": 0}} for t in range(T)
+        ]
+
+
+def test_the_clock_may_go_in_steps():
+    with engine_with(CODE, mapping(clock_hz=4), silent) as (engine, bus, _):
+        engine.evaluate(())
+
+    said = [(topic, each) for topic, each in bus.said if topic in {"/clock", "/r1/odom"}]
+    clocks = [each["clock"] for topic, each in said if topic == "/clock"]
+    assert [each["secs"] + each["nsecs"] / 1e9 for each in clocks] == [
+        quarter / 4 for quarter in range(4 * T - 3)
+    ]
+    assert [topic for topic, _ in said[2:7]] == ["/clock"] * 3 + ["/r1/odom", "/clock"]
+
+
+def test_a_command_after_the_answer_is_late():
+    commands = []
+
+    def node(hear, say):
+        publish = say("/r1/cmd_vel", "geometry_msgs/Twist")
+        hear("/r1/pose", "geometry_msgs/PoseStamped", then=lambda _: commands.append(publish))
+
+    with engine_with(CODE, mapping(), node) as (engine, _, between):
+        between._pace.settle = lambda: len(commands) == 3 and commands[0]({"linear": {"x": 1.0}})
+        with pytest.raises(TransportError, match="/r1/cmd_vel: a command came after the node had"):
+            engine.evaluate(())
+    assert not between.is_to_blame
+
+
+def test_a_tick_counts_the_messages_of_the_mapping_without_the_clock_and_the_commands():
+    twist = {"linear": {"x": 0.5}, "angular": {"z": 0.0}}
+    node = saying("/r1/cmd_vel", "geometry_msgs/Twist", *[twist] * 10, to="/r1/pose")
+    with engine_with(CODE, mapping(), node) as (engine, bus, _):
+        engine.evaluate((TimedFault("f2", 4, 20, (5.0,)),))  # no position of r2 for 5 ticks
+
+    counts = [message["data"][2:] for topic, message in bus.said if topic == "/mission/tick"]
+    assert counts == [[6 - (4 <= tick <= 8), min(tick + 1, 10)] for tick in range(T)]
 
 
 def test_scale_and_offset_are_of_what_the_node_is_told():
@@ -331,7 +393,9 @@ REMEDIES = (
     [({}, "/mission/answer", REMEDIES), ({"answer": DONE}, "/done", "")],
 )
 def test_of_a_node_that_never_answers_it_is_told_how_it_may(answer, topic, remedies):
-    said = f"expected a message on {topic}; {remedies}check that it still runs, or increase"
+    said = f"expected a message on {topic}; {remedies}check that it still runs, or increase "
+    unheard = ", ".join(sorted([topic, *(f"/{robot}/cmd_vel" for robot in ("r1", "r2", "r3"))]))
+    said += f"--timeout; nothing arrived on {unheard}, the server may have refused the type of"
     with (
         engine_with(CODE, mapping(**answer), silent, pace="answer") as (engine, *_),
         pytest.raises(TransportTimeout, match=re.escape(said)),

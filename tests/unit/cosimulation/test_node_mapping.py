@@ -36,14 +36,14 @@ FIRST = "f: [[node.tells]] 1: "
         (
             {"tels": []},
             (
-                "f: found 'tels'; expected one of tells, obeys, answer, reset, names, types; "
-                "did you mean 'tells'?"
+                "f: found 'tels'; expected one of tells, obeys, answer, reset, names, types, "
+                "frame_id, clock_hz; did you mean 'tells'?"
             ),
         ),
         ({"tells": [TELLS]}, "f: found no [[node.obeys]]; expected at least one topic"),
         (
             tells(topik="x"),
-            FIRST + "found 'topik'; expected one of topic, type, fields, world; "
+            FIRST + "found 'topik'; expected one of topic, type, fields, world, qos; "
             "did you mean 'topic'?",
         ),
         (tells(type="Float64"), FIRST + "'Float64' is not a type name; expected 'package/Type'"),
@@ -89,6 +89,18 @@ FIRST = "f: [[node.tells]] 1: "
             {**tells(), "answer": "/done"},
             "f: answer: found '/done'; expected { topic = …, type = … }",
         ),
+        (tells(qos=3), FIRST + "found qos = 3; expected { depth = 10 }"),
+        (
+            tells(qos={"history": 1}),
+            FIRST + "qos: found 'history'; expected one of reliability, durability, depth",
+        ),
+        (
+            tells(qos={"reliability": "best"}),
+            FIRST + "reliability: found 'best'; expected one of reliable, best_effort",
+        ),
+        (tells(qos={"depth": 0}), FIRST + "depth: found 0; expected a number of messages"),
+        ({**tells(), "clock_hz": 0}, "f: clock_hz: found 0; expected an integer, 1 to 1000"),
+        ({**tells(), "frame_id": 1}, "f: found frame_id = 1; expected a text"),
         ({**tells(), "names": {"r1": 1}}, "f: names: found {'r1': 1}; expected { r1 = 'husky1' }"),
     ],
 )

@@ -10,7 +10,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from mrsfi_runtime.engine.compiled.engine import kernel
-from mrsfi_runtime.engine.compiled.machine_code import LIBRARY, MANIFEST, PROCESSOR, library_seal
+from mrsfi_runtime.engine.compiled.machine_code import (
+    LIBRARY,
+    MANIFEST,
+    NEAR,
+    PROCESSOR,
+    library_seal,
+)
 
 
 def build(folder: Path) -> None:
@@ -21,7 +27,7 @@ def build(folder: Path) -> None:
     from mrsfi_runtime.engine.compiled.compiler import compiled_kernel  # noqa: PLC0415 - likewise
 
     target: Any = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
-    compiled = compiled_kernel(target.create_target_machine(cpu=PROCESSOR, reloc="pic"))
+    compiled = compiled_kernel(target.create_target_machine(cpu=PROCESSOR, **NEAR))
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / LIBRARY
     with TemporaryDirectory() as name:

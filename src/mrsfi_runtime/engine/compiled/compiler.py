@@ -14,6 +14,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from textwrap import dedent
 from types import FunctionType, ModuleType, SimpleNamespace
@@ -34,7 +35,7 @@ from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled import views
 from mrsfi_runtime.engine.compiled.layout import ALLOWED, CALLS
-from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
+from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime, this_machine
 from mrsfi_runtime.engine.compiled.regions import (
     EFFECT,
     ROLES,
@@ -304,8 +305,9 @@ def compiled_kernel(machine: Any = None) -> MachineCode:
     register(each for one in functions for each in _reached_by(one)[1:])
     flight = (views.View(Flights), types.int64, types.int64)
     arguments = (flight, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
+    machine = machine or this_machine(is_near=True)
     found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine)
-    return found
+    return replace(found, is_near=True)
 
 
 def compiled_region(directory: Path, region: Region, reached: Reached) -> MachineCode:
@@ -313,7 +315,8 @@ def compiled_region(directory: Path, region: Region, reached: Reached) -> Machin
     register(reached.functions)
     try:
         with _by_address():
-            found: MachineCode = _compiled([(_called(region), views.arguments_of(region.role))])
+            called = [(_called(region), views.arguments_of(region.role))]
+            found: MachineCode = _compiled(called, _TARGET.codegen()._tm)  # noqa: SLF001 - numba's
     except OSError:
         raise
     except Exception as error:
@@ -416,9 +419,9 @@ def _reached_by(first: Any) -> list[FunctionType]:
 
 @global_compiler_lock  # type: ignore[untyped-decorator]
 def _compiled(
-    functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]], machine: Any = None
+    functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]], machine: Any
 ) -> MachineCode:
-    """Return the machine code of functions, by their arguments; each returns an integer."""
+    """Return the code of functions for a machine, by their arguments; each returns an integer."""
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
@@ -434,7 +437,6 @@ def _compiled(
     module, *others = modules
     for other in others:
         module.link_in(other)
-    machine = machine or _TARGET.codegen()._tm  # noqa: SLF001 - numba's own
     binary = machine.emit_object(module)
     known = (*module.functions, *module.global_variables)
     taken = [each.name for each in known if each.is_declaration]
@@ -444,14 +446,14 @@ def _compiled(
 def _optimised(codegen: Any, module: Any, name: str) -> Any:
     """Return an optimised module, of which other modules call one function.
 
-    Loops are mostly short: more optimisation takes longer, and makes flights slower. So does a
-    second function in the same module, because functions that both call are not inlined.
+    Loops are mostly short: vectors take longer, and make flights slower. So does a second function
+    in the same module, because functions that both call are not inlined.
     """
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:
             each.linkage = "external" if each.name == name else "internal"
     passes, builder = codegen._module_pass_manager(  # noqa: SLF001
-        opt=2, loop_vectorize=False, slp_vectorize=False
+        opt=3, loop_vectorize=False, slp_vectorize=False
     )
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, builder)

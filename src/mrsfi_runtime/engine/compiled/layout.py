@@ -11,9 +11,10 @@ An object with a directory also keeps the arrays that it points to.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from functools import cache, cached_property, lru_cache
-from itertools import accumulate, chain
+from itertools import accumulate, chain, starmap
+from struct import Struct
 from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -24,6 +25,7 @@ from mrsfi_runtime.engine.recording import KINDS, Records, record_type, recorded
 from mrsfi_runtime.kernel.flight import Verdicts, reached
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
+    InjectionRow,
     InjectionState,
     OwnFault,
     OwnRow,
@@ -254,10 +256,9 @@ class Batch:
         self._plans: Words = np.zeros((len(plans), n_entries(Plan), 2), np.int64)
         self._n_held = [one.n_held for one in plans]
         self._plans[:, _PLACES["held"], 1] = self._n_held
-        layout = record_type(InjectionState)
         injections = zip(*(one.lists for one in plans), strict=True)
         self._injections = [
-            self._listed(name, _records(layout, lists), lists)
+            self._listed(name, _injections(lists), lists)
             for name, lists in zip(("messages", "reports", "commands"), injections, strict=True)
         ]
         own = [one.own for one in plans]
@@ -333,6 +334,17 @@ class Batch:
         beside = [self.results[name] for name in ("margin", "nearest", "broken", "undetected")]
         lists = ([column.tolist() for column in some] for some in (goals, faults, beside))
         return *lists, [packed(world), packed(self.results["belief"])]
+
+
+_IN_ROW = "".join("d" if kind is float else "q" for kind in get_args(InjectionRow))
+_N_KEPT = len(fields(InjectionState)) - len(_IN_ROW)  # which begin as zeros
+_INJECTION = Struct(f"<{_IN_ROW}{8 * _N_KEPT}x")
+
+
+def _injections(lists: Iterable[Sequence[InjectionRow]]) -> Records:
+    """Return the records of injections as ``_records`` would, but faster: a batch has thousands."""
+    rows = starmap(_INJECTION.pack, chain.from_iterable(lists))
+    return np.frombuffer(bytearray(b"".join(rows)), record_type(InjectionState))
 
 
 def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) -> Records:

@@ -20,7 +20,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import mkdtemp
@@ -30,6 +29,7 @@ import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.regions import CompilationError
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import temporary_files_writable
+from mrsfi_runtime.project_file import installed_version
 
 FILE = "code"
 N_KEPT = 512
@@ -38,14 +38,32 @@ N_KEPT = 512
 
 def cache_folder() -> Path:
     """Return ``MRSFI_CACHE``, else the user's cache folder, or a temporary one with a warning."""
+    folder, why = _lasting()
+    return temporary(folder, why) if why else folder
+
+
+def _lasting() -> tuple[Path, str]:
+    """Return the folder for all commands, and why it cannot be used, if it cannot."""
     users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        why = _distrusted(folder)
+        return folder, _distrusted(folder)
     except OSError as error:
-        why = "it is no folder" if folder.exists() else error.strerror or str(error)
-    return temporary(folder, why) if why else folder
+        return folder, "it is no folder" if folder.exists() else error.strerror or str(error)
+
+
+def passed_once(key: str, check: Callable[[], None]) -> None:
+    """Call a check, which raises if it fails, unless it passed before under the same key."""
+    folder, why = _lasting()
+    mark = folder / key / FILE
+    if why or not mark.is_file():
+        check()
+    with suppress(OSError):
+        if not why:
+            _make_room(mark.parent)
+            mark.parent.mkdir(mode=0o700, exist_ok=True)
+            mark.touch()
 
 
 def _distrusted(folder: Path) -> str:
@@ -129,6 +147,14 @@ PROCESSOR = "x86-64-v3"
 _FEATURES = {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
 """The processor features that the library needs, as Linux names them."""
 
+NEAR: dict[str, Any] = {"reloc": "pic", "codemodel": "small"}
+"""Options of a machine whose code and constants lie within 2 GiB: addresses are offsets in code.
+
+By default they are numbers of 64 bits, which fill registers: flights take longer. Such code is
+loaded into one block. LLVM reserves no room in it for a table of addresses of external symbols, and
+ends the process where one is needed, so this is for the kernel, which needs none.
+"""
+
 LIBRARY, MANIFEST = "kernel.so", "kernel.json"
 
 
@@ -148,11 +174,15 @@ class Library:
 
 @dataclass(frozen=True, slots=True)
 class MachineCode:
-    """An object file, the names of functions in it, and of external symbols that it needs."""
+    """An object file, the names of functions in it, and of external symbols that it needs.
+
+    ``is_near`` says whether it was made with ``NEAR``.
+    """
 
     names: tuple[str, ...]
     binary: bytes
     taken: tuple[str, ...] = ()
+    is_near: bool = False
 
     def addresses(self) -> list[int]:
         """Return where the functions lie, for as long as this process runs."""
@@ -162,7 +192,9 @@ class MachineCode:
             if _missing(self.taken):
                 raise CompilationError(f"compiled code lacks {' and '.join(_missing(self.taken))}")
             llvm = _llvm()
-            engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+            in_one_block = {"use_lmm": True} if self.is_near else {}
+            machine = this_machine(is_near=self.is_near)
+            engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine, **in_one_block)
             engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
             engine.finalize_object()
             found = [engine.get_function_address(name) for name in self.names]
@@ -197,12 +229,14 @@ def _processor() -> tuple[str, str, str]:
 
 
 @cache
-def _machine() -> Any:
+def this_machine(*, is_near: bool) -> Any:
+    """Return what makes code with ``NEAR``, and loads code, for this processor."""
     llvm, (triple, cpu, features) = _llvm(), _processor()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(triple)
-    return target.create_target_machine(cpu=cpu, features=features, jit=True)
+    options = NEAR if is_near else {}
+    return target.create_target_machine(cpu=cpu, features=features, opt=3, jit=True, **options)
 
 
 @cache
@@ -219,7 +253,7 @@ def kernel_key() -> str:
     """Return a key of all that the compiled kernel depends on: its text, compiler, machine."""
     if find_spec("numba") is None:
         raise UsageError("compilation needs numba; install it with: pip install 'mrsfi[fast]'")
-    parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
+    parts = [sys.version, *map(installed_version, ("numba", "llvmlite", "numpy"))]
     return key_of(sources_key(), *parts, *_processor())
 
 
@@ -233,12 +267,12 @@ def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCod
 
     def make() -> bytes:
         code = compile_()
-        return json.dumps([code.names, code.taken]).encode() + b"\n" + code.binary
+        return json.dumps([code.names, code.taken, code.is_near]).encode() + b"\n" + code.binary
 
     content, is_new = kept(key, make)
     head, _, binary = content.partition(b"\n")
-    names, taken = map(tuple, json.loads(head))
-    return MachineCode(names, binary, taken), is_new
+    names, taken, is_near = json.loads(head)
+    return MachineCode(tuple(names), binary, tuple(taken), is_near), is_new
 
 
 @cache

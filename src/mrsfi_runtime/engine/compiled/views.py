@@ -240,12 +240,19 @@ _ODD = -7046029254386353131  # no single change of a word escapes a sum that is 
 
 
 @kernel
+def region(view: Any, place: int) -> int:
+    """Return the address of a region that a team wrote; 0 for a default one."""
+    calls = getattr(view, CALLS)
+    return calls[place] if len(calls) > 0 else 0
+
+
+@kernel
 def progress(view: Any) -> None:
     """Bring the progress of every goal up to the tick of a state."""
-    calls = getattr(view, CALLS)
     for g in range(len(view.goals)):
-        if calls[3 * g]:
-            call(calls[3 * g], view)
+        address = region(view, 3 * g)
+        if address:
+            call(address, view)
         else:
             table.progress(view, g, view.goals[g].task)
 
@@ -253,9 +260,8 @@ def progress(view: Any) -> None:
 @kernel
 def check(view: Any, violated: Any) -> None:
     """Write 1 for every goal that is violated in a state, else 0."""
-    calls = getattr(view, CALLS)
     for g in range(len(view.goals)):
-        address = calls[3 * g + 1]
+        address = region(view, 3 * g + 1)
         if address:
             violated[g] = call(address, view)
         else:
@@ -265,10 +271,10 @@ def check(view: Any, violated: Any) -> None:
 @kernel
 def react(ci: Any) -> None:
     """Let every goal command its members."""
-    calls = getattr(ci, CALLS)
     for g in range(len(ci.goals)):
-        if calls[3 * g + 2]:
-            call(calls[3 * g + 2], ci)
+        address = region(ci, 3 * g + 2)
+        if address:
+            call(address, ci)
         else:
             table.react(ci, g, ci.goals[g].task)
 
@@ -300,8 +306,7 @@ TASK_FUNCTIONS = (progress_by_task, check_by_task, react_by_task)
 @kernel
 def apply(ci: Any, inbox: Any, fault: Any) -> None:
     """Let a user-defined fault act; raise an error if it changes more than its type allows."""
-    calls = getattr(ci, CALLS)
-    address = calls[3 * len(ci.goals)]
+    address = region(ci, 3 * len(ci.goals))
     if address == 0:
         return
     before = fixed(ci, inbox, fault)

@@ -1,0 +1,312 @@
+"""External programs that mrsfi starts: a node, or a simulation, each on a server of its own.
+
+A keeper process starts and ends a program: run as ``python -m mrsfi_runtime.engine.external``,
+``Keeper`` reads from a connection which program to start or end, and reports how programs ended.
+When the connection closes, for any reason, the keeper ends the program and all processes that it
+started. ``KeptProcess`` is the engine's side of it.
+
+``joined`` embeds a server for such a program. An ``ExternalEngine`` restarts what failed, and flies
+a specification several times if its programs do not repeat themselves.
+"""
+
+import os
+import secrets
+import shlex
+import signal
+import sys
+from collections import deque
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
+from threading import Thread
+from typing import TypeAlias
+
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport
+from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
+from mrsfi_runtime.engine.flights import PlainEngine, Request
+from mrsfi_runtime.errors import EvaluationError, TransportClosed, TransportError, UsageError
+from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.model.mission import Outcome, Repetition
+from mrsfi_runtime.record.engine_settings import RESTART, EngineSettings
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport
+from mrsfi_runtime.transport.topics import Transport
+
+_GRACE = 1.0
+"""Seconds that a program has to end after a signal."""
+
+
+class _Child:
+    """A program that was started, and the last lines that it wrote."""
+
+    def __init__(self, words: list[str]) -> None:
+        self.process = Popen(
+            words, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, start_new_session=True
+        )
+        self._lines: deque[bytes] = deque(maxlen=5)
+        self._reader = Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self._lines.append(line[:500])
+
+    def end(self) -> None:
+        """End the program and all processes that it started."""
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.process.pid, number)
+            with suppress(TimeoutExpired):
+                self.process.wait(_GRACE)
+
+    def last_words(self) -> str:
+        """Return how it ended, and what it wrote last."""
+        self._reader.join(_GRACE)
+        code = self.process.returncode
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        lines = [line.decode(errors="replace").strip() for line in self._lines]
+        output = " / ".join(line for line in lines if line)
+        return f"{how}{': ' if output else ''}{output}"
+
+
+class Keeper:
+    """Starts and ends programs, one at a time, as a connection requests."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._child: _Child | None = None
+
+    def serve(self) -> None:
+        """Start each command received, an empty one only ends the program; until disconnected."""
+        with suppress(EOFError, OSError):
+            while True:
+                child = self._child
+                if child is not None and child.process.poll() is not None:
+                    self._end()  # the processes that it started, too
+                    self._connection.send(("ended", child.last_words()))
+                if wait([self._connection], None if self._child is None else 0.05):
+                    self._change(self._connection.recv())
+        self._end()
+
+    def _change(self, words: list[str]) -> None:
+        self._end()
+        try:
+            self._child = _Child(words) if words else None
+        except OSError as error:
+            self._connection.send(("failed", f"{words[0]}: {error.strerror}"))
+            return
+        self._connection.send(("done", str(self._child.process.pid) if self._child else ""))
+
+    def _end(self) -> None:
+        child, self._child = self._child, None
+        if child is not None:
+            child.end()
+
+
+NODE, WORLD = "--node", "--world"
+_NAMES = {NODE: "the node", WORLD: "the simulation"}
+"""What an option starts, in words."""
+
+
+def child_of(module: str, stdout: int | None = None) -> tuple["Popen[bytes]", Connection]:
+    """Run a module in a process, with one end of a connection; return it, and the other end."""
+    connection, other_end = Pipe()
+    with other_end:
+        process = Popen(
+            [sys.executable, "-m", module, str(other_end.fileno())],
+            pass_fds=[other_end.fileno()],
+            stdin=DEVNULL,
+            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+            stdout=stdout,
+        )
+    return process, connection
+
+
+class KeptProcess:
+    """A program that dies with this process; ``pid`` is that of the last one that was started.
+
+    ``option`` gives the ``command``, in which ``{seed}`` is replaced by the mission seed, and the
+    names in ``places`` by where the program finds its peers. An invalid command is a
+    ``UsageError``.
+    """
+
+    def __init__(self, option: str, command: str, places: "Places", *, restarts: bool) -> None:
+        self.restarts = restarts
+        self.name = _NAMES[option]
+        self._option = option
+        try:
+            self._words = shlex.split(command)
+        except ValueError as error:
+            raise UsageError(f"{option}: found {command!r}: {error}; expected a command") from error
+        if not self._words:
+            raise UsageError(f"{option}: found nothing; expected a command")
+        self._places = places
+        self.pid = 0
+        self._keeper, self._connection = child_of(__name__)
+
+    def start(self, seed: int) -> None:
+        """End the program if it runs, and start it for a mission seed."""
+        filled = {**self._places, "{seed}": str(seed)}
+        words = []
+        for word in self._words:
+            for name, value in filled.items():
+                word = word.replace(name, value)  # noqa: PLW2901 - one after the other
+            words.append(word)
+        self._request(words)
+
+    def stop(self) -> None:
+        """End the program if it runs."""
+        self._request([])
+
+    def ended(self) -> str:
+        """Return how the program ended and what it wrote last, or nothing while it runs."""
+        with suppress(EOFError, OSError):
+            if self._connection.poll():
+                _, ending = self._connection.recv()
+                self.pid = 0
+                return str(ending)
+        return ""
+
+    def close(self) -> None:
+        """End the program, and wait for that."""
+        self._connection.close()
+        try:
+            self._keeper.wait(4.0)
+        except TimeoutExpired:
+            self._keeper.kill()
+            self._keeper.wait()
+
+    def _request(self, words: list[str]) -> None:
+        """Have the keeper start a command, or only end the program if the command is empty."""
+        try:
+            self._connection.send(words)
+            kind, answer = "ended", ""
+            while kind == "ended":  # about the previous program
+                kind, answer = self._connection.recv()
+        except (EOFError, OSError) as error:
+            what = f"the process that supervises {self.name} has ended"
+            raise TransportClosed(what) from error
+        if kind == "failed":
+            raise TransportError(f"{self.name} did not start: {answer}; check {self._option}")
+        self.pid = int(answer or 0)
+
+
+Places: TypeAlias = Mapping[str, str]
+"""What a command may say of where a program finds its peers, by name in braces."""
+
+
+def places_of(url: str) -> Places:
+    """Return what a command may say of a server: its URL, or its host and port."""
+    host, _, port = url.partition("://")[2].partition("/")[0].rpartition(":")
+    return {"{url}": url, "{host}": host, "{port}": port}
+
+
+def joined(
+    command: str | None, settings: EngineSettings, types: TypeTable, opened: ExitStack
+) -> tuple[EmbeddedTransport, str]:
+    """Embed a server for a program, until ``opened`` closes; return a transport and its URL.
+
+    If the program's command has a place for the URL, that has a token, which keeps out other users
+    of this machine.
+    """
+    token = secrets.token_urlsafe() if "{url}" in (command or "") else None
+    limits = Limits(service_s=2 * settings.patience.handshake)  # the engine reports first
+    bridge = opened.enter_context(
+        EmbeddedBridge(ServerSettings(token=token, types=types, limits=limits))
+    )
+    embedded = EmbeddedTransport(bridge)
+    opened.callback(embedded.close)
+    return embedded, bridge.url if token is None else f"{bridge.url}/?token={token}"
+
+
+class ExternalEngine(PlainEngine):
+    """Flies missions with an external node or simulation, which may be started here.
+
+    If a program that is started here fails twice under a specification, that is an
+    ``EvaluationError`` of the specification. Every other problem is a ``TransportError``. Of
+    ``repeats`` flights the median counts.
+    """
+
+    _lockstep: BusLockstep
+
+    def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
+        super().__init__(code, seed)
+        self.settings = settings
+        self._world_process: KeptProcess | None = None
+
+    def started_world(self, opened: ExitStack) -> EmbeddedTransport:
+        """Return the transport of a simulation, which the first flight starts."""
+        command, types = self.settings.world_command or "", TypeTable(ros=self.settings.ros)
+        transport, url = joined(command, self.settings, types, opened)
+        self.keep_world(command, places_of(url), opened)
+        return transport
+
+    def keep_world(self, command: str, places: "Places", opened: ExitStack) -> None:
+        """Have the first flight start a simulation, if the settings have its command."""
+        if self.settings.world_command is not None:
+            restarts = self.settings.world_reset == RESTART
+            self._world_process = KeptProcess(WORLD, command, places, restarts=restarts)
+            opened.callback(self._world_process.close)
+
+    def bundled(self, world: Transport) -> Transport:
+        """Return the transport of a simulation, with bundles if the settings ask for them."""
+        return BundlingTransport.of_ci(world) if self.settings.is_bundled else world
+
+    def lockstep(self, transport: Transport, mind: Mind | None = None) -> BusLockstep:
+        """Return the lock-step with a simulation behind a transport."""
+        code, settings = self.code, self.settings
+        return BusLockstep(
+            transport,
+            code.mission,
+            code.interface,
+            code.truth,
+            settings.patience,
+            mind,
+            self._world_process,
+            settings.most_late(code.mission.duration),
+        )
+
+    def _culprit(self) -> KeptProcess | None:
+        """Return the program that failed in the last flight, if it was started here."""
+        return self._world_process if self._lockstep.is_to_blame else None
+
+    def _evaluate(self, request: Request) -> Outcome:
+        flights = [self._flown_well(request)]
+        if not self.settings.is_foreign:
+            return flights[0]
+        n_late = self._lockstep.n_late
+        while len(flights) < self.settings.repeats:
+            flights.append(self._flown_well(request._replace(observer=None, tallies=[])))
+            n_late += self._lockstep.n_late
+        broken = [[t + m > 0 for t, m in zip(one.true, one.missed, strict=True)] for one in flights]
+        flights.sort(key=lambda each: (sum(each.believed), sum(each.true), each.digest))
+        repetition = Repetition(len(flights), n_late, tuple(map(sum, zip(*broken, strict=True))))
+        return replace(flights[len(flights) // 2], repetition=repetition)
+
+    def _flown_well(self, request: Request) -> Outcome:
+        """Fly; if a program fails twice, that is an error of the specification."""
+        for is_last in (request.observer is not None, True):
+            try:
+                return super()._evaluate(request)
+            except TransportError as error:
+                culprit = self._culprit()
+                if culprit is None:
+                    raise
+                culprit.stop()
+                if is_last:
+                    raise EvaluationError(str(error)) from error
+        raise AssertionError
+
+    def _fly(self, flight: Flight, seed: int) -> None:
+        self._lockstep.fly(flight, seed)
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Keeper(Connection(int(sys.argv[1]))).serve()
