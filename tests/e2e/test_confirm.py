@@ -210,7 +210,7 @@ def test_a_world_that_is_slower_than_the_timeout_ends_it_and_keeps_what_was_flow
     options = ("confirm", RUN, "--url", url)
     hanging = "chain([0.0] * 3, (sleep(60) for _ in count()))"
     with external_world(url, project, hanging):
-        ended = mrsfi(*options, "--timeout", "0.5", cwd=project, expected=8).stderr
+        ended = mrsfi(*options, "--timeout", "2", cwd=project, expected=8).stderr
 
     assert "flights that ended are kept in runs/it; the same command continues" in ended
     assert len(flights(project)) >= 2
