@@ -57,9 +57,6 @@ from mrsfi_runtime.transport.topics import (
 _LOOK = 0.1
 _STEADY = 0.3  # seconds without a new subscription after which a node counts as ready
 _FLOOD: Final = 1000  # most commands of a node on a topic in a tick
-_SUBSCRIBERS = Service(SUBSCRIBERS, "rosapi/Subscribers")
-_PUBLISHERS = Service(PUBLISHERS, "rosapi/Publishers")
-_TOPICS = Service(TOPICS, "rosapi/Topics")
 
 
 class Node(Mind):
@@ -202,7 +199,7 @@ class Node(Mind):
                 f"the node no longer subscribes to {', '.join(sorted(lost))}; expected it to stay "
                 "connected and subscribed until it is stopped"
             )
-        topics = self._ask(_TOPICS, {}).values.get("topics", ())
+        topics = self._ask(TOPICS, {}).values.get("topics", ())
         for topic, kind, name in self.speech.strangers(topics):
             elements = self._mapping.elements(self.speech.mission)
             known = ", ".join(each.name for each in elements if each.kind == kind)
@@ -402,8 +399,8 @@ class Node(Mind):
 
     def _joined(self) -> frozenset[str]:
         """Return the topics that the node has joined: those that it receives, and commands."""
-        ends = [(_SUBSCRIBERS, "subscribers", each.topic.name) for each, _ in self._sayings]
-        ends += [(_PUBLISHERS, "publishers", name) for name in self.speech.obeyed]
+        ends = [(SUBSCRIBERS, "subscribers", each.topic.name) for each, _ in self._sayings]
+        ends += [(PUBLISHERS, "publishers", name) for name in self.speech.obeyed]
         return frozenset(
             name
             for service, found, name in ends

@@ -1,4 +1,4 @@
-"""External programs that mrsfi starts: a node, or a simulation, each on a server of its own.
+"""Engines for external programs, a node or a simulation, which may be started here.
 
 A keeper process starts and ends a program: run as ``python -m mrsfi_runtime.engine.external``,
 ``Keeper`` reads from a connection which program to start or end, and reports how programs ended.
@@ -6,7 +6,9 @@ When the connection closes, for any reason, the keeper ends the program and all 
 started. ``KeptProcess`` is the engine's side of it.
 
 ``joined`` embeds a server for such a program. An ``ExternalEngine`` restarts what failed, and flies
-a specification several times if its programs do not repeat themselves.
+a specification several times if its programs do not repeat themselves. The ``InjectorEngine`` has
+an external node as the collective intelligence: the node receives the faulty reports on topics of
+its own, and the engine flies its commands.
 """
 
 import os
@@ -26,16 +28,24 @@ from typing import TypeAlias
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
-from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
-from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep, SimulationHost
+from mrsfi_runtime.cosimulation.bus_topics import BundlingTransport, Pace
 from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
+from mrsfi_runtime.cosimulation.node import Node
+from mrsfi_runtime.cosimulation.node_speech import Speech, held_commands, out_of_reach
 from mrsfi_runtime.engine.flights import PlainEngine, Request
-from mrsfi_runtime.errors import EvaluationError, TransportClosed, TransportError, UsageError
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    SpecificationError,
+    TransportClosed,
+    TransportError,
+    UsageError,
+)
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.mission import Outcome, Repetition
-from mrsfi_runtime.record.engine_settings import RESTART, EngineSettings
-from mrsfi_runtime.transport.rosbridge import EmbeddedTransport
-from mrsfi_runtime.transport.topics import Transport
+from mrsfi_runtime.record.engine_settings import RESTART, ROS2, EngineSettings
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, errors_as_ours
+from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport, TopicQos, Transport
 
 _GRACE = 1.0
 """Seconds that a program has to end after a signal."""
@@ -234,11 +244,16 @@ class ExternalEngine(PlainEngine):
     """
 
     _lockstep: BusLockstep
+    _opened: ExitStack
 
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
         super().__init__(code, seed)
         self.settings = settings
         self._world_process: KeptProcess | None = None
+
+    def close(self) -> None:
+        """End the programs and the connections."""
+        self._opened.close()
 
     def started_world(self, opened: ExitStack) -> EmbeddedTransport:
         """Return the transport of a simulation, which the first flight starts."""
@@ -258,10 +273,10 @@ class ExternalEngine(PlainEngine):
         """Return the transport of a simulation, with bundles if the settings ask for them."""
         return BundlingTransport.of_ci(world) if self.settings.is_bundled else world
 
-    def lockstep(self, transport: Transport, mind: Mind | None = None) -> BusLockstep:
-        """Return the lock-step with a simulation behind a transport."""
+    def lock_step_with(self, transport: Transport, mind: Mind | None = None) -> None:
+        """Prepare the lock-step with a simulation behind a transport."""
         code, settings = self.code, self.settings
-        return BusLockstep(
+        self._lockstep = BusLockstep(
             transport,
             code.mission,
             code.interface,
@@ -271,6 +286,7 @@ class ExternalEngine(PlainEngine):
             self._world_process,
             settings.most_late(code.mission.duration),
         )
+        self.interface = self._lockstep.interface
 
     def _culprit(self) -> KeptProcess | None:
         """Return the program that failed in the last flight, if it was started here."""
@@ -305,6 +321,110 @@ class ExternalEngine(PlainEngine):
 
     def _fly(self, flight: Flight, seed: int) -> None:
         self._lockstep.fly(flight, seed)
+
+
+class InjectorEngine(ExternalEngine):
+    """Flies missions with an external node as the collective intelligence.
+
+    The node joins an embedded rosbridge server or an external one, or, on native ROS 2, a DDS
+    domain. The built-in simulation runs in this process. An external one is at the same server or
+    domain, or is started on an embedded server of its own.
+    """
+
+    def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
+        super().__init__(code, seed, settings)
+        patience = settings.patience
+        self.patience = 4 * (patience.tick + patience.handshake)
+        speech = Speech.of(settings.node_mapping, code.mission, settings.version_of_ros)
+        with ExitStack() as opened:
+            with errors_as_ours():
+                transport, pace, places = self._join(speech, opened)
+            self._process: KeptProcess | None = None
+            if settings.node is not None:
+                restarts = settings.node_reset == RESTART
+                command = f"{self._variables}{settings.node}"
+                self._process = KeptProcess(NODE, command, places, restarts=restarts)
+                opened.callback(self._process.close)
+            embedded = self._embedded
+            self.node = Node(transport, speech, pace, patience, self._process)
+            self.lock_step_with(self._world, self.node)
+            transport.watch(self._lockstep.fail)
+            if embedded is not None:
+                embedded.on_refusal(
+                    lambda topic, why: self.node.refuse(transport.unnamed(topic), why)
+                )
+            for each in speech.relayed:
+                if settings.has_own_world:
+                    raise UsageError(
+                        f"[node] {each.topic.name}: is passed on to the simulation, but the "
+                        f"built-in one has no {each.world.name}; expected --url, --world, or fields"
+                    )
+            self.node.pass_on(self._lockstep.advertise)
+            self._opened = opened.pop_all()
+
+    def _join(self, speech: Speech, opened: ExitStack) -> tuple[PrefixedTransport, Pace, Places]:
+        """Create the transport of the simulation; return what reaches the node, and its pace."""
+        settings, code = self.settings, self.code
+        self._embedded: EmbeddedTransport | None = None
+        self._variables = ""
+        self._world: Transport = LocalBus()
+        if settings.has_own_world:
+            SimulationHost(self._world, code.simulation, code.mission, settings.patience)
+        if settings.name == ROS2:
+            return self._join_domain(speech, opened)
+        if settings.url is not None:
+            server = RosbridgeTransport(settings.url, settings.client, settings.ros)
+            opened.callback(server.close)
+            if not settings.has_own_world:
+                self._world = self.bundled(PrefixedTransport(server, settings.world_prefix))
+            transport = PrefixedTransport(server, settings.node_prefix)
+            return transport, Pace(settings.node_pace), places_of(settings.url)
+        embedded, url = joined(settings.node, settings, speech.types, opened)
+        self._embedded = embedded
+        if not settings.has_own_world:
+            self._world = self.bundled(self.started_world(opened))
+        transport = PrefixedTransport(embedded, settings.node_prefix)
+        return transport, Pace(settings.node_pace, embedded.barrier), places_of(url)
+
+    def _join_domain(
+        self, speech: Speech, opened: ExitStack
+    ) -> tuple[PrefixedTransport, Pace, Places]:
+        """Do so over DDS, with a participant each for the node and an external simulation."""
+        from mrsfi_runtime.transport import ros2  # noqa: PLC0415 - an extra
+
+        settings, prefix = self.settings, self.settings.node_prefix
+        domain = ros2.domain_of(settings.domain, opened)
+        self._variables = f"env {shlex.join(domain.variables)} "
+
+        def participant(qos: Mapping[str, TopicQos]) -> ros2.Ros2Transport:
+            joined = ros2.Ros2Transport(domain, speech.types, qos)
+            opened.callback(joined.close)
+            return joined
+
+        places = {"{domain}": str(domain.number)}
+        if not settings.has_own_world:
+            self._world = PrefixedTransport(participant({}), settings.world_prefix)
+            self.keep_world(f"{self._variables}{settings.world}", places, opened)
+        node = participant(speech.qos(prefix))
+        pace = Pace(settings.node_pace, node.barrier, node.settle, "calls of its parameter service")
+        return PrefixedTransport(node, prefix), pace, places
+
+    def _evaluate(self, request: Request) -> Outcome:
+        beyond = out_of_reach(self.code.mission, request.pool, self.node.speech)
+        for timed in request.specification:
+            if timed.fault in beyond:
+                raise SpecificationError(
+                    f"fault '{timed.fault}' cannot be injected: it affects {beyond[timed.fault]}, "
+                    "and no topic carries that to the node; map one in [node] of mrsfi.toml, or "
+                    "leave the fault out (docs/node.md)",
+                    (timed.fault,),
+                )
+        held = held_commands(self.code.mission, request.pool, request.specification)
+        self.node.held = [*held]
+        return super()._evaluate(request)
+
+    def _culprit(self) -> KeptProcess | None:
+        return self._process if self.node.is_to_blame else super()._culprit()
 
 
 if __name__ == "__main__":

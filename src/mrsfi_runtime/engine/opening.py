@@ -44,7 +44,7 @@ def open_engine(
             message = f"the compiled engine cannot be loaded: {lacking}; {LIMITED}"
             raise EvaluationError(message) from error
     if settings.side == INJECTOR:
-        from mrsfi_runtime.engine.injector import InjectorEngine  # noqa: PLC0415 - a server
+        from mrsfi_runtime.engine.external import InjectorEngine  # noqa: PLC0415 - a server
 
         return InjectorEngine(code, seed, settings)
     from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server

@@ -24,7 +24,6 @@ from subprocess import DEVNULL, TimeoutExpired
 from threading import Thread
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport, Patience
@@ -39,7 +38,7 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.record.engine_settings import BOTH, EngineSettings
-from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, as_ours
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, errors_as_ours
 from mrsfi_runtime.transport.topics import PrefixedTransport, Transport
 
 _LATER = 5.0  # seconds
@@ -82,14 +81,12 @@ def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
             yield PrefixedTransport(joined, settings.world_prefix), url
         return
     token = secrets.token_urlsafe()  # keeps out other users of this machine
-    try:
-        with (
-            EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
-            closing(EmbeddedTransport(bridge)) as embedded,
-        ):
-            yield embedded, f"{bridge.url}/?token={token}"
-    except BridgeError as error:
-        raise as_ours(error) from error
+    with (
+        errors_as_ours(),
+        EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
+        closing(EmbeddedTransport(bridge)) as embedded,
+    ):
+        yield embedded, f"{bridge.url}/?token={token}"
 
 
 def main(number: int) -> None:
@@ -192,15 +189,12 @@ class RosbridgeEngine(ExternalEngine):
         self.patience = 2 * (patience.tick + patience.handshake)
         self.simulation: SimulationProcess | None = None
         with ExitStack() as opened:
-            try:
+            with errors_as_ours():
                 self._transport = self._join(opened)
-            except BridgeError as error:
-                raise as_ours(error) from error
             self._opened = opened.pop_all()
         self._may_ignore_bundles = settings.is_bundled and settings.side != BOTH
-        world = self.bundled(PrefixedTransport(self._transport, settings.world_prefix))
-        self._lockstep = self.lockstep(world)
-        self.interface = self._lockstep.interface
+        world = PrefixedTransport(self._transport, settings.world_prefix)
+        self.lock_step_with(self.bundled(world))
         if self.simulation is not None:
             Thread(target=self._watch, args=(self.simulation,), daemon=True).start()
 
@@ -223,10 +217,6 @@ class RosbridgeEngine(ExternalEngine):
             found = found or join(self.simulation.url)
         assert found is not None  # the settings made sense
         return found
-
-    def close(self) -> None:
-        """Close the connection and end the simulation process."""
-        self._opened.close()
 
     def _watch(self, simulation: SimulationProcess) -> None:
         """Stop waiting for a simulation that has ended; its server would only be silent."""

@@ -60,11 +60,10 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic as DdsTopic
 
-from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import TypeTable
 from mrsfi_bridge.structures import BYTE_ARRAYS, FORMATS, SCALAR, VARIABLE, Field, Structure
 from mrsfi_runtime.errors import ProtocolError, TransportClosed, TransportError, UsageError
-from mrsfi_runtime.transport.rosbridge import ListenedTransport, as_ours
+from mrsfi_runtime.transport.rosbridge import ListenedTransport, errors_as_ours
 from mrsfi_runtime.transport.topics import (
     BEST_EFFORT,
     PUBLISHERS,
@@ -112,12 +111,10 @@ class Kind:
         self._unpacks = {each.name: _unpacks(each, nested.get(each.type)) for each in fields}
         self._lacking = {} if fields else {_EMPTY: 0}
 
+    @errors_as_ours()
     def instance(self, payload: Payload, **header: int) -> Any:
         """Return a message with default values where the payload has none."""
-        try:
-            return self.pack(self._structure.convert(payload), **header)
-        except BridgeError as error:
-            raise as_ours(error) from error
+        return self.pack(self._structure.convert(payload), **header)
 
     def pack(self, payload: Payload, **header: int) -> Any:
         """Return the message of a payload in normal form."""
@@ -139,19 +136,15 @@ class Types:
         self._table = table
         self._kinds: dict[str, Kind] = {}
 
+    @errors_as_ours()
     def message(self, name: str) -> Kind:
         """Return the type of the messages of a topic."""
-        try:
-            return self._kind(self._table.message(name))
-        except BridgeError as error:
-            raise as_ours(error) from error
+        return self._kind(self._table.message(name))
 
+    @errors_as_ours()
     def service(self, name: str) -> tuple[Kind, Kind]:
         """Return the types of the requests and the responses of a service."""
-        try:
-            found = self._table.service(name)
-        except BridgeError as error:
-            raise as_ours(error) from error
+        found = self._table.service(name)
         header = {"guid": idl.uint64, "seq": idl.int64}  # of rmw_cyclonedds
         request = self._made(f"{found.name}_Request", "srv", found.request, header)
         return request, self._made(f"{found.name}_Response", "srv", found.response, header)
@@ -411,8 +404,8 @@ class Ros2Transport(ListenedTransport):
         """Call a service; of those of a server, who uses topics is known here."""
         self.require_open()
         reply = self.reporting(on_reply)
-        if service.name in {TOPICS, *self._endpoints}:
-            found = self._known(service.name, str(request.get("topic")))
+        if service in {TOPICS, *self._endpoints}:
+            found = self._known(service, str(request.get("topic")))
             self.call_later(0.0, lambda: reply(Reply({service.name.rpartition("/")[2]: found})))
             return
         asks = {each.topic_name for each in self._others(SUBSCRIBERS)}
@@ -514,7 +507,7 @@ class Ros2Transport(ListenedTransport):
             self._hear(self._served, call.reader, self.reporting(call.receive))
         return self._calls[service.name]
 
-    def _others(self, what: str) -> Iterator[DcpsEndpoint]:
+    def _others(self, what: Service) -> Iterator[DcpsEndpoint]:
         """Yield the publishers or subscribers of other participants whose processes run.
 
         DDS itself notices the end of a process that was killed after ten seconds only.
@@ -525,7 +518,7 @@ class Ros2Transport(ListenedTransport):
             if each.participant_key not in left_out:
                 yield each
 
-    def _known(self, what: str, topic: str) -> list[str]:
+    def _known(self, what: Service, topic: str) -> list[str]:
         """Return what a server would answer; a node that cannot be met is a ``ProtocolError``."""
         self._asked = ()
         for call in self._calls.values():
@@ -541,7 +534,7 @@ class Ros2Transport(ListenedTransport):
             self._require_fit(what, each)
         return [str(each.participant_key) for each in there]
 
-    def _require_fit(self, what: str, there: DcpsEndpoint) -> None:
+    def _require_fit(self, what: Service, there: DcpsEndpoint) -> None:
         topic, kind = self._ours[there.topic_name]
         verb = "publishes" if what == PUBLISHERS else "subscribes to"
         place = f"the node {verb} {topic.name}"

@@ -19,9 +19,9 @@ Source paper, section III-F.
 
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from threading import Event, get_ident
 from typing import Any, ParamSpec, TypeVar
@@ -115,6 +115,15 @@ def as_ours(error: bridge_errors.BridgeError) -> MrsfiError:
     )
 
 
+@contextmanager
+def errors_as_ours() -> Iterator[None]:
+    """Turn errors of the server in the body into those of the runtime."""
+    try:
+        yield
+    except bridge_errors.BridgeError as error:
+        raise as_ours(error) from error
+
+
 class EmbeddedTransport(ListenedTransport):
     """A client of a started embedded bridge; its callbacks run in the bridge's thread.
 
@@ -176,12 +185,10 @@ class EmbeddedTransport(ListenedTransport):
             self.lost = TransportClosed("the embedded transport was closed")
             self.report(self.lost)
 
+    @errors_as_ours()
     def _run(self, function: Callable[[], T]) -> T:
         self.require_open()
-        try:
-            return function() if get_ident() == self._thread else self._run_there(function)
-        except bridge_errors.BridgeError as error:
-            raise as_ours(error) from error
+        return function() if get_ident() == self._thread else self._run_there(function)
 
     def _run_there(self, function: Callable[[], T]) -> T:
         done: Future[T] = Future()

@@ -40,7 +40,9 @@ class Service(NamedTuple):
     type: str
 
 
-SUBSCRIBERS, PUBLISHERS, TOPICS = "/rosapi/subscribers", "/rosapi/publishers", "/rosapi/topics"
+SUBSCRIBERS = Service("/rosapi/subscribers", "rosapi/Subscribers")
+PUBLISHERS = Service("/rosapi/publishers", "rosapi/Publishers")
+TOPICS = Service("/rosapi/topics", "rosapi/Topics")
 """Services of a server, with the subscribers and publishers of a topic, and all topics."""
 
 RELIABLE, BEST_EFFORT = "reliable", "best_effort"
