@@ -13,10 +13,8 @@ References
 Source paper, section III-A, step 6, and section III-B b).
 """
 
-import gc
 import os
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
@@ -67,15 +65,13 @@ class LoadedFile:
 class LoadedModels:
     """Root of a mission model and that of the faults, ``None`` if the folder has none.
 
-    They begin in ``mission_path`` and ``faults_path``, which may be one file. ``nodes`` has the XML
-    element, with its line, of every object of both; ``files`` are all their files, in the order in
-    which they were read.
+    The mission begins in ``mission_path``. ``nodes`` has the XML element, with its line, of every
+    object of both; ``files`` are all their files, in the order in which they were read.
     """
 
     mission: Any
     faults: Any
     mission_path: Path
-    faults_path: Path | None
     nodes: Mapping[Any, Node] = field(repr=False)
     files: tuple[LoadedFile, ...] = field(default=(), repr=False)
 
@@ -188,18 +184,6 @@ def _is_there(path: Path) -> bool:
         return True
 
 
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Disable garbage collection in the body: it is slow, and a large model has no garbage."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
-
-
 class Objects:
     """Makes objects of checked nodes; ``nodes`` and ``by_node`` map one to the other."""
 
@@ -248,7 +232,6 @@ class _Loading:
         self._report = Report(self._objects.nodes)
         self._files = ModelFiles(self._report)
 
-    @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
         """Load a mission and its faults, which may stand in the mission's file.
 
@@ -299,7 +282,6 @@ class _Loading:
             mission=mission.root,
             faults=None if faults is None else faults.root,
             mission_path=mission.path,
-            faults_path=None if faults is None else faults.path,
             nodes=self._objects.nodes,
             files=tuple(
                 LoadedFile(each.path, each.spelling, tuple(map(by_node.get, each.roots)))

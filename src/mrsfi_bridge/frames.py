@@ -29,7 +29,6 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from itertools import count
-from json.encoder import c_make_encoder, encode_basestring_ascii  # type: ignore[attr-defined]
 from typing import Any, NamedTuple, TypeAlias
 
 import cbor2
@@ -62,18 +61,7 @@ try:
 except ImportError:  # where it has no compiled part
     from websockets.utils import apply_mask
 
-_scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
-"""Reads as ``json.loads`` does, without its checks for an encoding and for blanks."""
-
-if c_make_encoder is None:
-    _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
-else:  # the same without a new encoder for each value
-    _PARTS = c_make_encoder(
-        None, dict, encode_basestring_ascii, None, ":", ",", False, False, False
-    )
-
-    def _encode(o: Any) -> str:
-        return "".join(_PARTS(o, 0))
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
 
 
 def to_json(value: Any) -> bytes:
@@ -93,12 +81,7 @@ def from_json(content: bytes | bytearray | str) -> Any:
     if orjson is not None:
         with suppress(ValueError):  # it contains NaN, say
             return orjson.loads(content)
-    text = content if isinstance(content, str) else content.decode()
-    with suppress(StopIteration):
-        value, end = _scan(text, 0)
-        if end == len(text):
-            return value
-    return json.loads(text)
+    return json.loads(content if isinstance(content, str) else content.decode())
 
 
 def _finite(value: Any) -> Any:
@@ -371,7 +354,6 @@ class Stream:
         self._waiting = bytearray()
         self._parts = bytearray()
         self._unsent: list[bytes] = []
-        self._masks: Iterator[bytes] = iter(())
         self._is_text = True
         self._is_whole = True
 
@@ -393,10 +375,7 @@ class Stream:
 
     def send_text(self, content: bytes) -> None:
         """Queue a text of a client for ``data_to_send``."""
-        mask = next(self._masks, None)
-        if mask is None:  # a system call for each mask would dominate the time
-            self._masks = _masks()
-            mask = next(self._masks)
+        mask = os.urandom(_MASK_BYTES)
         self._unsent += _frame_head(OP_TEXT, len(content), _MASKED), mask, apply_mask(content, mask)
 
     def data_to_send(self) -> list[bytes]:
@@ -478,12 +457,6 @@ class Stream:
                 if event.fin:
                     content, self._parts = self._parts, bytearray()
                     yield Message(content, self._is_text)
-
-
-def _masks() -> Iterator[bytes]:
-    """Yield some unpredictable masks."""
-    drawn = os.urandom(1024 * _MASK_BYTES)
-    return (drawn[start : start + _MASK_BYTES] for start in range(0, len(drawn), _MASK_BYTES))
 
 
 def client_stream(url: str) -> Stream:

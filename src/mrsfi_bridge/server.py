@@ -26,7 +26,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from itertools import count
-from typing import Any, Protocol, cast
+from typing import Any, cast
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.exceptions import PayloadTooBig
@@ -45,13 +45,6 @@ from mrsfi_bridge.structures import now
 ROUNDS = 2  # pings that go to each client, the second when the first is answered
 
 
-class Pinged(Protocol):
-    """A client that can be pinged."""
-
-    def ping(self, content: bytes) -> None:
-        """Ping it after all earlier messages."""
-
-
 class Barriers:
     """Barriers of all clients of a server; ``is_idle`` says whether all messages were delivered."""
 
@@ -59,10 +52,13 @@ class Barriers:
         self._loop = loop
         self._is_idle = is_idle
         self._numbers = count(1)
-        self._open: dict[bytes, dict[Pinged, Callable[[], None]]] = {}
+        self._open: dict[bytes, dict[Connection, Callable[[], None]]] = {}
 
     def begin(
-        self, clients: Callable[[], list[Pinged]], then: Callable[[], None], rounds: int = ROUNDS
+        self,
+        clients: Callable[[], list["Connection"]],
+        then: Callable[[], None],
+        rounds: int = ROUNDS,
     ) -> None:
         """Call a function when all clients have answered so many pings, one after the other.
 
@@ -86,18 +82,18 @@ class Barriers:
         for client in pinged:
             client.ping(content)
 
-    def pong(self, client: Pinged, content: bytes) -> None:
+    def pong(self, client: "Connection", content: bytes) -> None:
         """Take a client's answer to a ping."""
         if client in self._open.get(content, {}):
             self._answered(content, client)
 
-    def gone(self, client: Pinged) -> None:
+    def gone(self, client: "Connection") -> None:
         """Stop waiting for a client that has left."""
         for content in tuple(self._open):
             if client in self._open.get(content, {}):
                 self._answered(content, client)
 
-    def _answered(self, content: bytes, client: Pinged) -> None:
+    def _answered(self, content: bytes, client: "Connection") -> None:
         waiting = self._open[content]
         answered = waiting.pop(client)
         if not waiting:

@@ -102,7 +102,7 @@ def test_folder_without_faults_has_none(folder):
 
     models = load_mission_folder(folder)
 
-    assert (models.faults, models.faults_path) == (None, None)
+    assert models.faults is None
 
 
 def test_specification_finds_the_mission_that_it_refers_to(tmp_path, folder):
@@ -177,9 +177,12 @@ def test_a_type_whose_prefix_is_not_declared_is_refused_with_what_would_be_found
 
 def whole(models: LoadedModels) -> list[bytes]:
     """Return a mission and its faults as they would stand in one file each."""
-    roots = ((models.mission_path, models.mission), (models.faults_path, models.faults))
+    roots = {MISSION: models.mission, FAULTS: models.faults}
+    folder = models.mission_path.parent
     files = tuple(
-        LoadedFile(path, Spelling("ASCII"), (root,)) for path, root in roots if path is not None
+        LoadedFile(folder / name, Spelling("ASCII"), (root,))
+        for name, root in roots.items()
+        if root is not None
     )
     return list(saved(dataclasses.replace(models, files=files)).values())
 
@@ -309,8 +312,8 @@ def test_mission_and_faults_in_one_file(tmp_path):
 
     loaded = load_mission_folder(folder)
 
-    assert (loaded.mission_path, loaded.faults_path) == (folder / MISSION, folder / MISSION)
-    assert whole(dataclasses.replace(loaded, faults_path=folder / FAULTS)) == whole(original)
+    assert [file.path for file in loaded.files] == [loaded.mission_path] == [folder / MISSION]
+    assert whole(loaded) == whole(original)
     assert save(loaded) == ()
     assert load_specification(folder / MISSION).faults.ID == original.faults.ID
     assert b'<affectedMessage href="' not in content

@@ -8,13 +8,13 @@ Invariant: a ``NodeMapping`` is checked when it is made. An invalid one is a
 ``UsageError`` that names the entry, what was found and what was expected.
 
 Begin with ``QUANTITIES``, the values of a belief that a node can receive, and ``COMMANDS``.
-``NodeMapping.of`` reads a table, and ``spread`` applies a rule to the elements of a
+``NodeMapping.of`` reads a table, and ``spread`` applies rules to the elements of a
 mission. ``GENERATED`` is the table of nodes that use the topics of docs/bus.md.
 """
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
@@ -284,21 +284,20 @@ class NodeMapping:
 
 
 def spread(
-    rule: Rule, elements: Sequence[Element], mission: Mission
-) -> Iterator[tuple[Callable[[str], str], Element | None]]:
-    """Yield the function that fills in a topic name, and its element, for each of a rule."""
-    kinds = rule.kinds
-    if not kinds:
-        yield str, None
-        return
-    of = kinds[-1]
+    rules: Iterable[Rule], elements: Sequence[Element], mission: Mission
+) -> Iterator[tuple[Rule, Callable[[str], str], Element | None]]:
+    """Yield each rule with each of its elements, and the function that fills in a topic name."""
     robots = {each.place: each.name for each in elements if each.kind == "robot"}
-    for each in elements:
-        if each.kind == of:
-            named = {of: each.name}
-            if of == "sensor":
-                named["robot"] = robots[mission.sensor_robot[each.place]]
-            yield partial(_KIND.sub, lambda match, named=named: named[match[1]]), each
+    for rule in rules:
+        of = rule.kinds[-1] if rule.kinds else ""
+        if not of:
+            yield rule, str, None
+        for each in elements:
+            if each.kind == of:
+                named = {of: each.name}
+                if of == "sensor":
+                    named["robot"] = robots[mission.sensor_robot[each.place]]
+                yield rule, partial(_KIND.sub, lambda match, named=named: named[match[1]]), each
 
 
 def path_of(text: str) -> Path | None:

@@ -17,6 +17,7 @@ import math
 import pathlib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 from mrsfi_bridge.errors import BridgeError
@@ -96,14 +97,13 @@ class Speech:
         self._patterns = [(_pattern(rule), rule.kinds[-1]) for rule in mapping.obeys if rule.kinds]
         self.sayings = tuple(
             self._saying(rule, filled(rule.topic.name), element)
-            for rule in mapping.tells
-            for filled, element in spread(rule, self._elements, mission)
+            for rule, filled, element in spread(mapping.tells, self._elements, mission)
         )
+        obeyed = [*spread(mapping.obeys, self._elements, mission)]
         self.hearings = tuple(
             self._hearing(rule, filled(rule.topic.name), element)
-            for rule in mapping.obeys
+            for rule, filled, element in obeyed
             if rule.fields
-            for filled, element in spread(rule, self._elements, mission)
         )
         self.relayed = tuple(
             Relayed(
@@ -111,10 +111,8 @@ class Speech:
                 Topic(filled(rule.world), rule.topic.type),
                 element.place,
             )
-            for rule in mapping.obeys
-            if rule.world
-            for filled, element in spread(rule, self._elements, mission)
-            if element is not None
+            for rule, filled, element in obeyed
+            if rule.world and element is not None
         )
         names = {each.topic.name for each in self.hearings}  # on which the node commands
         self.obeyed = frozenset(names | {each.topic.name for each in self.relayed})
@@ -128,11 +126,10 @@ class Speech:
 
     def qos(self, prefix: str) -> dict[str, TopicQos]:
         """Return the quality of service of all topics in the mapping, by their names."""
-        mapping = self.mapping
+        rules = (*self.mapping.tells, *self.mapping.obeys)
         return {
             f"{prefix}{filled(rule.topic.name)}": rule.qos
-            for rule in (*mapping.tells, *mapping.obeys)
-            for filled, _ in spread(rule, self._elements, self.mission)
+            for rule, filled, _ in spread(rules, self._elements, self.mission)
         }
 
     @property
@@ -155,19 +152,18 @@ class Speech:
                 targets.append((affected, of.place))
             places.append((path, len(reads), None))
             reads.append(_scaled(read, of.place, entry, kind))
-        if [*rule.fields] == [("data",)] and len(reads) == 1:
-            (only,) = reads
-            values, payload = lambda ci: (only(ci),), lambda values: {"data": values[0]}
-        else:
-            values = lambda ci: tuple([read(ci) for read in reads])  # noqa: E731
-            payload = lambda values: _message(places, values)  # noqa: E731
         mapped = {path[:2] for path in rule.fields}
         is_stamped = self._has_header(rule.topic.type) and _STAMP not in mapped
         if is_stamped and _FRAME not in mapped:
             places.append((_FRAME, None, self.mapping.frame_id))
         carried = frozenset(targets)
         spoken = frozenset(target for target in carried if target[0] in SPOKEN)
-        return Saying(Topic(name, rule.topic.type), carried, spoken, values, payload, is_stamped)
+
+        def values(ci: State) -> tuple[Any, ...]:
+            return tuple([read(ci) for read in reads])
+
+        topic, payload = Topic(name, rule.topic.type), partial(_message, places)
+        return Saying(topic, carried, spoken, values, payload, is_stamped)
 
     def _hearing(self, rule: Rule, name: str, element: Element | None) -> Hearing:
         kinds = {path: self._kind(rule, path) for path in rule.fields}

@@ -21,7 +21,6 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, suppre
 from dataclasses import dataclass
 from functools import cache, partial
 from hashlib import sha256
-from importlib import metadata
 from multiprocessing.resource_tracker import ensure_running
 from pathlib import Path
 from threading import Lock
@@ -40,6 +39,7 @@ from mrsfi_runtime.fence import copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Evaluated, FailedFlight
+from mrsfi_runtime.project_file import installed_version
 from mrsfi_runtime.record.engine_settings import LOCAL, EngineSettings
 
 
@@ -102,10 +102,10 @@ class Shipment:
 def environment() -> dict[str, str]:
     """Return the versions on which results and the communication of processes depend."""
     return {
-        "mrsfi": f"{_version('mrsfi')} (source {_source_hash()})",
+        "mrsfi": f"{installed_version('mrsfi')} (source {_source_hash()})",
         "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
-        "numba": _version("numba"),
-        "distributed": _version("distributed"),
+        "numba": installed_version("numba"),
+        "distributed": installed_version("distributed"),
         "processor": platform.machine(),
     }
 
@@ -119,13 +119,6 @@ def _source_hash() -> str:
         if room not in ("analysis", "causes", "cli", "search", "study"):
             digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:8]
-
-
-def _version(name: str) -> str:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return "not installed"
 
 
 EvaluatedChunk: TypeAlias = tuple[list[Evaluated], float]

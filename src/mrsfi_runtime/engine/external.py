@@ -162,12 +162,9 @@ class KeptProcess:
 
     def start(self, seed: int) -> None:
         """End the program if it runs, and start it for a mission seed."""
-        filled = {**self._places, "{seed}": str(seed)}
-        words = []
-        for word in self._words:
-            for name, value in filled.items():
-                word = word.replace(name, value)  # noqa: PLW2901 - one after the other
-            words.append(word)
+        words = self._words
+        for name, value in {**self._places, "{seed}": str(seed)}.items():
+            words = [word.replace(name, value) for word in words]
         self._request(words)
 
     def stop(self) -> None:
