@@ -19,9 +19,8 @@ from typing import Any
 
 from benchmarks.weaknesses import MISSIONS, SEEDS, Brute, Known, Weaknesses, project_of, told_by
 from benchmarks.weaknesses import weakness_of as named
+from mrsfi_runtime.causes.consequences import Total, estimate, risk
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.causes.missing import Total, estimate
-from mrsfi_runtime.causes.risk import risk
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, yardstick_of
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import MissionCode, load_code

@@ -27,8 +27,8 @@ from mrsfi_runtime.analysis.summary import Drawing
 from mrsfi_runtime.analysis.summary import drawn as as_files
 from mrsfi_runtime.analysis.tables import Cell, Table, to_page
 from mrsfi_runtime.analysis.weaknesses import cause_in_words
+from mrsfi_runtime.causes.consequences import Estimate, estimate
 from mrsfi_runtime.causes.mildest import GoalWeakness
-from mrsfi_runtime.causes.missing import Estimate, estimate
 from mrsfi_runtime.causes.weakness import MEASURES, Breaking, Weakness
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted

@@ -31,7 +31,7 @@ from mrsfi_runtime.model.fault_types import plain_name
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.project_file import SETTINGS, installed_version
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.topics import Service
+from mrsfi_runtime.transport.topics import TOPICS
 
 _PATIENCE_S = 10.0
 _POSE = {"position.x": "x", "position.y": "y", "orientation.z": "qz", "orientation.w": "qw"}
@@ -58,10 +58,10 @@ def topics_of(url: str) -> dict[str, str]:
     """Return the topics of a rosbridge server and their types, as it spells them."""
     completion = Completion()
     with closing(RosbridgeTransport(url)) as transport:
-        transport.call(Service("/rosapi/topics", "rosapi/Topics"), {}, completion.end)
+        transport.call(TOPICS, {}, completion.end)
         late = TransportTimeout(f"{url}: /rosapi/topics did not answer; start rosapi there")
-        completion.wait(lambda silence: late if silence > _PATIENCE_S else None)
-    values = completion.result.values
+        reply = completion.wait(lambda silence: late if silence > _PATIENCE_S else None)
+    values = reply.values
     return dict(zip(values.get("topics", ()), values.get("types", ()), strict=False))
 
 

@@ -50,8 +50,8 @@ from mrsfi_runtime.analysis.weaknesses import (
     weakness_table,
 )
 from mrsfi_runtime.causes.chain import chains, effects, struck
+from mrsfi_runtime.causes.consequences import cut_sets, occurrence
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.risk import cut_sets, occurrence
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import printable

@@ -32,10 +32,9 @@ from mrsfi_runtime.analysis import fronts, tables, weaknesses
 from mrsfi_runtime.analysis.fronts import Columns, Front, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.tables import Table, Trend, TypePattern
 from mrsfi_runtime.analysis.weaknesses import GoalVerdict, facts, headline, verdicts
+from mrsfi_runtime.causes.consequences import confirmed, ladder, risks
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.mildest import GoalWeakness
-from mrsfi_runtime.causes.protection import confirmed, ladder
-from mrsfi_runtime.causes.risk import risks
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool

@@ -20,11 +20,9 @@ from typing import Any
 from mrsfi_runtime.analysis.tables import Cell, Table, nearness
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.confirmation import transfers
+from mrsfi_runtime.causes.consequences import Estimate, Risk, confirmed, ladder, risks
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.missing import Estimate
-from mrsfi_runtime.causes.protection import confirmed, ladder
-from mrsfi_runtime.causes.risk import Risk, risks
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Field, Mode, Units

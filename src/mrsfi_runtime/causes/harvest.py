@@ -23,7 +23,7 @@ from itertools import islice
 from random import Random
 from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
-from mrsfi_runtime.causes import protection, weakness
+from mrsfi_runtime.causes import consequences, weakness
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober, reduction
 from mrsfi_runtime.causes.confirmation import Confirmation, confirmations
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
@@ -424,8 +424,8 @@ def harvest(
             seeds[:N_MILD],
             lambda n_done, n_all: on_progress("bisections", n_done, n_all, known),
         )
-    to_protect = protection.ladder(mission, space.gate.pool, goal_weaknesses(found))
-    prober([rest for _, rest in protection.closing(to_protect)], seeds[0])
+    to_protect = consequences.ladder(mission, space.gate.pool, goal_weaknesses(found))
+    prober([rest for _, rest in consequences.closing(to_protect)], seeds[0])
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.counts, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None

@@ -20,11 +20,10 @@ from mrsfi_runtime.analysis.summary import Draw, Summary, as_json
 from mrsfi_runtime.analysis.tables import Table
 from mrsfi_runtime.analysis.weaknesses import State
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
+from mrsfi_runtime.causes.consequences import estimate, risks
 from mrsfi_runtime.causes.explanation import BYSTANDER, Explanation
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
-from mrsfi_runtime.causes.missing import estimate
-from mrsfi_runtime.causes.risk import risks
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 from mrsfi_runtime.cli.terminal import print_json, print_table, print_words, tell
 from mrsfi_runtime.errors import UndecidedWeakness, counted

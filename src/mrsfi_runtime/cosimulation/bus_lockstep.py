@@ -213,10 +213,9 @@ class BusLockstep:
             f"the simulation did not answer {service.name} within {timeout:g} s; check that it "
             "still runs, or increase --timeout"
         )
-        completion.wait(
+        reply: Reply = completion.wait(
             lambda silence: self._ending() or self._refusal or (late if silence > timeout else None)
         )
-        reply: Reply = completion.result
         return reply
 
     def _ending(self) -> TransportClosed | None:

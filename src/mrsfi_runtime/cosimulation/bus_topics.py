@@ -18,8 +18,9 @@ thread. A ``Pace`` decides when an external node has answered a tick.
 import json
 import sys
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future, InvalidStateError, wait
+from contextlib import suppress
 from dataclasses import dataclass
-from threading import Event
 from time import monotonic
 from typing import Any, Final, NamedTuple, Protocol, TypeVar
 
@@ -368,17 +369,10 @@ class Patience:
     handshake: float = 30.0
 
 
-class Completion:
-    """Work of one thread for which another waits; it advances by steps.
+class Completion(Future[Any]):
+    """Work of one thread for which another waits; it advances by steps, and ends once."""
 
-    ``result`` is its result, once it has ended without an error.
-    """
-
-    def __init__(self) -> None:
-        self.result: Any = None
-        self._n_steps = 0
-        self._ended = Event()
-        self._failure: Exception | None = None
+    _n_steps = 0
 
     def advance(self) -> None:
         """Note a step."""
@@ -386,30 +380,28 @@ class Completion:
 
     def end(self, result: object = None) -> None:
         """Note the end, and the result."""
-        self.result = result
-        self._ended.set()
+        with suppress(InvalidStateError):
+            self.set_result(result)
 
     def fail(self, error: Exception) -> None:
-        """Note an error; the first one counts."""
-        if self._failure is None and not self._ended.is_set():
-            self._failure = error
-            self._ended.set()
+        """Note an error."""
+        with suppress(InvalidStateError):
+            self.set_exception(error)
 
-    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> None:
-        """Wait for the end, and raise the error if there was one.
+    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> Any:
+        """Wait for the end; return the result, or raise the error.
 
         ``overdue`` gets the seconds since the last step; an error that it returns is raised.
         """
         n_steps, since = self._n_steps, monotonic()
-        while not self._ended.wait(0.1):
+        while not wait([self], 0.1).done:
             if n_steps != self._n_steps:
                 n_steps, since = self._n_steps, monotonic()
                 continue
             error = overdue(monotonic() - since)
             if error is not None:
                 raise error
-        if self._failure is not None:
-            raise self._failure
+        return self.result()
 
 
 class Process(Protocol):

@@ -415,6 +415,7 @@ class Node(Mind):
             f"{service.name} did not answer within {timeout:g} s; check that the node still "
             "runs, or increase --timeout"
         )
-        completion.wait(lambda silence: self._ended() or (late if silence > timeout else None))
-        reply: Reply = completion.result
+        reply: Reply = completion.wait(
+            lambda silence: self._ended() or (late if silence > timeout else None)
+        )
         return reply

@@ -332,7 +332,8 @@ class InjectorEngine(ExternalEngine):
         super().__init__(code, seed, settings)
         patience = settings.patience
         self.patience = 4 * (patience.tick + patience.handshake)
-        speech = Speech.of(settings.node_mapping, code.mission, settings.version_of_ros)
+        ros = 2 if settings.name == ROS2 else settings.ros
+        speech = Speech.of(settings.node_mapping, code.mission, ros)
         with ExitStack() as opened:
             with errors_as_ours():
                 transport, pace, places = self._join(speech, opened)

@@ -278,11 +278,6 @@ class EngineSettings:
         return Patience(self.timeout, max(self.timeout, _HANDSHAKE))
 
     @property
-    def version_of_ros(self) -> int:
-        """The version of ROS whose names and types the parts use."""
-        return 2 if self.name == ROS2 else self.ros
-
-    @property
     def words(self) -> str:
         """Which engine flies, in words."""
         simulation = "" if self.has_own_world else ", your simulation"

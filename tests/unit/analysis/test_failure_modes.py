@@ -19,8 +19,8 @@ from mrsfi_runtime.analysis.documents import (
     fmea,
 )
 from mrsfi_runtime.analysis.tables import plain
+from mrsfi_runtime.causes.consequences import cut_sets
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.causes.risk import cut_sets
 from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Requirement

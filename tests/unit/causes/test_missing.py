@@ -2,7 +2,7 @@
 
 from random import Random
 
-from mrsfi_runtime.causes.missing import Total, estimate
+from mrsfi_runtime.causes.consequences import Total, estimate
 from tests.support.weaknesses import weakness
 
 

@@ -6,8 +6,8 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mrsfi_runtime.causes.consequences import closing, confirmed, cover, ladder
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.causes.protection import closing, confirmed, cover, ladder
 from mrsfi_runtime.causes.weakness import Known
 from tests.support.search import paper_mission, paper_space, pool_of
 from tests.support.weaknesses import weakness

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mrsfi_runtime.causes.consequences import kept, risk
 from mrsfi_runtime.causes.mildest import goal_weaknesses
-from mrsfi_runtime.causes.risk import kept, risk
 from mrsfi_runtime.causes.weakness import Share
 from mrsfi_runtime.model.faults import FaultPool
 from tests.support.search import PAPER_FAULTS
