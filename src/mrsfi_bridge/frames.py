@@ -158,7 +158,7 @@ class Outgoing:
 
     def number(self, seq: int) -> None:
         """Set the number of the header, if there is one, in place of the client's."""
-        if self.structure.is_numbered:
+        if self.structure.has_header and self.structure.ros == 1:
             self.message["header"]["seq"] = seq
 
     def _encode(self, topic: str, encoding: Encoding) -> bytes:

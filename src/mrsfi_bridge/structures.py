@@ -223,7 +223,7 @@ def mismatch(value: Any, expected: str) -> FieldError:
 class Structure:
     """The checks of one message type; ``find`` returns those of a message type in a field."""
 
-    __slots__ = ("_defaults", "_fields", "_is_moment", "definition", "is_numbered", "nested", "ros")
+    __slots__ = ("_defaults", "_fields", "_is_moment", "definition", "has_header", "nested", "ros")
 
     def __init__(
         self, definition: Definition, find: Callable[[str], "Structure"], ros: int = 1
@@ -247,7 +247,7 @@ class Structure:
             fields.append((field.name, convert, default))
         moments = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
         self._is_moment = definition.name in moments
-        self.is_numbered = ros == 1 and any(
+        self.has_header = any(
             (field.name, field.type) == ("header", HEADER) for field in definition.fields
         )
         self._defaults = tuple((name, default) for name, _, default in fields)

@@ -285,35 +285,22 @@ _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 class BundlingTransport:
     """A transport that can send all messages of a tick as one.
 
-    ``closing`` is the topic whose message ends a tick of this side; ``sends`` and ``hears`` are
-    the topics of sent and received bundles. If ``is_first``, it bundles from the start;
-    otherwise it answers bundles with bundles and messages with messages.
+    That of the CI bundles from the start. That of a simulation answers bundles with bundles and
+    messages with messages.
     """
 
-    def __init__(
-        self, transport: Transport, closing: Topic, sends: Topic, hears: Topic, *, is_first: bool
-    ) -> None:
+    def __init__(self, transport: Transport, *, is_ci: bool) -> None:
+        of_ci, of_simulation = (GO, GO_BUNDLE, TICK_BUNDLE), (TICK, TICK_BUNDLE, GO_BUNDLE)
+        self._closing, sends, self._hears = of_ci if is_ci else of_simulation
         self._transport = transport
         self.provide, self.call = transport.provide, transport.call
         self.watch, self.close = transport.watch, transport.close
         self.ros = transport.ros
-        self._closing = closing
-        self._hears = hears
-        self._is_first = self._is_bundling = is_first
+        self._is_first = self._is_bundling = is_ci
         self._waiting: list[tuple[str, Payload]] = []
         self._callbacks: dict[str, Callable[[Payload], None]] = {}
         self._send = transport.advertise(sends)
-        transport.subscribe(hears, self._receive)
-
-    @classmethod
-    def of_ci(cls, transport: Transport) -> "BundlingTransport":
-        """Return the transport of a collective intelligence that bundles."""
-        return cls(transport, GO, GO_BUNDLE, TICK_BUNDLE, is_first=True)
-
-    @classmethod
-    def of_simulation(cls, transport: Transport) -> "BundlingTransport":
-        """Return the transport of a simulation that bundles if the CI does."""
-        return cls(transport, TICK, TICK_BUNDLE, GO_BUNDLE, is_first=False)
+        transport.subscribe(self._hears, self._receive)
 
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic, alone or in the bundle of its tick."""

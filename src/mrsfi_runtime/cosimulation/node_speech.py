@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import TypeTable
-from mrsfi_bridge.structures import FLOATS, HEADER, INTEGERS, SCALAR, TEXTS
+from mrsfi_bridge.structures import FLOATS, INTEGERS, SCALAR, TEXTS
 from mrsfi_runtime.cosimulation.node_mapping import (
     COMMANDS,
     QUANTITIES,
@@ -153,7 +153,8 @@ class Speech:
             places.append((path, len(reads), None))
             reads.append(_scaled(read, of.place, entry, kind))
         mapped = {path[:2] for path in rule.fields}
-        is_stamped = self._has_header(rule.topic.type) and _STAMP not in mapped
+        has_header = self.types.message(rule.topic.type).has_header
+        is_stamped = has_header and _STAMP not in mapped
         if is_stamped and _FRAME not in mapped:
             places.append((_FRAME, None, self.mapping.frame_id))
         carried = frozenset(targets)
@@ -218,10 +219,6 @@ class Speech:
                 match = pattern.fullmatch(topic)
                 if match is not None and topic not in self.obeyed:
                     yield topic, kind, match[kind]
-
-    def _has_header(self, kind: str) -> bool:
-        fields = self.types.message(kind).definition.fields
-        return any((each.name, each.type) == ("header", HEADER) for each in fields)
 
     def _kind(self, rule: Rule, path: Path) -> str:
         """Return the type of a field, which must be one number or text of its message."""

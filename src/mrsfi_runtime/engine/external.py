@@ -268,7 +268,7 @@ class ExternalEngine(PlainEngine):
 
     def bundled(self, world: Transport) -> Transport:
         """Return the transport of a simulation, with bundles if the settings ask for them."""
-        return BundlingTransport.of_ci(world) if self.settings.is_bundled else world
+        return BundlingTransport(world, is_ci=True) if self.settings.is_bundled else world
 
     def lock_step_with(self, transport: Transport, mind: Mind | None = None) -> None:
         """Prepare the lock-step with a simulation behind a transport."""

@@ -58,7 +58,7 @@ def serve_simulation(
     """
     patience = Patience(*(each + _LATER for each in astuple(settings.patience)))
     with _transport(settings) as (transport, reached):
-        bundling = BundlingTransport.of_simulation(transport)
+        bundling = BundlingTransport(transport, is_ci=False)
         host = SimulationHost(bundling, code.simulation, code.mission, patience, tell)
         on_ready(reached, host)
         try:

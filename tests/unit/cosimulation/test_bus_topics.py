@@ -176,7 +176,7 @@ def passed(bus):
 
 
 def test_what_belongs_to_a_tick_travels_as_one_message(bus, passed):
-    ci = BundlingTransport.of_ci(bus)
+    ci = BundlingTransport(bus, is_ci=True)
     command, go = ci.advertise(COMMAND), ci.advertise(GO)
 
     command({"data": 1.5})
@@ -188,7 +188,7 @@ def test_what_belongs_to_a_tick_travels_as_one_message(bus, passed):
 
 
 def test_the_other_side_hears_each_message_in_order(bus):
-    ci, simulation = BundlingTransport.of_ci(bus), BundlingTransport.of_simulation(bus)
+    ci, simulation = BundlingTransport(bus, is_ci=True), BundlingTransport(bus, is_ci=False)
     command, go = ci.advertise(COMMAND), ci.advertise(GO)
     heard = []
     for topic in (GO, COMMAND):
@@ -202,8 +202,8 @@ def test_the_other_side_hears_each_message_in_order(bus):
 
 @pytest.mark.parametrize("is_bundling", [True, False])
 def test_a_simulation_answers_in_kind(bus, passed, is_bundling):
-    ci = BundlingTransport.of_ci(bus) if is_bundling else bus
-    simulation = BundlingTransport.of_simulation(bus)
+    ci = BundlingTransport(bus, is_ci=True) if is_bundling else bus
+    simulation = BundlingTransport(bus, is_ci=False)
     speed, tick, go = simulation.advertise(SPEED), simulation.advertise(TICK), ci.advertise(GO)
     simulation.subscribe(GO, lambda _: (speed({"data": 2.0}), tick({"data": [1, 0, 1]})))
 
@@ -215,7 +215,7 @@ def test_a_simulation_answers_in_kind(bus, passed, is_bundling):
 
 
 def test_a_simulation_that_answered_bundles_goes_back_to_messages(bus, passed):
-    ci, simulation = BundlingTransport.of_ci(bus), BundlingTransport.of_simulation(bus)
+    ci, simulation = BundlingTransport(bus, is_ci=True), BundlingTransport(bus, is_ci=False)
     tick = simulation.advertise(TICK)
     simulation.subscribe(GO, tick)
 
@@ -226,7 +226,7 @@ def test_a_simulation_that_answered_bundles_goes_back_to_messages(bus, passed):
 
 
 def test_what_waits_of_a_run_that_ended_is_dropped_when_the_next_begins(bus, passed):
-    ci = BundlingTransport.of_ci(bus)
+    ci = BundlingTransport(bus, is_ci=True)
     setup, command, go = ci.advertise(SETUP), ci.advertise(COMMAND), ci.advertise(GO)
 
     command({"data": 1.5})
@@ -237,7 +237,7 @@ def test_what_waits_of_a_run_that_ended_is_dropped_when_the_next_begins(bus, pas
 
 
 def test_what_nobody_subscribed_to_is_left_aside(bus):
-    ci, heard = BundlingTransport.of_ci(bus), []
+    ci, heard = BundlingTransport(bus, is_ci=True), []
     ci.subscribe(TICK, heard.append)
 
     bus.advertise(TICK_BUNDLE)({"data": '[["/other", {}], ["/mission/tick", {"data": [1]}]]'})
@@ -247,7 +247,7 @@ def test_what_nobody_subscribed_to_is_left_aside(bus):
 
 @pytest.mark.parametrize("text", [None, 3, "", "[", "{}x", '["a"]', '[["a"]]', '[["a", 1]]'])
 def test_a_bundle_of_another_form_is_refused(bus, text):
-    BundlingTransport.of_ci(bus)
+    BundlingTransport(bus, is_ci=True)
 
     with pytest.raises(ProtocolError, match=r"/mission/tick/bundle carried .*; expected a JSON"):
         bus.advertise(TICK_BUNDLE)({"data": text})
