@@ -1,6 +1,6 @@
 """Two ways to run a server: in a thread of this process, or as a process until a signal.
 
-An ``EmbeddedBridge`` runs a ``BridgeServer`` in a separate thread. A ``LocalClient`` joins it
+An ``EmbeddedBridge`` runs a ``BridgeServer`` in a separate thread. Its ``hub`` is for clients
 without a socket; it is used only in the server's thread, through ``call_soon``. Errors
 raised there are kept in ``failed``, so that a waiting thread can raise them.
 
@@ -16,12 +16,11 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import astuple
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import click
 
 from mrsfi_bridge.errors import NotRunningError
-from mrsfi_bridge.frames import Outgoing
 from mrsfi_bridge.server import BridgeServer
 from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
@@ -37,77 +36,6 @@ class FirstError(threading.Event):
         if self.error is None:
             self.error = error
         self.set()
-
-
-class _LocalSubscriber(NamedTuple):
-    """Passes messages to callbacks unencoded."""
-
-    callbacks: list[Callable[[dict[str, Any]], None]]
-    failed: FirstError
-
-    def receive(self, outgoing: Outgoing) -> None:
-        """Pass a message on."""
-        for each in self.callbacks:
-            try:
-                each(outgoing.message)
-            except Exception as error:  # noqa: BLE001 - raised in a waiting thread
-                self.failed.note(error)
-
-
-class LocalClient:
-    """A client in the server's process; used only in the server's thread.
-
-    Errors of its callbacks are kept in ``EmbeddedBridge.failed``. An unknown or conflicting type,
-    and a message that does not fit its topic, are a ``ProtocolError``.
-    """
-
-    def __init__(self, hub: Hub, failed: FirstError) -> None:
-        self._hub = hub
-        self._failed = failed
-        self._callbacks: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
-
-    def advertise(self, topic: str, type_name: str) -> None:
-        """Prepare to publish on a topic."""
-        self._hub.broker.advertise(self, topic, type_name)
-
-    def publish(self, topic: str, message: dict[str, Any]) -> None:
-        """Deliver a message on a topic that was advertised to all subscribers."""
-        self._hub.broker.publish(self, topic, message)
-
-    def subscribe(
-        self, topic: str, type_name: str, callback: Callable[[dict[str, Any]], None]
-    ) -> None:
-        """Have a callback receive every message of a topic; it must not change them."""
-        callbacks = self._callbacks.setdefault(topic, [])
-        callbacks.append(callback)
-        subscriber = _LocalSubscriber(callbacks, self._failed)
-        self._hub.broker.subscribe(self, topic, type_name, subscriber)
-
-    def advertise_service(
-        self, name: str, type_name: str, handler: Callable[[dict[str, Any]], dict[str, Any]]
-    ) -> None:
-        """Have a function answer a service."""
-
-        def ask(call_id: str, request: dict[str, Any]) -> None:
-            try:
-                self._hub.services.respond(self, call_id, handler(request))
-            except Exception as error:  # noqa: BLE001 - raised in a waiting thread
-                self._failed.note(error)
-                self._hub.services.drop(call_id, f"its provider failed: {error}")
-
-        self._hub.services.advertise(self, name, type_name, ask)
-
-    def call(
-        self, service: str, request: dict[str, Any], reply: Callable[[bool, Any], None]
-    ) -> None:
-        """Call a service; ``reply`` gets success and the response, or failure and the reason."""
-        self._hub.services.call(self, service, request, reply)
-
-    def close(self) -> None:
-        """End everything that the client does."""
-        self._callbacks.clear()
-        self._hub.broker.leave(self)
-        self._hub.services.leave(self)
 
 
 class EmbeddedBridge:
@@ -141,11 +69,12 @@ class EmbeddedBridge:
             self._thread.join()
             raise self._refusal
 
-    def local_client(self) -> LocalClient:
-        """Return a client that needs no socket; ``NotRunningError`` if the server does not run."""
+    @property
+    def hub(self) -> Hub:
+        """What all clients share; ``NotRunningError`` if the server does not run."""
         if self._server is None:
             raise NotRunningError("the embedded server does not run; start it first")
-        return LocalClient(self._server.hub, self.failed)
+        return self._server.hub
 
     def call_soon(self, function: Callable[[], None]) -> None:
         """Call a function in the server's thread; its error is kept in ``failed``."""
@@ -175,14 +104,12 @@ class EmbeddedBridge:
 
         The topic is empty if the operation names none. The function runs in the server's thread.
         """
-        if self._server is None:
-            raise NotRunningError("the embedded server does not run; start it first")
 
         def refused(value: Any, reason: str) -> None:
             topic = value.get("topic", "") if isinstance(value, dict) else ""
             self.call_later(0.0, lambda: listener(str(topic), reason))
 
-        self._server.hub.refused = refused
+        self.hub.refused = refused
 
     def close(self) -> None:
         """End the server and its thread; a second call does nothing."""

@@ -8,10 +8,14 @@ import pytest
 from websockets.sync.client import connect
 
 from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.errors import NotRunningError, ProtocolError
+from mrsfi_bridge.errors import NotRunningError
+from mrsfi_runtime.errors import ProtocolError, TransportClosed
+from mrsfi_runtime.transport.rosbridge import EmbeddedTransport
+from mrsfi_runtime.transport.topics import Service, Topic
 from tests.support.bridge import FLOAT, parse_frames
 
 PATIENCE_S = 20.0
+SPEED = Topic("/t", FLOAT)
 
 
 @pytest.fixture
@@ -33,14 +37,14 @@ def ask(connection, **operation):
 
 
 def test_what_is_published_in_one_go_leaves_in_one_write(server):
-    local = server.local_client()
+    local = EmbeddedTransport(server)
     names = [f"/t{number}" for number in range(18)]
+    publishers = [local.advertise(Topic(name, FLOAT)) for name in names]
 
     def publish_all():
-        for name in names:
-            local.publish(name, {"data": 1.0})
+        for publish in publishers:
+            publish({"data": 1.0})
 
-    within(server, lambda: [local.advertise(name, FLOAT) for name in names])
     with connect(server.url) as connection:
         for name in names:
             connection.send(json.dumps({"op": "subscribe", "topic": name, "type": FLOAT}))
@@ -72,15 +76,15 @@ def _writes(server):
 
 
 def test_local_clients_hear_each_other_before_publish_returns(server):
-    first, second, received = server.local_client(), server.local_client(), []
+    first, second, received = EmbeddedTransport(server), EmbeddedTransport(server), []
 
     def talk():
-        second.subscribe("/t", FLOAT, received.append)
-        first.advertise("/t", FLOAT)
-        first.publish("/t", {"data": 1})
+        second.subscribe(SPEED, received.append)
+        publish = first.advertise(SPEED)
+        publish({"data": 1})
         seen = list(received)
         second.close()
-        first.publish("/t", {"data": 2})
+        publish({"data": 2})
         return seen
 
     assert within(server, talk) == [{"data": 1.0}]
@@ -91,49 +95,49 @@ def fail(_):
     raise ValueError("on purpose")
 
 
-def test_the_error_of_a_callback_is_kept_and_others_still_receive(server):
-    local, received = server.local_client(), Queue()
+def test_the_error_of_a_callback_is_told_and_others_still_receive(server):
+    local, received, told = EmbeddedTransport(server), Queue(), Queue()
+    local.watch(told.put)
+    local.subscribe(SPEED, fail)
+    local.subscribe(SPEED, received.put)
 
-    def talk():
-        local.advertise("/t", FLOAT)
-        local.subscribe("/t", FLOAT, fail)
-        local.subscribe("/t", FLOAT, received.put)
-        local.publish("/t", {"data": 1})
+    local.advertise(SPEED)({"data": 1})
 
-    server.call_soon(talk)
-
-    assert server.failed.wait(PATIENCE_S)
-    assert str(server.failed.error) == "on purpose"
+    assert str(told.get(timeout=PATIENCE_S)) == "on purpose"
     assert received.get(timeout=PATIENCE_S) == {"data": 1.0}
 
 
-def test_the_error_of_a_service_is_kept_and_its_caller_told(server):
-    local = server.local_client()
-    within(server, lambda: local.advertise_service("/s", "std_srvs/Empty", fail))
+def test_the_error_of_a_service_is_told_to_its_caller_too(server):
+    local, told = EmbeddedTransport(server), Queue()
+    local.watch(told.put)
+    local.provide(Service("/s", "std_srvs/Empty"), fail)
 
     with connect(server.url) as connection:
         answer = ask(connection, op="call_service", service="/s")
 
     assert answer["result"] is False
     assert "its provider failed: on purpose" in answer["values"]
-    assert isinstance(server.failed.error, ValueError)
+    assert isinstance(told.get(timeout=PATIENCE_S), ValueError)
 
 
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        (lambda local: local.publish("/t", {"data": 1}), "not advertised"),
-        (lambda local: local.advertise("/t", "x/Y"), "unknown message type"),
-        (lambda local: local.subscribe("/rosout", FLOAT, print), "carries rosgraph_msgs/Log"),
-        (lambda local: local.advertise_service("/s", "x/Y", fail), "unknown service type"),
+        (lambda local: local.advertise(Topic("/t", "x/Y")), "unknown message type"),
+        (lambda local: local.subscribe(Topic("/rosout", FLOAT), print), "carries rosgraph_msgs/L"),
+        (lambda local: local.provide(Service("/s", "x/Y"), fail), "unknown service type"),
     ],
 )
 def test_wrong_use_is_an_error_of_the_one_who_uses_it(server, wrong, reason):
-    server.call_soon(lambda: wrong(server.local_client()))
+    with pytest.raises(ProtocolError, match=reason):
+        wrong(EmbeddedTransport(server))
+
+
+def test_the_error_of_what_is_called_in_its_thread_is_kept(server):
+    server.call_soon(lambda: fail(None))
 
     assert server.failed.wait(PATIENCE_S)
-    assert isinstance(server.failed.error, ProtocolError)
-    assert reason in str(server.failed.error)
+    assert str(server.failed.error) == "on purpose"
 
 
 def test_closing_twice_is_once_and_leaves_no_thread():
@@ -147,8 +151,8 @@ def test_closing_twice_is_once_and_leaves_no_thread():
     assert threading.active_count() == n_threads
     with pytest.raises(NotRunningError, match="does not run"):
         bridge.call_soon(print)
-    with pytest.raises(NotRunningError, match="does not run"):
-        bridge.local_client()
+    with pytest.raises(TransportClosed, match="does not run"):
+        EmbeddedTransport(bridge)
 
 
 def test_a_server_that_was_never_started_can_be_closed():

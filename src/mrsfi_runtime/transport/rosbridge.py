@@ -24,7 +24,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from threading import Event, get_ident
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 from urllib.parse import urlsplit
 
 import roslibpy
@@ -124,6 +124,17 @@ def errors_as_ours() -> Iterator[None]:
         raise as_ours(error) from error
 
 
+class _Subscriber(NamedTuple):
+    """Passes messages on, not encoded; its callback reports errors."""
+
+    callback: Callable[[Payload], None]
+
+    def receive(self, outgoing: Any) -> None:
+        """Pass a message on."""
+        with suppress(Exception):
+            self.callback(outgoing.message)
+
+
 class EmbeddedTransport(ListenedTransport):
     """A client of a started embedded bridge; its callbacks run in the bridge's thread.
 
@@ -136,27 +147,36 @@ class EmbeddedTransport(ListenedTransport):
         self.ros = bridge.ros
         self._thread = 0
         self._thread = self._run(get_ident)
-        self._client = self._run(bridge.local_client)
+        self._hub = self._run(lambda: bridge.hub)
+        self._subscribed: list[tuple[_Subscriber, str]] = []
 
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic."""
-        name, client = topic.name, self._client
-        self._run(lambda: client.advertise(name, topic.type))
+        name, broker = topic.name, self._hub.broker
+        self._run(lambda: broker.advertise(self, name, topic.type))
 
         def publish(payload: Payload) -> None:
-            self._run(lambda: client.publish(name, payload))
+            self._run(lambda: broker.publish(self, name, payload))
 
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-        receive = self.reporting(callback)
-        self._run(lambda: self._client.subscribe(topic.name, topic.type, receive))
+        each, broker = _Subscriber(self.reporting(callback)), self._hub.broker
+        self._run(lambda: broker.subscribe(each, topic.name, topic.type, each))
+        self._subscribed.append((each, topic.name))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""
-        answer = self.reporting(provider)
-        self._run(lambda: self._client.advertise_service(service.name, service.type, answer))
+        answer, services = self.reporting(provider), self._hub.services
+
+        def ask(call_id: str, request: Payload) -> None:
+            try:
+                services.respond(self, call_id, answer(request))
+            except Exception as error:  # noqa: BLE001 - reported to the listener
+                services.drop(call_id, f"its provider failed: {error}")
+
+        self._run(lambda: services.advertise(self, service.name, service.type, ask))
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service."""
@@ -164,7 +184,8 @@ class EmbeddedTransport(ListenedTransport):
         def reply(is_answer: bool, values: Any) -> None:
             on_reply(Reply(values) if is_answer else Reply({}, str(values)))
 
-        self._run(lambda: self._client.call(service.name, request, self.reporting(reply)))
+        services = self._hub.services
+        self._run(lambda: services.call(self, service.name, request, self.reporting(reply)))
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, in the thread of the callbacks."""
@@ -181,9 +202,15 @@ class EmbeddedTransport(ListenedTransport):
     def close(self) -> None:
         """Give up all topics and services."""
         if self.lost is None:
-            self._run(self._client.close)
+            self._run(self._leave)
             self.lost = TransportClosed("the embedded transport was closed")
             self.report(self.lost)
+
+    def _leave(self) -> None:
+        for each, name in self._subscribed:
+            self._hub.broker.unsubscribe(each, name)
+        self._hub.broker.leave(self)
+        self._hub.services.leave(self)
 
     @errors_as_ours()
     def _run(self, function: Callable[[], T]) -> T:
