@@ -99,18 +99,6 @@ class EmbeddedBridge:
         if self._server is not None:
             self._server.barrier(lambda: self._call(then))
 
-    def on_refusal(self, listener: Callable[[str, str], None]) -> None:
-        """Call a function with topic and reason of each operation that the server drops.
-
-        The topic is empty if the operation names none. The function runs in the server's thread.
-        """
-
-        def refused(value: Any, reason: str) -> None:
-            topic = value.get("topic", "") if isinstance(value, dict) else ""
-            self.call_later(0.0, lambda: listener(str(topic), reason))
-
-        self.hub.refused = refused
-
     def close(self) -> None:
         """End the server and its thread; a second call does nothing."""
         loop, stop = self._loop, self._stop

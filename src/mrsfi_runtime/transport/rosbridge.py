@@ -196,8 +196,17 @@ class EmbeddedTransport(ListenedTransport):
         self._run(lambda: self._bridge.barrier(self.reporting(then)))
 
     def on_refusal(self, listener: Callable[[str, str], None]) -> None:
-        """Call a function with topic and reason of each operation that the server drops."""
-        self._run(lambda: self._bridge.on_refusal(self.reporting(listener)))
+        """Call a function with topic and reason of each operation that the server drops.
+
+        The topic is empty if the operation names none.
+        """
+        report = self.reporting(listener)
+
+        def refused(value: Any, reason: str) -> None:
+            topic = value.get("topic", "") if isinstance(value, dict) else ""
+            self._bridge.call_later(0.0, lambda: report(str(topic), reason))
+
+        self._hub.refused = refused
 
     def close(self) -> None:
         """Give up all topics and services."""
