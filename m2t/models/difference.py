@@ -269,9 +269,6 @@ class Change:
     new: str
     text: str
 
-    def __str__(self) -> str:
-        return self.text
-
 
 def difference(old: Path, new: Path) -> tuple[Change, ...]:
     """Return the changes from an older model; both are a mission folder or an ``.xmi`` file.

@@ -1,8 +1,8 @@
 """Two ways to run a server: in a thread of this process, or as a process until a signal.
 
 An ``EmbeddedBridge`` runs a ``BridgeServer`` in a separate thread. Its ``hub`` is for clients
-without a socket; it is used only in the server's thread, through ``call_soon``. Errors
-raised there are kept in ``failed``, so that a waiting thread can raise them.
+without a socket; it is used only in the server's thread, through ``call_soon``. The first error
+raised there is kept in ``failed``.
 
 The command line runs ``serve``: it prints the URL, writes the log, and ends on SIGTERM or
 Ctrl-C.
@@ -26,18 +26,6 @@ from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
 
 
-class FirstError(threading.Event):
-    """The first error that arose in the server's thread: ``error``, once it is set."""
-
-    error: BaseException | None = None
-
-    def note(self, error: BaseException) -> None:
-        """Keep an error, unless there was one before."""
-        if self.error is None:
-            self.error = error
-        self.set()
-
-
 class EmbeddedBridge:
     """A rosbridge server in a separate thread, by default on any free port of this machine.
 
@@ -52,10 +40,9 @@ class EmbeddedBridge:
         self._server: BridgeServer | None = None
         self._stop: asyncio.Event | None = None
         self._ready = threading.Event()
-        self._refusal: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="mrsfi-bridge", daemon=True)
         self.url = ""
-        self.failed = FirstError()
+        self.failed: BaseException | None = None
 
     def start(self) -> None:
         """Start the thread; return once the server listens.
@@ -65,9 +52,9 @@ class EmbeddedBridge:
         """
         self._thread.start()
         self._ready.wait()
-        if self._refusal is not None:
+        if self._server is None and self.failed is not None:
             self._thread.join()
-            raise self._refusal
+            raise self.failed
 
     @property
     def hub(self) -> Hub:
@@ -83,7 +70,7 @@ class EmbeddedBridge:
         try:
             self._loop.call_soon_threadsafe(self._call, function)
         except RuntimeError as error:
-            raise NotRunningError(f"the embedded server ended: {self.failed.error}") from error
+            raise NotRunningError(f"the embedded server ended: {self.failed}") from error
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function in the server's thread after a time; call this in that thread."""
@@ -119,10 +106,8 @@ class EmbeddedBridge:
         try:
             asyncio.run(self._serve())
         except BaseException as error:  # noqa: BLE001 - raised in the thread that waits
-            self.failed.note(error)
-            if not self._ready.is_set():
-                self._refusal = error
-                self._ready.set()
+            self.failed = self.failed or error
+            self._ready.set()
 
     async def _serve(self) -> None:
         loop = asyncio.get_running_loop()
@@ -141,16 +126,16 @@ class EmbeddedBridge:
     def _call(self, function: Callable[[], None]) -> None:
         try:
             function()
-        except Exception as error:  # noqa: BLE001 - raised in a waiting thread
-            self.failed.note(error)
+        except Exception as error:  # noqa: BLE001 - who called it has its own way to hear of it
+            self.failed = self.failed or error
         if self._server is not None:
             self._server.flush()
 
     def _note(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Keep an error that asyncio could not raise."""
         loop.default_exception_handler(context)
-        error = context.get("exception")
-        self.failed.note(error or RuntimeError(str(context.get("message"))))
+        error = context.get("exception") or RuntimeError(str(context.get("message")))
+        self.failed = self.failed or error
 
 
 def serve(settings: ServerSettings) -> None:

@@ -33,7 +33,7 @@ TOKEN = "0123456789abcdef"
 def bridge(limits: Limits | None = None, **settings: Any) -> Iterator[EmbeddedBridge]:
     with EmbeddedBridge(ServerSettings(limits=limits or Limits(), **settings)) as server:
         yield server
-    assert server.failed.error is None
+    assert server.failed is None
 
 
 def client(server: EmbeddedBridge, path: str = "/", **options: Any) -> Client:

@@ -36,7 +36,7 @@ def new(tmp_path: Path) -> Path:
 
 
 def lines(old: Path, new: Path) -> list[str]:
-    return [str(change) for change in difference(old, new)]
+    return [change.text for change in difference(old, new)]
 
 
 CHANGES = [

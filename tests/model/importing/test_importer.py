@@ -119,7 +119,7 @@ def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_defa
 
     imported = import_published(file, folder)
 
-    approved([str(change) for change in difference(original, folder)])
+    approved([change.text for change in difference(original, folder)])
     assert {"period", "deadline", "tolerance"} <= {
         feature for _, feature in notes(imported, "default")
     }
