@@ -24,7 +24,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.frames import PLAIN, Outgoing
@@ -32,12 +32,8 @@ from mrsfi_bridge.protocol import check_name
 from mrsfi_bridge.settings import Limits, ServiceType, TypeTable
 from mrsfi_bridge.structures import Structure
 
-
-class Subscriber(Protocol):
-    """Takes messages for a client."""
-
-    def receive(self, outgoing: Outgoing) -> None:
-        """Take one."""
+Subscriber: TypeAlias = Callable[[Outgoing], None]
+"""Takes messages for a client."""
 
 
 @dataclass(slots=True)
@@ -113,7 +109,7 @@ class Broker:
         is_known = client in topic.subscribers
         topic.subscribers[client] = subscriber
         for outgoing in () if is_known else self._kept(topic):
-            subscriber.receive(outgoing)
+            subscriber(outgoing)
 
     def unsubscribe(self, client: Hashable, name: str) -> None:
         """End the subscription of a client to a topic."""
@@ -134,7 +130,7 @@ class Broker:
 
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
         for subscriber in tuple(topic.subscribers.values()):
-            subscriber.receive(outgoing)
+            subscriber(outgoing)
 
     def _kept(self, topic: Topic) -> list[Outgoing]:
         """Return the latched messages, for later subscribers."""

@@ -169,7 +169,7 @@ class Session:
         wishes = {**self._wishes.get(topic, {}), use_id: wanted}
         subscription.wish = settled(wishes.values())
         self._hub.broker.subscribe(
-            (self, topic), absolute(topic), operation.get("type"), subscription
+            (self, topic), absolute(topic), operation.get("type"), subscription.receive
         )
         self._subscriptions[topic] = subscription
         self._wishes[topic] = wishes

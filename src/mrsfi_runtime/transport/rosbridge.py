@@ -24,7 +24,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from threading import Event, get_ident
-from typing import Any, NamedTuple, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 from urllib.parse import urlsplit
 
 import roslibpy
@@ -124,17 +124,6 @@ def errors_as_ours() -> Iterator[None]:
         raise as_ours(error) from error
 
 
-class _Subscriber(NamedTuple):
-    """Passes messages on, not encoded; its callback reports errors."""
-
-    callback: Callable[[Payload], None]
-
-    def receive(self, outgoing: Any) -> None:
-        """Pass a message on."""
-        with suppress(Exception):
-            self.callback(outgoing.message)
-
-
 class EmbeddedTransport(ListenedTransport):
     """A client of a started embedded bridge; its callbacks run in the bridge's thread.
 
@@ -148,7 +137,7 @@ class EmbeddedTransport(ListenedTransport):
         self._thread = 0
         self._thread = self._run(get_ident)
         self._hub = self._run(lambda: bridge.hub)
-        self._subscribed: list[tuple[_Subscriber, str]] = []
+        self._subscribed: list[tuple[Callable[[Any], None], str]] = []
 
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic."""
@@ -162,9 +151,14 @@ class EmbeddedTransport(ListenedTransport):
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-        each, broker = _Subscriber(self.reporting(callback)), self._hub.broker
-        self._run(lambda: broker.subscribe(each, topic.name, topic.type, each))
-        self._subscribed.append((each, topic.name))
+        receive, broker = self.reporting(callback), self._hub.broker
+
+        def take(outgoing: Any) -> None:
+            with suppress(Exception):  # reported to the listener
+                receive(outgoing.message)
+
+        self._run(lambda: broker.subscribe(take, topic.name, topic.type, take))
+        self._subscribed.append((take, topic.name))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""
@@ -216,8 +210,8 @@ class EmbeddedTransport(ListenedTransport):
             self.report(self.lost)
 
     def _leave(self) -> None:
-        for each, name in self._subscribed:
-            self._hub.broker.unsubscribe(each, name)
+        for take, name in self._subscribed:
+            self._hub.broker.unsubscribe(take, name)
         self._hub.broker.leave(self)
         self._hub.services.leave(self)
 
