@@ -78,11 +78,20 @@ class _Child:
     def last_words(self) -> str:
         """Return how it ended, and what it wrote last."""
         self._reader.join(_GRACE)
-        code = self.process.returncode
-        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        how = ending(self.process, _GRACE)
         lines = [line.decode(errors="replace").strip() for line in self._lines]
         output = " / ".join(line for line in lines if line)
         return f"{how}{': ' if output else ''}{output}"
+
+
+def ending(process: "Popen[bytes]", seconds: float) -> str:
+    """Return how a process ended; kill it if it does not end in time."""
+    try:
+        code = process.wait(seconds)
+    except TimeoutExpired:
+        process.kill()
+        code = process.wait()
+    return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
 class Keeper:
@@ -183,11 +192,7 @@ class KeptProcess:
     def close(self) -> None:
         """End the program, and wait for that."""
         self._connection.close()
-        try:
-            self._keeper.wait(4.0)
-        except TimeoutExpired:
-            self._keeper.kill()
-            self._keeper.wait()
+        ending(self._keeper, 4.0)
 
     def _request(self, words: list[str]) -> None:
         """Have the keeper start a command, or only end the program if the command is empty."""

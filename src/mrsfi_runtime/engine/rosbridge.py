@@ -14,7 +14,6 @@ Source paper, sections III-F and III-G.
 """
 
 import secrets
-import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
@@ -28,7 +27,7 @@ from mrsfi_bridge.settings import ServerSettings, TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport, Patience
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.engine.external import ExternalEngine, child_of
+from mrsfi_runtime.engine.external import ExternalEngine, child_of, ending
 from mrsfi_runtime.errors import (
     MrsfiError,
     TransportClosed,
@@ -136,7 +135,7 @@ class SimulationProcess:
             self._connection.send((code.directory.resolve(), settings))
         message = self._received(patience.handshake)
         if "url" not in message:
-            reason = message.get("error") or self._ending()
+            reason = message.get("error") or ending(self._process, _LAST_WORDS)
             raise TransportError(f"the simulation process did not start: {reason}")
         self.url, self.pid = message["url"], self._process.pid
 
@@ -150,12 +149,12 @@ class SimulationProcess:
             self._process.wait(_LAST_WORDS)
         except TimeoutExpired:
             return ""
-        return self._received().get("error") or self._ending()
+        return self._received().get("error") or ending(self._process, _LAST_WORDS)
 
     def close(self) -> None:
         """End the process, and wait until it has ended."""
         self._connection.close()
-        self._ending()
+        ending(self._process, _LAST_WORDS)
 
     def _received(self, timeout: float = 0.0) -> dict[str, str]:
         """Return the next message of the process; empty if none comes."""
@@ -163,15 +162,6 @@ class SimulationProcess:
         with suppress(EOFError, OSError):
             message = self._connection.recv() if self._connection.poll(timeout) else message
         return message
-
-    def _ending(self) -> str:
-        """Return how the process ended; kill it if it does not end soon."""
-        try:
-            code = self._process.wait(_LAST_WORDS)
-        except TimeoutExpired:
-            self._process.kill()
-            code = self._process.wait()
-        return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
 class RosbridgeEngine(ExternalEngine):
