@@ -230,11 +230,6 @@ def canonical(value: Any) -> str:
     return _ENCODER.encode(value)
 
 
-def texts(rows: Sequence[Sequence[float]]) -> list[str]:
-    """Return the JSON texts of several lists of numbers; one call for all is faster."""
-    return [f"[{numbers}]" for numbers in canonical(rows)[2:-2].split("],[")]
-
-
 def specification_text(specification: Specification) -> str:
     """Return ``[["f9",100,900,[200.0,-450.0]],…]``; a trigger, if there is one, comes last."""
     rows = map(plain, specification)

@@ -429,7 +429,8 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     outcome = evaluation.outcome
     counts = (getattr(outcome, name) for name in database.COUNTS)
     beside = outcome.margins, outcome.detection, outcome.repetition
-    fitness, *found = database.texts([[float(each) for each in evaluation.fitness], *counts])
+    numbers = [*map(float, evaluation.fitness)], *counts
+    fitness, *found = map(database.canonical, numbers)
     return (
         int(evaluation.index),
         int(evaluation.generation),
