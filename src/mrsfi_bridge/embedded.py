@@ -47,8 +47,8 @@ class EmbeddedBridge:
     def start(self) -> None:
         """Start the thread; return once the server listens.
 
-        It is a ``ListenError`` if the address cannot be bound, a ``SettingsError`` if the settings
-        would open the server to strangers.
+        It is a ``NotRunningError`` if the address cannot be bound, a ``SettingsError`` if the
+        settings would open the server to strangers.
         """
         self._thread.start()
         self._ready.wait()
@@ -142,7 +142,7 @@ def serve(settings: ServerSettings) -> None:
     """Run a server until SIGTERM or Ctrl-C; print its URL to standard output.
 
     It is a ``SettingsError`` if the settings would open the server to strangers or a definition
-    is wrong, a ``ListenError`` if the address cannot be bound.
+    is wrong, a ``NotRunningError`` if the address cannot be bound.
     """
     settings.check()
     settings.types.check()

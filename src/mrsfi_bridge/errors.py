@@ -4,8 +4,7 @@
 
     BridgeError              1  a defect of the server
     ├── SettingsError        2  invalid settings or definitions
-    ├── ListenError          8  an address that cannot be bound
-    ├── NotRunningError      8  an embedded server that was not started, or has ended
+    ├── NotRunningError      8  a server that cannot listen, was not started, or has ended
     └── ProtocolError        8  an operation of a client that is not allowed
 """
 
@@ -24,14 +23,8 @@ class SettingsError(BridgeError):
     exit_code = 2
 
 
-class ListenError(BridgeError):
-    """The server's address cannot be bound."""
-
-    exit_code = 8
-
-
 class NotRunningError(BridgeError):
-    """The embedded server was not started, or has ended."""
+    """The server's address cannot be bound, or it was not started, or has ended."""
 
     exit_code = 8
 

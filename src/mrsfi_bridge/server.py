@@ -36,7 +36,7 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 from websockets.typing import Origin
 
-from mrsfi_bridge.errors import ListenError
+from mrsfi_bridge.errors import NotRunningError
 from mrsfi_bridge.frames import Message, Pong, Stream, text_frames
 from mrsfi_bridge.session import LOGGER, Hub, Session, provide_rosapi, tell_clients
 from mrsfi_bridge.settings import ServerSettings
@@ -346,14 +346,14 @@ class BridgeServer:
         self.barriers = Barriers(self._loop, lambda: self.hub.broker.is_idle)
 
     async def start(self) -> None:
-        """Listen, or raise ``ListenError`` if the address cannot be bound."""
+        """Listen, or raise ``NotRunningError`` if the address cannot be bound."""
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await self._loop.create_server(
                 partial(Connection, self), host, port, backlog=512
             )
         except OSError as error:
-            raise ListenError(
+            raise NotRunningError(
                 f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
             ) from error
         name = f"[{host}]" if ":" in host else host  # an address of IPv6

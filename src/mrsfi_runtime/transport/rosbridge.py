@@ -35,7 +35,6 @@ from mrsfi_runtime.errors import (
     MrsfiError,
     ProtocolError,
     TransportClosed,
-    TransportError,
     TransportTimeout,
     UsageError,
 )
@@ -102,7 +101,6 @@ class ListenedTransport:
 
 _OURS: tuple[tuple[type[bridge_errors.BridgeError], type[MrsfiError]], ...] = (
     (bridge_errors.SettingsError, UsageError),
-    (bridge_errors.ListenError, TransportError),
     (bridge_errors.NotRunningError, TransportClosed),
     (bridge_errors.ProtocolError, ProtocolError),
 )
