@@ -7,25 +7,28 @@ writes what a team decided on a weakness.
 """
 
 import datetime as dt
+from collections import defaultdict
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from time import monotonic
+from typing import TypeAlias
 
 from m2t.models.load import load_mission_folder, load_specification
 from mrsfi.campaign_folders import OpenCampaign, mission_of, models_of
-from mrsfi.engines import AS_RECORDED, Given, Tell, project, silent
+from mrsfi.engines import AS_RECORDED, Given, Tell, evaluator, project, silent
 from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at, load_fresh
-from mrsfi.loading import read_specification, specification_writer
+from mrsfi.loading import Written, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import evidence, sentence
 from mrsfi_runtime.causes.cause_set import KEEP, Flights
 from mrsfi_runtime.causes.chain import find_cause
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.opening import open_engine, tried
+from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import (
     EvaluationError,
     MrsfiError,
@@ -35,7 +38,8 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.files import changing, writable
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import numbered, original
+from mrsfi_runtime.model.faults import FaultPool, Specification, numbered, original
+from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.decisions import (
     Cause,
     Decision,
@@ -49,6 +53,8 @@ from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Wor
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
 from mrsfi_runtime.record.store import Measure
+
+_ALL = Workers()  # one for each processor
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,13 +294,16 @@ def check_mission(
     today: dt.date,
     *,
     is_strict: bool,
+    workers: Workers = _ALL,
 ) -> list[Checked]:
     """Fly all kept weaknesses of a mission, and compare its decisions with the models and a date.
 
     One of both is needed. If the check is strict, an expired decision is an error.
     """
     models, files, decided = folders.models, decision_files(folders.models), list[Decision]()
-    checked = [*check_all(folders, engine, tell, n_seeds)] if kept(models) or not files else []
+    checked = list[Checked]()
+    if kept(models) or not files:
+        checked += check_all(folders, engine, tell, n_seeds, workers=workers)
     rows, load = [], cache(load_mission_folder)
     for path in files:
         row = Checked(Regression(path, "", "", (), {}), (), places=((path, 1),), is_decision=True)
@@ -361,11 +370,13 @@ def check_all(
     tell: Tell = silent,
     n_seeds: int | None = None,
     name: str | None = None,
+    workers: Workers = _ALL,
 ) -> Iterator[Checked]:
     """Fly all kept weaknesses of a mission, or one by its name; yield the result of each.
 
-    The engine auto is compiled if that is built, else reference. ``n_seeds`` is the number of
-    mission seeds: first those of the limits, then those that follow the first one.
+    They fly together on all workers. The engine auto is compiled if that is built, else reference.
+    ``n_seeds`` is the number of mission seeds: first those of the limits, then those that follow
+    the first one.
     """
     regressions = all_kept(folders)
     chosen = [each for each in regressions if name in {None, each.name}]
@@ -373,6 +384,7 @@ def check_all(
         names = ", ".join(each.name for each in regressions)
         what = f"{folders.models}: found --name {name}"
         raise UsageError(f"{what}; expected one that is kept: {names}")
+    workers.require_sense(engine)
     fresh = []
     for each in chosen:
         seeds = own = each.mission_seeds
@@ -382,15 +394,29 @@ def check_all(
     try:
         code = load_fresh(folders)
         seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
-        engine = tried(engine, code, seed, tell) if engine.name == AUTO else engine
+        engine = named(engine, code, seed, tell)
     except MrsfiError as error:
         yield from (replace(each, error=each.error or error) for each in fresh)
         return
-    yield from (each if each.error else _checked(each, code, engine, tell) for each in fresh)
+    read = [(each, None) if each.error else _read(each, code, engine, tell) for each in fresh]
+    began = monotonic()
+    readable = [(found, written) for found, written in read if written]
+    flown = _flown_together(readable, code, engine, workers)
+    seconds = (monotonic() - began) / len(read)
+    for found, written in read:
+        judged = _judged(found, written, flown, code, engine) if written else found
+        yield replace(judged, seconds=judged.seconds + seconds)
 
 
-def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:
-    began, regression = monotonic(), found.regression
+_Outcomes: TypeAlias = Mapping[tuple[str, int], Outcome]
+"""Outcomes by name of a kept weakness and mission seed."""
+
+
+def _read(
+    found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell
+) -> tuple[Checked, Written | None]:
+    """Read the specification of a kept weakness; there is none if it cannot be flown."""
+    regression = found.regression
     try:
         if regression.side not in {BOTH, settings.side}:
             flown_with = parts_of(regression.side)
@@ -400,21 +426,69 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
         if written.late:
             late = "; ".join(written.late)
             raise SpecificationError(f"{late}; expected the mission that it was kept for")
-        faults = _faults_of((fault.id for fault in written.pool), code.pool.by_id)
-        goals = [goal for goal in code.mission.goal_ids if goal in regression.limits]
-        stakes = {code.mission.label_of(each): code.mission.stakes_of(each) for each in goals}
-        about = tuple(f"{goal}: {each}." for goal, each in stakes.items() if each)
-        found = replace(found, faults=faults, about=about)
-        for oddity in regression.idle(code.mission.duration):
-            tell(oddity)
-        flown = replace(code, pool=written.pool)
-        with open_engine(settings, flown, found.seeds[0]) as engine:
-            others = {
-                seed: regression.counts(
-                    flown.mission.goal_ids, engine.evaluate(written.specification, seed)
-                )
-                for seed in found.seeds
-            }
+    except MrsfiError as error:
+        return replace(found, error=error), None
+    faults = _faults_of((fault.id for fault in written.pool), code.pool.by_id)
+    goals = [goal for goal in code.mission.goal_ids if goal in regression.limits]
+    stakes = {code.mission.label_of(each): code.mission.stakes_of(each) for each in goals}
+    about = tuple(f"{goal}: {each}." for goal, each in stakes.items() if each)
+    for oddity in regression.idle(code.mission.duration):
+        tell(oddity)
+    return replace(found, faults=faults, about=about), written
+
+
+def _flown_together(
+    read: Iterable[tuple[Checked, Written]],
+    code: MissionCode,
+    settings: EngineSettings,
+    workers: Workers,
+) -> _Outcomes:
+    """Fly kept weaknesses with one evaluator; return the outcomes of flights without an error.
+
+    Their pools are joined. Each weakness without an outcome flies alone, and reports its own error.
+    """
+    pool, flights = FaultPool("kept", ()), defaultdict[int, dict[str, Specification]](dict)
+    for found, written in read:
+        own, name = written.pool.with_prefix(f"{found.regression.name}/"), found.regression.name
+        pool = replace(pool, faults=pool.faults + own.faults, triggers=pool.triggers + own.triggers)
+        for seed in found.seeds:
+            flights[seed][name] = own.written_specification()
+    outcomes = dict[tuple[str, int], Outcome]()
+    if not flights:
+        return outcomes
+    if workers.dask is None:
+        workers = Workers(min(workers.count(settings), sum(map(len, flights.values()))))
+    joined = replace(code, pool=pool)
+    with suppress(MrsfiError), evaluator(joined, min(flights), settings, workers) as many:
+        results = [many.evaluate_many([*some.values()], seed) for seed, some in flights.items()]
+        for (seed, some), found_in in zip(flights.items(), results, strict=True):
+            for name, outcome in zip(some, found_in, strict=True):
+                if isinstance(outcome, Outcome):
+                    outcomes[name, seed] = outcome
+    return outcomes
+
+
+def _judged(
+    found: Checked,
+    written: Written,
+    flown: _Outcomes,
+    code: MissionCode,
+    settings: EngineSettings,
+) -> Checked:
+    """Compare the outcomes of a kept weakness with its limits; if exceeded, find out why."""
+    began, regression = monotonic(), found.regression
+    own_code, goals = replace(code, pool=written.pool), code.mission.goal_ids
+    try:
+        with ExitStack() as opened:
+            engine = cache(
+                lambda: opened.enter_context(open_engine(settings, own_code, found.seeds[0]))
+            )
+            others = dict[int, dict[str, int]]()
+            for seed in found.seeds:
+                outcome = flown.get((regression.name, seed))
+                if outcome is None:
+                    outcome = engine().evaluate(written.specification, seed)
+                others[seed] = regression.counts(goals, outcome)
             own = {seed: others.pop(seed) for seed in regression.mission_seeds if seed in others}
             found = replace(
                 found,
@@ -424,7 +498,7 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
             )
             if found.exceeded:
                 worst = max(own, key=lambda seed: sum(own[seed].values()))
-                why, models = _why(regression, engine, found.exceeded, worst), written.models
+                why, models = _why(regression, engine(), found.exceeded, worst), written.models
                 places = tuple(
                     (models.mission_path, models.nodes[goal].line)
                     for goal in models.mission.goals

@@ -8,6 +8,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date
+from functools import partial
 from os.path import normpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_json, print_table, tell, write_file
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.decisions import KINDS
-from mrsfi_runtime.record.engine_settings import AUTO
+from mrsfi_runtime.record.engine_settings import AUTO, Workers
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -325,6 +326,7 @@ def decide_command(run: Path, number: int, until: "datetime | None", **given: An
     "--digest", metavar="HEX", help="Refuse ARCHIVE unless mrsfi pack printed this digest for it."
 )
 @options.engine_options(default=AUTO)
+@options.worker_options
 @options.file_option("--junit", "Write the verdicts to FILE as JUnit's XML, for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @click.option("--strict", "is_strict", is_flag=True, help="Treat expired decisions as errors.")
@@ -333,6 +335,7 @@ def check_command(  # noqa: PLR0913, PLR0917 - its options
     mission: str | None,
     generated: Path | None,
     engine: Given,
+    workers: Workers,
     n_seeds: int | None,
     junit: Path | None,
     digest: str | None,
@@ -380,10 +383,8 @@ def check_command(  # noqa: PLR0913, PLR0917 - its options
             "found no kept weakness in models/*/regressions/; expected at least one; keep one "
             "with: mrsfi keep CAMPAIGN --weakness 1"
         )
-    found = {
-        each.name: check_mission(each, settings, tell, n_seeds, date.today(), is_strict=is_strict)
-        for each in places
-    }
+    check = partial(check_mission, is_strict=is_strict, workers=workers)
+    found = {each.name: check(each, settings, tell, n_seeds, date.today()) for each in places}
     if junit is not None:
         write_junit(junit, found)
     every = [each for checked in found.values() for each in checked]

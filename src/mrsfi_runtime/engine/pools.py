@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
@@ -47,32 +47,43 @@ class WorkerPool(Evaluator):
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
         )
         self.n_workers = n_workers
-        self._executor = ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
+        self._executor = cache(
+            lambda: ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
+        )
 
     def close(self) -> None:
         """Stop the workers; evaluations that they have not begun are dropped."""
         if self.engine is not None:
             self.engine.close()
-        self._executor.shutdown(wait=True, cancel_futures=True)
+        else:
+            self._executor().shutdown(wait=True, cancel_futures=True)
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come."""
+        """Evaluate specifications from now on; the results come in the same order."""
         seed = self._seed if seed is None else seed
         if self.engine is not None:
-            yield from self.engine.evaluate_many(specifications, seed)
-            return
+            return self.engine.evaluate_many(specifications, seed)
         evaluate = partial(_evaluate, self._open_engine, seed)
         size = max(1, -(-len(specifications) // (4 * self.n_workers)))
-        try:
-            with starting_workers():
-                results = self._executor.map(evaluate, specifications, chunksize=size)
-            yield from results
-        except BrokenProcessPool as error:
-            raise WorkerLost(
-                "a worker process died; resume the campaign, or use --workers 1 to see why"
-            ) from error
+        with _worker_lost(), starting_workers():
+            return _results(self._executor().map(evaluate, specifications, chunksize=size))
+
+
+def _results(results: Iterator[Evaluated]) -> Iterator[Evaluated]:
+    with _worker_lost():
+        yield from results
+
+
+@contextmanager
+def _worker_lost() -> Iterator[None]:
+    try:
+        yield
+    except BrokenProcessPool as error:
+        raise WorkerLost(
+            "a worker process died; resume the campaign, or use --workers 1 to see why"
+        ) from error
 
 
 @contextmanager

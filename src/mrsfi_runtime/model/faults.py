@@ -209,6 +209,23 @@ class FaultPool:
         left = tuple(fault for fault in self.faults if fault.id not in faults)
         return self if len(left) == len(self.faults) else replace(self, faults=left)
 
+    def with_prefix(self, prefix: str) -> Self:
+        """Return the pool with a prefix before the IDs of its faults and triggers."""
+
+        def named(identifier: str) -> str:
+            return identifier and prefix + identifier
+
+        faults = (replace(each, id=named(each.id), trigger=named(each.trigger)) for each in self)
+        triggers = (
+            replace(
+                each,
+                id=named(each.id),
+                of=tuple(map(named, each.of)) if each.event is Event.EFFECT else each.of,
+            )
+            for each in self.triggers
+        )
+        return replace(self, faults=tuple(faults), triggers=tuple(triggers))
+
     def written_specification(self) -> Specification:
         """Return the faults of a written specification; each must have a window."""
         timed = []

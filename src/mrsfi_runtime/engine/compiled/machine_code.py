@@ -187,6 +187,9 @@ class MachineCode:
     def addresses(self) -> list[int]:
         """Return where the functions lie, for as long as this process runs."""
         if self.binary not in _LOADED:
+            for name in _missing(self.taken):  # sqrt, say; looked up here, importing numba is slow
+                if found := getattr(ctypes.CDLL(None), name, None):
+                    _llvm().add_symbol(name, ctypes.cast(found, ctypes.c_void_p).value)
             if _missing(self.taken):  # lists, say
                 lend_runtime()
             if _missing(self.taken):
