@@ -46,7 +46,7 @@ from mrsfi_runtime.analysis.report import (
     specification_rows,
     write_report,
 )
-from mrsfi_runtime.analysis.summary import Draw, Drawing, DrawingProcess, Summary, drawn
+from mrsfi_runtime.analysis.summary import Drawing, DrawingProcess, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.cause_set import Flights, Prober, chosen
@@ -471,17 +471,18 @@ def fmea_of(
 def report(
     campaign: OpenCampaign,
     ratio: str | None = None,
-    draw: Draw | None = None,
     show: Callable[[Summary], None] = lambda _: None,
     *,
+    draws: bool = True,
     latex: bool = False,
     today: dt.date | None = None,
 ) -> None:
     """Write the report of a campaign into its folder.
 
-    ``show`` gets the results before the figures are drawn, by ``draw`` or a process of its own.
-    With ``latex``, the report is written for a paper, too. ``today`` is the day for which the
-    report has the decisions on weaknesses, and since when these are known; without it, neither.
+    ``show`` gets the results before the figures are drawn, in a process of their own; without
+    ``draws`` there are none. With ``latex``, the report is written for a paper, too. ``today`` is
+    the day for which the report has the decisions on weaknesses, and since when these are known;
+    without it, neither.
     """
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as stack:
@@ -492,7 +493,7 @@ def report(
             writer,
             record=record,
             ratio=ratio,
-            draw=draw or stack.enter_context(DrawingProcess()).draw,
+            draw=stack.enter_context(DrawingProcess()).draw if draws else None,
             show=show,
             latex=latex,
             decided=deciding(campaign, today) if today else lambda _: "",

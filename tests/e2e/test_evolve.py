@@ -65,7 +65,7 @@ def test_ctrl_c_while_figures_are_drawn_says_that_they_are_missing(flown, tmp_pa
 
     done = interrupted("report", folder, cwd=tmp_path, sign="drawing figures")
 
-    advice = f"figures are missing from the report; write it again with: mrsfi report {folder}\n"
+    advice = f"the report is not complete; write it again with: mrsfi report {folder}\n"
     assert done.returncode == 130, done.stderr
     assert advice in done.stderr
     assert "digest" in done.stdout

@@ -92,7 +92,7 @@ def write_report(  # noqa: PLR0913 - most have a default
     *,
     record: Record,
     ratio: str | None = None,
-    draw: Draw = draw_here,
+    draw: Draw | None = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
     latex: bool = False,
     decided: Callable[[GoalWeakness], str] = lambda _: "",
@@ -102,7 +102,8 @@ def write_report(  # noqa: PLR0913 - most have a default
 
     Files of an earlier report are removed. ``record`` simulates the flights of the page; if it
     fails, the page gives the reason. ``show`` gets the summary when all files but the page and the
-    figures are written; the figures are finished even if it fails. ``ratio`` is one to pick by.
+    figures are written; the figures are finished even if it fails. Without ``draw`` there are only
+    their numbers, in tables. ``ratio`` is one to pick by.
     ``decided`` returns the decision on a weakness in words, ``since`` the day since when it is
     known.
     """
@@ -134,7 +135,7 @@ def write_report(  # noqa: PLR0913 - most have a default
                     tables.write_csv(file, table.lines)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
-                captions = {each.name: each.table.title for each in shown}
+                captions = {each.name: each.table.title for each in shown if draw}
                 layout.report.write_text(report_text(summary, captions), encoding="utf-8")
                 if latex:
                     layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
@@ -306,11 +307,13 @@ def _write_specifications(
 
 
 def _write_figures(
-    layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw
+    layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw | None
 ) -> Callable[[], None]:
     """Write the figures' numbers and begin to draw; the returned function waits for the end."""
     for each in shown:
         (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.table.lines))
+    if draw is None:
+        return lambda: None
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 

@@ -318,10 +318,9 @@ def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> Figur
 
 
 class DrawingProcess:
-    """A process that draws, first the figures ``ahead``; it ends with the ``with`` block."""
+    """A process that draws; it ends with the ``with`` block."""
 
-    def __init__(self, *ahead: Drawing) -> None:
-        self._ahead = ahead
+    def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._thread = ThreadPoolExecutor(1)
 
@@ -333,7 +332,6 @@ class DrawingProcess:
                 stdout=subprocess.PIPE,
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
-        self._ready = [(drawing, self._begin(drawing)) for drawing in self._ahead]
         return self
 
     def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
@@ -350,17 +348,13 @@ class DrawingProcess:
 
         The function raises an ``OSError`` of saving, and draws here what the process did not.
         """
-        begun = [(drawing, self._found(drawing), stem) for drawing, stem in drawings]
+        begun = [(drawing, self._begin(drawing), stem) for drawing, stem in drawings]
 
         def finish() -> None:
             for drawing, files, stem in begun:
                 _save(files.result() or drawn(drawing), stem)
 
         return finish
-
-    def _found(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        ready = (files for known, files in self._ready if known == drawing)
-        return next(ready, None) or self._begin(drawing)
 
     def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
         # Pickled here, because this thread meanwhile adds to the caches of missions.
@@ -380,8 +374,6 @@ class DrawingProcess:
 
 def main() -> None:
     """Draw each figure that is read from standard input, and write it to standard output."""
-    if hasattr(os, "nice"):
-        os.nice(10)  # the search comes first
     gc.disable()  # which takes a tenth of the time, to free 2 MB
     try:
         while True:
@@ -413,7 +405,8 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
     fitness. Figures 10 and 11 show the first two goals of its front, whatever else it minimises.
     """
     table = tables.map_table("Mission map", summary.mission)
-    yield Illustration("figure_05_mission_map", map_drawing(summary.mission), table)
+    drawing = Drawing("mission_map", (summary.mission,), "mission_plots")
+    yield Illustration("figure_05_mission_map", drawing, table)
     if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:
@@ -429,11 +422,6 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
             table = tables.pattern_table(f"Fault types in the {len(found)} {where}", patterns)
             drawing = Drawing("fault_types", (patterns, table.title))
             yield Illustration(f"figure_12_{name}", drawing, table)
-
-
-def map_drawing(mission: Mission) -> Drawing:
-    """Return the figure of a mission, which needs no evaluation."""
-    return Drawing("mission_map", (mission,), "mission_plots")
 
 
 def fitness_label(settings: CampaignSettings, measure: Measure) -> str:

@@ -16,7 +16,7 @@ from mrsfi.campaign_folders import OpenCampaign, deciding
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, harvested, of_goal, untried
 from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis import tables, weaknesses
-from mrsfi_runtime.analysis.summary import Draw, Summary, as_json
+from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Table
 from mrsfi_runtime.analysis.weaknesses import State
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
@@ -192,25 +192,29 @@ def report(
     ratio: str | None,
     *,
     is_json: bool,
-    draw: Draw | None = None,
+    draws: bool = True,
     latex: bool = False,
 ) -> None:
-    """Write the report into a campaign's folder and print its summary, or JSON."""
+    """Write the report into a campaign's folder, also figures, and print its summary, or JSON."""
 
     def show(summary: Summary) -> None:
         if is_json:
             print_json({"folder": str(path), **as_json(summary)})
         else:
             _print_summary(campaign, summary)
-        tell(f"drawing figures into {campaign.folder.figures}, and {campaign.folder.page}")
+        if draws:
+            tell(f"drawing figures into {campaign.folder.figures}, and {campaign.folder.page}")
+        else:
+            tell(f"writing {campaign.folder.page}; figures: mrsfi report {path}")
         if latex:
             tell(f"for LaTeX  {campaign.folder.latex}")
 
     path = campaign.folder.path
     try:
-        write_report(campaign, ratio, draw, show, latex=latex, today=dt.date.today())
+        today = dt.date.today()
+        write_report(campaign, ratio, show, draws=draws, latex=latex, today=today)
     except KeyboardInterrupt:
-        tell(f"figures are missing from the report; write it again with: mrsfi report {path}")
+        tell(f"the report is not complete; write it again with: mrsfi report {path}")
         raise
 
 

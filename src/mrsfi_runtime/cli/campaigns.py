@@ -113,8 +113,8 @@ def evolve_command(
     A weakness is a goal and a minimal set of faults that breaks it. The campaign file sets
     algorithm, population, generations and fitness. --case a and --case b name the files
     case_a.toml and case_b.toml beside the models; options replace single values. The campaign
-    gets a new folder, runs/NAME-CASE-N, with copies of models and code, every evaluation, figures,
-    tables, and the ten worst specifications as XMI.
+    gets a new folder, runs/NAME-CASE-N, with copies of models and code, every evaluation, tables,
+    a page, and the ten worst specifications as XMI; mrsfi report also draws figures.
 
     After the search, mrsfi flies at most as often again (and at most 1000 times) to find all
     weaknesses. Then it shrinks the smallest one of each goal to its mildest variant. It prints
@@ -136,7 +136,6 @@ def evolve_command(
     it: no recorded evaluation is flown again, and the result is that of an uninterrupted run.
     """
     from mrsfi.evolving import evolve
-    from mrsfi_runtime.analysis.summary import DrawingProcess, map_drawing
     from mrsfi_runtime.cli.campaign_results import report, require_decided
     from mrsfi_runtime.cli.terminal import search_progress
 
@@ -148,10 +147,7 @@ def evolve_command(
         opened = _begun(chosen(engine, AUTO), workers, ratio, **given)
     else:
         opened = _resumed(resume, ctx, engine, workers, ratio)
-    with (
-        opened as (campaign, flown_by),
-        DrawingProcess(map_drawing(campaign.mission)) as process,
-    ):
+    with opened as (campaign, flown_by):
         path = campaign.folder.path
         watched = search_progress(campaign.store)
         try:
@@ -161,7 +157,7 @@ def evolve_command(
                 tell(f"the results so far are kept; print them with: mrsfi report {path}")
                 tell(f"continue with: mrsfi evolve --resume {path}")
             raise
-        report(campaign, ratio, is_json=is_json, draw=process.draw)
+        report(campaign, ratio, is_json=is_json, draws=False)
         if is_nightly:
             require_decided(campaign)
 
@@ -246,7 +242,7 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
 )
 @click.option("--json", "is_json", is_flag=True, help="Print the summary as JSON.")
 def report_command(folder: Path | None, ratio: str | None, form: str, is_json: bool) -> None:
-    """Write the report of CAMPAIGN again and print its weaknesses.
+    """Write the report of CAMPAIGN, with figures, and print its weaknesses.
 
     If the campaign has not searched for weaknesses, it prints the ten most critical specifications.
     CAMPAIGN is the folder of a finished or interrupted campaign; by default the campaign in runs/

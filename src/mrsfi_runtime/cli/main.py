@@ -29,7 +29,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "show": ("campaigns", "Draw how a weakness breaks its goal."),
     "explain": ("flights", "Find out which faults of a specification break which goal."),
     "replay": ("flights", "Fly evaluations of a campaign again and compare."),
-    "report": ("campaigns", "Write figures, tables and summary of a campaign again."),
+    "report": ("campaigns", "Write figures, tables and page of a campaign."),
     "keep": ("regressions", "Keep a weakness, with limits, beside the models of its mission."),
     "decide": ("regressions", "Accept a weakness, plan its repair, or call it a duplicate."),
     "check": ("regressions", "Fly every kept weakness; fail if one exceeds its limit."),

@@ -97,27 +97,17 @@ def test_a_process_that_fails_leaves_the_drawing_to_this_one(program, here, tmp_
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt])
 def test_what_nobody_waits_for_ends_with_its_block(error):
-    process = DrawingProcess(MAP)
+    process = DrawingProcess()
 
     try:
         with process:
-            process._ready[0][1].result()
+            process._begin(MAP).result()
             if error is not None:
                 raise error
     except KeyboardInterrupt:
         pass
 
     assert process._process.returncode is not None
-
-
-@slow
-def test_what_was_drawn_ahead_is_the_same_and_drawn_once(here, tmp_path, monkeypatch):
-    with DrawingProcess(MAP) as process:
-        process._ready[0][1].result()
-        monkeypatch.setattr(process, "_begin", None)
-        process.draw([(MAP, tmp_path / "there")])()
-
-    assert files(tmp_path / "there") == here
 
 
 def test_ctrl_c_never_reaches_it_not_even_while_it_starts():
