@@ -308,6 +308,7 @@ def metamodel_folder() -> Path:
     return Path(chosen) if chosen else installed_metamodels()
 
 
+@cache
 def installed_metamodels() -> Path:
     """Return the folder of our metamodels: inside the installed package or in the source tree.
 

@@ -315,20 +315,20 @@ def _happens(mission: Mission, trigger: Trigger) -> tuple[int, float, float, flo
     return robot, center.x, center.y, area.radius, first, len(area.corners)
 
 
-def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
+def active_window(shapes: FaultShapes, timed: TimedFault) -> tuple[int, int] | None:
     """Return the first and the last tick at which a fault is active; ``None`` if it never is.
 
     They are those of its window, except that blocks may end earlier, that delays of 0 ticks and
     properties without a message are never active, and that nothing is active after the mission. A
     fault with a trigger may be active between them, from the second tick on.
     """
-    rows = plan_rows(FaultShapes(mission, pool), (timed,))
+    rows = plan_rows(shapes, (timed,))
     lists: tuple[list[Any], ...] = (*rows.lists, rows.own)
     windows = [(row[_START], row[_FINISH]) for listed in lists for row in listed]
     if rows.waiting:
         windows = [(max(start, 1), finish) for *_, start, finish, _ in rows.waiting]
     for first, finish in windows:
-        last = min(finish, mission.duration - 1)
+        last = min(finish, shapes.last)
         return (first, last) if first <= last else None
     return None
 

@@ -90,17 +90,17 @@ class Units:
 
     def of(self, measured: Range) -> str:
         """Return the unit of a quantity, by default one of ours; shares have none."""
-        per = self.time or "tick"
-        named = {
-            Range.TICKS: self.time,
-            Range.ENERGY: self.energy,
-            Range.SPEED: f"{self.distance or 'units'} per {per}",
-            Range.RATE: f"samples per {per}",
-            Range.COST: f"{self.energy or 'energy'} per sample",
-        }
-        if measured in {Range.X, Range.Y, Range.Z}:
-            return self.distance
-        return "" if measured is Range.SHARE else named.get(measured, "") or measured.value
+        match measured:
+            case Range.X | Range.Y | Range.Z:
+                return self.distance
+            case Range.SPEED:
+                return f"{self.distance or 'units'} per {self.time or 'tick'}"
+            case Range.RATE:
+                return f"samples per {self.time or 'tick'}"
+            case Range.COST:
+                return f"{self.energy or 'energy'} per sample"
+        ours = "" if measured is Range.SHARE else measured.value
+        return {Range.TICKS: self.time, Range.ENERGY: self.energy}.get(measured, "") or ours
 
     def quantity(self, value: float, measured: Range, digits: int = 4) -> str:
         """Return a rounded quantity with its unit: ``3 energy units``, ``41.2 m``, ``71000 m``."""

@@ -25,7 +25,7 @@ from mrsfi_runtime.cosimulation.bus_topics import CLOCK
 from mrsfi_runtime.cosimulation.lockstep import RobotTopics, SensorTopics, true_values
 from mrsfi_runtime.kernel.commands import reports_position
 from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
-from mrsfi_runtime.kernel.injections import FaultTally, active_window, longest
+from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, active_window, longest
 from mrsfi_runtime.kernel.state import PROPERTIES, RobotState, State
 from mrsfi_runtime.model.fault_types import Units, plain_name
 from mrsfi_runtime.model.faults import (
@@ -37,7 +37,6 @@ from mrsfi_runtime.model.faults import (
     Trigger,
     describe,
     robots_of,
-    touched,
 )
 from mrsfi_runtime.model.mission import Coordinates, Mission, Offsets
 from mrsfi_runtime.model.polygons import off_segment, off_way
@@ -129,17 +128,21 @@ def named_faults(
     names: Sequence[str] | None = None,
 ) -> tuple[NamedFault, ...]:
     """Return the faults of a specification; ``names`` are IDs of the pool if left out."""
+    shapes = FaultShapes(mission, pool)
+
+    @cache
+    def touching(fault: str) -> tuple[tuple[str, ...], frozenset[int]]:
+        targets = shapes[fault].targets
+        return tuple(describe(mission, each) for each in targets), robots_of(mission, targets)
 
     def named(name: str, timed: TimedFault) -> NamedFault:
         fault, trigger = pool[timed.fault], pool.triggers_by_id.get(timed.trigger)
-        targets = touched(mission, fault)
         return NamedFault(
             name,
             timed,
             fault,
-            touched=tuple(describe(mission, target) for target in targets),
-            robots=robots_of(mission, targets),
-            window=active_window(mission, pool, timed),
+            *touching(fault.id),
+            window=active_window(shapes, timed),
             units=mission.units,
             trigger=trigger,
             most=LAST if trigger is None else longest(fault.kind, timed.values, trigger),
