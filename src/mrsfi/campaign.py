@@ -152,7 +152,7 @@ def _make(campaign: FlyableCampaign, recorded: CampaignStore, engine: Given, tel
         evolve(campaign, flown_by, Workers(), watched, explains=explains)
     if campaign.folder.summary.exists():
         ratio = re.search(rb'"ratio": "(.*)"', campaign.folder.summary.read_bytes())
-        report(campaign, ratio and ratio[1].decode(errors="replace"), lambda _: lambda: None)
+        report(campaign, ratio and ratio[1].decode(errors="replace"), draws=False)
 
 
 def _contents(store: CampaignStore) -> dict[tuple[str, str], object]:

@@ -223,6 +223,25 @@ def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage,
     assert error.attrib["message"].removeprefix("it-weakness-2: ") in done.stderr
 
 
+@pytest.mark.parametrize("n_workers", ["1", "2"])
+def test_an_error_in_a_region_under_one_weakness_hides_no_other(kept, n_workers):
+    mrsfi("keep", "runs/it", "--weakness", "3", cwd=kept)
+    worsen(
+        kept,
+        "if ci.mission.tick == 60 and ci.robots[0].x < -9.0:\n"
+        "    raise ValueError('too late')\n"
+        "return False",
+    )
+
+    words = ("check", *REFERENCE, "--workers", n_workers, "--github")
+    done = mrsfi(*words, cwd=kept, expected=6)
+
+    assert f"{NAME}: 1 of 2 kept weaknesses is within its limit" in done.stdout
+    assert "it-weakness-2 cannot be judged: " in done.stdout
+    assert "ValueError: too late" in done.stderr
+    assert f"::error file=generated/{NAME}/{COLLECTIVE},line=" in done.stdout
+
+
 @pytest.mark.parametrize("most", ["120", "9" * 30])
 def test_a_limit_that_nothing_exceeds_is_a_warning_when_it_is_kept_and_when_it_is_flown(
     most, place

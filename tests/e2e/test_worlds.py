@@ -4,7 +4,9 @@ import json
 import os
 import signal
 import sys
+from pathlib import Path
 from shlex import quote
+from shutil import copytree
 
 import pytest
 
@@ -198,3 +200,17 @@ def test_a_campaign_whose_world_is_killed_again_and_again_ends_the_same(small):
     require_silence(small)
     assert running.returncode == 0
     assert f"digest    {digest}" in output
+
+
+def test_kept_weaknesses_fly_in_one_world_for_each_worker(found, tmp_path):
+    place = Path(copytree(found, tmp_path / "place"))
+    for number in "123":
+        mrsfi("keep", "runs/it", "--weakness", number, cwd=place)
+
+    ours = mrsfi_json("check", NAME, cwd=place)
+    theirs = mrsfi_json("check", NAME, *world(), "--workers", "2", cwd=place)
+
+    require_silence(place)
+    assert theirs == ours
+    assert len(pids(place)) == 3
+    assert len({*pids(place)}) == 2

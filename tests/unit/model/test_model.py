@@ -18,10 +18,12 @@ from mrsfi_runtime.model.fault_types import Field, Range, Units
 from mrsfi_runtime.model.faults import (
     LAST,
     MOST,
+    Event,
     Fault,
     FaultPool,
     Gate,
     TimedFault,
+    Trigger,
     timed_fault,
     touched,
 )
@@ -171,6 +173,28 @@ def test_a_written_specification_has_its_own_windows_and_values():
 
     assert FaultPool("found", (fault,)).written_specification() == (
         TimedFault("f4.1", 5, 7, (3.0,)),
+    )
+
+
+def test_a_pool_with_a_prefix_has_it_before_the_ids_of_faults_and_triggers():
+    waiting = Fault("f4.1", FAULT_TYPES["FixedSpeed"], "m7", (3.0,), trigger="bitten")
+    triggers = (
+        Trigger("bitten", Event.EFFECT, ("f4.1",)),
+        Trigger("low", Event.VIOLATED, ("g3",), delay=2),
+    )
+
+    found = FaultPool("kept", (waiting, replace(waiting, trigger="")), triggers=triggers)
+
+    assert found.with_prefix("a/") == FaultPool(
+        "kept",
+        (
+            replace(waiting, id="a/f4.1", trigger="a/bitten"),
+            replace(waiting, id="a/f4.1", trigger=""),
+        ),
+        triggers=(
+            Trigger("a/bitten", Event.EFFECT, ("a/f4.1",)),
+            Trigger("a/low", Event.VIOLATED, ("g3",), delay=2),
+        ),
     )
 
 
