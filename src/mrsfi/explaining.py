@@ -46,7 +46,7 @@ from mrsfi_runtime.analysis.report import (
     specification_rows,
     write_report,
 )
-from mrsfi_runtime.analysis.summary import Drawing, DrawingProcess, Summary, drawn
+from mrsfi_runtime.analysis.summary import Drawing, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.cause_set import Flights, Prober, chosen
@@ -479,13 +479,12 @@ def report(
 ) -> None:
     """Write the report of a campaign into its folder.
 
-    ``show`` gets the results before the figures are drawn, in a process of their own; without
-    ``draws`` there are none. With ``latex``, the report is written for a paper, too. ``today`` is
-    the day for which the report has the decisions on weaknesses, and since when these are known;
-    without it, neither.
+    ``show`` gets the results before the figures are drawn; without ``draws`` there are none. With
+    ``latex``, the report is written for a paper, too. ``today`` is the day for which the report has
+    the decisions on weaknesses, and since when these are known; without it, neither.
     """
     writer = specification_writer(campaign.folder.model)
-    with _flying(campaign) as record, ExitStack() as stack:
+    with _flying(campaign) as record:
         write_report(
             campaign.folder.path,
             campaign.mission,
@@ -493,8 +492,8 @@ def report(
             writer,
             record=record,
             ratio=ratio,
-            draw=stack.enter_context(DrawingProcess()).draw if draws else None,
             show=show,
+            draws=draws,
             latex=latex,
             decided=deciding(campaign, today) if today else lambda _: "",
             since=known_since(campaign) if today else lambda _: "",

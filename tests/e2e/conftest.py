@@ -4,14 +4,11 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
 from pathlib import Path
-from types import SimpleNamespace
 from typing import TypeAlias
 
 import pytest
 
-from mrsfi import explaining
 from mrsfi_runtime.analysis import summary
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
@@ -29,11 +26,8 @@ def undrawn() -> Iterator[None]:
     draw figures, unless ``UNDRAWN`` is on their path.
     """
     empty = {".png": b"", ".svg": b""}
-    here = nullcontext(SimpleNamespace(draw=summary.draw_here))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(summary, "drawn", lambda _: empty)
-        for room in (summary, explaining):
-            patch.setattr(room, "DrawingProcess", lambda *_: here)
         yield
 
 

@@ -23,14 +23,13 @@ from mrsfi_runtime.analysis.page import (
 )
 from mrsfi_runtime.analysis.story import Flown
 from mrsfi_runtime.analysis.summary import (
-    Draw,
     Drawing,
     Illustration,
     Summary,
     as_json,
-    draw_here,
     drawn,
     illustrate,
+    save,
     summarise,
 )
 from mrsfi_runtime.causes.cause_set import without
@@ -92,8 +91,8 @@ def write_report(  # noqa: PLR0913 - most have a default
     *,
     record: Record,
     ratio: str | None = None,
-    draw: Draw | None = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
+    draws: bool = True,
     latex: bool = False,
     decided: Callable[[GoalWeakness], str] = lambda _: "",
     since: Callable[[GoalWeakness], str] = lambda _: "",
@@ -102,7 +101,7 @@ def write_report(  # noqa: PLR0913 - most have a default
 
     Files of an earlier report are removed. ``record`` simulates the flights of the page; if it
     fails, the page gives the reason. ``show`` gets the summary when all files but the page and the
-    figures are written; the figures are finished even if it fails. Without ``draw`` there are only
+    figures are written; the figures are drawn even if it fails. Without ``draws`` there are only
     their numbers, in tables. ``ratio`` is one to pick by.
     ``decided`` returns the decision on a weakness in words, ``since`` the day since when it is
     known.
@@ -118,7 +117,7 @@ def write_report(  # noqa: PLR0913 - most have a default
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             _emptied(layout.tables, "*.csv")
             layout.latex.unlink(missing_ok=True)
-            finish = _write_figures(layout, shown, draw)
+            _write_tables(layout, shown)
             _write_specifications(layout, summary, write_specification)
         fly = lru_cache(4)(record)  # most weaknesses have one fault, and share the other flight
         try:
@@ -135,7 +134,7 @@ def write_report(  # noqa: PLR0913 - most have a default
                     tables.write_csv(file, table.lines)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
-                captions = {each.name: each.table.title for each in shown if draw}
+                captions = {each.name: each.table.title for each in shown if draws}
                 layout.report.write_text(report_text(summary, captions), encoding="utf-8")
                 if latex:
                     layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
@@ -151,7 +150,8 @@ def write_report(  # noqa: PLR0913 - most have a default
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with _writing(folder, "figures"):
-                finish()
+                for each in shown if draws else ():
+                    save(each.drawing, layout.figures / each.name)
                 for each in shown if latex else ():
                     path = layout.figures / f"{each.name}.pdf"
                     path.write_bytes(drawn(each.drawing, (".pdf",))[".pdf"])
@@ -183,7 +183,9 @@ def draw_weakness(
         with _writing(layout.path, "figures"):
             for folder in (layout.tables, layout.figures):
                 folder.mkdir(exist_ok=True)
-            _write_figures(layout, illustrations, draw_here)()
+            _write_tables(layout, illustrations)
+            for each in illustrations:
+                save(each.drawing, layout.figures / each.name)
     described = (weaknesses.broken_by(weakness, mission.units), *sentences)
     return Shown(weakness, flown.title, described, files[: len(illustrations)])
 
@@ -306,15 +308,9 @@ def _write_specifications(
         write(rows, path, name, numbered(row[0] for row in rows))
 
 
-def _write_figures(
-    layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw | None
-) -> Callable[[], None]:
-    """Write the figures' numbers and begin to draw; the returned function waits for the end."""
+def _write_tables(layout: CampaignFolder, shown: Iterable[Illustration]) -> None:
     for each in shown:
         (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.table.lines))
-    if draw is None:
-        return lambda: None
-    return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 
 def _emptied(folder: Path, *patterns: str) -> None:

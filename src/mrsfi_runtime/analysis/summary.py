@@ -4,27 +4,16 @@
 ``illustrate``, at the end, lists the figures for which the campaign has numbers. A ``Drawing``
 names a function of ``plots`` or ``mission_plots`` and its arguments.
 
-To import matplotlib and draw three figures takes as long as a search of compiled evaluations.
-``DrawingProcess`` therefore draws in another process during the search. That process runs this
-module.
-
 References
 ----------
 Source paper, section V, figures 5 to 12.
 """
 
-import gc
-import os
-import pickle
-import subprocess
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, Self, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -284,28 +273,13 @@ class Drawing:
     module: str = "plots"
 
 
-Drawings: TypeAlias = Sequence[tuple[Drawing, Path]]
-"""Drawings with the path of each one's files, without suffix."""
-
 FigureFiles: TypeAlias = Mapping[str, bytes]
 """Contents of the files of a figure, by suffix."""
 
-Draw: TypeAlias = Callable[[Drawings], Callable[[], None]]
-"""Takes figures to draw and save; returns a function that waits for them, or draws them."""
 
-
-def draw_here(drawings: Drawings) -> Callable[[], None]:
-    """Draw figures in this process."""
-
-    def finish() -> None:
-        for drawing, stem in drawings:
-            _save(drawn(drawing), stem)
-
-    return finish
-
-
-def _save(files: FigureFiles, stem: Path) -> None:
-    for suffix, content in files.items():
+def save(drawing: Drawing, stem: Path) -> None:
+    """Draw a figure into files, whose path has no suffix."""
+    for suffix, content in drawn(drawing).items():
         stem.with_suffix(suffix).write_bytes(content)
 
 
@@ -315,79 +289,6 @@ def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> Figur
 
     module = import_module(f"{__package__}.{drawing.module}")
     return rendered(getattr(module, drawing.function)(*drawing.arguments), suffixes)
-
-
-class DrawingProcess:
-    """A process that draws; it ends with the ``with`` block."""
-
-    def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._thread = ThreadPoolExecutor(1)
-
-    def __enter__(self) -> Self:
-        with suppress(OSError):
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", __name__],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
-            )
-        return self
-
-    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
-        self._thread.shutdown(wait=False, cancel_futures=True)
-        if self._process is not None:
-            if error is not None:
-                self._process.kill()
-            self._thread.shutdown()
-            with suppress(BrokenPipeError), self._process:  # closes its pipes and waits for it
-                pass
-
-    def draw(self, drawings: Drawings) -> Callable[[], None]:
-        """Begin to draw; return a function that waits for all figures and saves them.
-
-        The function raises an ``OSError`` of saving, and draws here what the process did not.
-        """
-        begun = [(drawing, self._begin(drawing), stem) for drawing, stem in drawings]
-
-        def finish() -> None:
-            for drawing, files, stem in begun:
-                _save(files.result() or drawn(drawing), stem)
-
-        return finish
-
-    def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        # Pickled here, because this thread meanwhile adds to the caches of missions.
-        return self._thread.submit(self._drawn_there, pickle.dumps(drawing))
-
-    def _drawn_there(self, drawing: bytes) -> FigureFiles | None:
-        """Return a figure that the process has drawn; ``None`` if there is none, or it failed."""
-        process = self._process
-        with suppress(OSError, EOFError, pickle.UnpicklingError):
-            if process and process.stdin and process.stdout:
-                process.stdin.write(drawing)
-                process.stdin.flush()
-                files: FigureFiles = pickle.load(process.stdout)
-                return files
-        return None
-
-
-def main() -> None:
-    """Draw each figure that is read from standard input, and write it to standard output."""
-    gc.disable()  # which takes a tenth of the time, to free 2 MB
-    try:
-        while True:
-            files = drawn(pickle.load(sys.stdin.buffer))
-            pickle.dump(files, sys.stdout.buffer)
-            sys.stdout.buffer.flush()
-    except EOFError:
-        return
-    except BrokenPipeError:  # nor may Python write at its end
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-if __name__ == "__main__":
-    main()
 
 
 class Illustration(NamedTuple):

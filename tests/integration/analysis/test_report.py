@@ -1,6 +1,6 @@
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,9 +9,7 @@ import pytest
 from mrsfi_runtime.analysis.documents import report_text
 from mrsfi_runtime.analysis.page import campaign_page
 from mrsfi_runtime.analysis.summary import (
-    DrawingProcess,
-    Drawings,
-    draw_here,
+    Summary,
     illustrate,
     summarise,
 )
@@ -385,20 +383,15 @@ def test_figures_are_drawn_though_nobody_reads_what_is_shown(tmp_path):
 
 
 @slow
-@pytest.mark.parametrize("is_here", [True, False])
-def test_figures_that_cannot_be_written_are_a_record_error_after_the_rest(
-    is_here, tmp_path, refused
-):
+def test_figures_that_cannot_be_written_are_a_record_error_after_the_rest(tmp_path, refused):
     folder = write_campaign(tmp_path / "run", n_generations=1)
     shown = []
 
-    with DrawingProcess() as process:
+    def show(summary: Summary) -> None:
+        shown.append(summary)
+        (folder / "figures" / f"{TYPES[-1]}.svg").mkdir()
 
-        def draw(drawings: Drawings) -> Callable[[], None]:
-            drawings[-1][1].with_suffix(".svg").mkdir()
-            return (draw_here if is_here else process.draw)(drawings)
-
-        with refused(RecordError):
-            write_report(folder, CODE.mission, CODE.pool, write, draw=draw, show=shown.append)
+    with refused(RecordError):
+        write_report(folder, CODE.mission, CODE.pool, write, show=show)
 
     assert len(shown) == 1
