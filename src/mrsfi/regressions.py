@@ -14,19 +14,12 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from time import monotonic
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from m2t.models.load import load_mission_folder, load_specification
-from mrsfi.campaign_folders import OpenCampaign, mission_of, models_of
 from mrsfi.engines import AS_RECORDED, Given, Tell, evaluator, project, silent
-from mrsfi.explaining import flying_again, harvested, weakness_of
 from mrsfi.folders import MissionFolders, find_mission, folders_at, load_fresh
 from mrsfi.loading import Written, read_specification, specification_writer
-from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.analysis.weaknesses import evidence, sentence
-from mrsfi_runtime.causes.cause_set import KEEP, Flights
-from mrsfi_runtime.causes.chain import find_cause
-from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import (
@@ -50,9 +43,12 @@ from mrsfi_runtime.record.decisions import (
     read_decision,
 )
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
-from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
 from mrsfi_runtime.record.store import Measure
+
+if TYPE_CHECKING:
+    from mrsfi.campaign_folders import OpenCampaign
+    from mrsfi_runtime.causes.mildest import GoalWeakness
 
 _ALL = Workers()  # one for each processor
 
@@ -123,7 +119,7 @@ class Checked:
 
 
 def keep(
-    campaign: OpenCampaign,
+    campaign: "OpenCampaign",
     number: int = 1,
     name: str | None = None,
     limits: Mapping[str, int] | None = None,
@@ -138,6 +134,11 @@ def keep(
     with the campaign's, unless ``limits`` are given, by goal ID. In seeds that the campaign did not
     fly, the engine flies the campaign's own code. ``accepted`` is why the limits are accepted.
     """
+    from mrsfi.campaign_folders import mission_of  # noqa: PLC0415 - not for a check, as below
+    from mrsfi.explaining import flying_again, harvested, weakness_of  # noqa: PLC0415
+    from mrsfi_runtime.analysis.report import specification_rows  # noqa: PLC0415
+    from mrsfi_runtime.analysis.weaknesses import evidence  # noqa: PLC0415
+
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
     known = harvested(campaign)
@@ -182,15 +183,17 @@ def keep(
     return regression
 
 
-def _origin(campaign: OpenCampaign, weakness: GoalWeakness) -> str:
+def _origin(campaign: "OpenCampaign", weakness: "GoalWeakness") -> str:
     """Return in words where a weakness was found, and what it is."""
+    from mrsfi_runtime.analysis.weaknesses import sentence  # noqa: PLC0415
+
     found = sentence(campaign.mission, campaign.pool, weakness)
     faults = " and ".join(weakness.faults)
     return f"{campaign.folder.path}, weakness {weakness.number} ({faults}): {found}"
 
 
 def decide(
-    campaign: OpenCampaign,
+    campaign: "OpenCampaign",
     number: int,
     kind: str,
     because: str,
@@ -204,6 +207,9 @@ def decide(
 
     ``kind`` is one of ``KINDS``; a duplicate is one of the weakness with the number ``of``.
     """
+    from mrsfi.campaign_folders import mission_of  # noqa: PLC0415
+    from mrsfi.explaining import harvested, weakness_of  # noqa: PLC0415
+
     path, known = campaign.folder.path, harvested(campaign).goal_weaknesses
     weakness, models = weakness_of(path, known, number), mission_of(campaign).models
     original = None if of is None else weakness_of(path, known, of)
@@ -337,12 +343,18 @@ def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
 
 
 def settled(
-    campaign: OpenCampaign, found: Iterable[GoalWeakness], today: dt.date, *, is_valid: bool = False
+    campaign: "OpenCampaign",
+    found: "Iterable[GoalWeakness]",
+    today: dt.date,
+    *,
+    is_valid: bool = False,
 ) -> dict[int, dict[str, str]]:
     """Return cells of an FMEA by weakness: what the team decided on it, and kept of it.
 
     Others have none. With ``is_valid``, neither has a weakness whose decision has expired.
     """
+    from mrsfi.campaign_folders import models_of  # noqa: PLC0415
+
     models, cells = models_of(campaign), dict[int, dict[str, str]]()
     if models is None:
         return cells
@@ -522,6 +534,10 @@ def _why(
     regression: Regression, engine: Engine, goals: tuple[str, ...], seed: int
 ) -> tuple[str, ...]:
     """Return sentences on the faults without which the goals would have fewer violations."""
+    from mrsfi_runtime.causes.cause_set import KEEP, Flights  # noqa: PLC0415
+    from mrsfi_runtime.causes.chain import find_cause  # noqa: PLC0415
+    from mrsfi_runtime.record.observers import named_faults  # noqa: PLC0415
+
     mission = engine.code.mission
     specification = engine.code.pool.written_specification()
     settings = CampaignSettings(violations=regression.violations, goals=goals)

@@ -58,7 +58,8 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     def make(folder: Path) -> None:
         words = ("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small")
-        mrsfi_process(*words, cwd=workspace(folder), draws=True)
+        mrsfi_process(*words, cwd=workspace(folder))
+        mrsfi_process("report", "runs/small", cwd=folder, draws=True)
 
     return made_once(tmp_path_factory, "flown", make) / "runs" / "small"
 

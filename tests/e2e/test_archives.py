@@ -170,7 +170,6 @@ OTHERS = {
     "a model": appended("model/mission.xmi"),
     "a region": appended("generated/collective_intelligence.py"),
     "the page": appended("report.html"),
-    "a figure": appended("figures/figure_06_mean_fitness.svg"),
     "a table": appended("tables/evaluations.csv"),
     "the text for people": (TOLD, lambda run: edit(run.parent / TOLD, "To repeat", "To copy")),
     "a member added": appended("notes.txt"),
