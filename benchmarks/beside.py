@@ -1,10 +1,10 @@
-"""How long things take here, beside an installed copy of another commit.
+"""How long things take here, beside installed copies of other commits.
 
 Run ``python -m benchmarks.beside`` from the project's root after ``make install``, or with names
-of what is to be measured. The copy is made the first time, as a work tree of git with an
-environment of its own, and kept. Both take turns, so that whatever else slows this machine slows
-both alike; printed are the least and the median of each, and their ratios. Only times compare:
-under other semantics the same mission flies otherwise.
+of what is to be measured. A copy is made the first time, as a work tree of git with an
+environment of its own, and kept. All take turns, so that whatever else slows this machine slows
+all alike; printed are the least and the median of each, and their ratios to the first commit. Only
+times compare: under other semantics the same mission flies otherwise.
 """
 
 import argparse
@@ -24,6 +24,7 @@ from types import MappingProxyType
 from benchmarks.measuring import MEBI, Others, Run, run_in
 
 MISSION = "uuv_sampling"
+FLEET = Path("models", "fleet_30")  # of this tree, as old commits lack it
 REGION = "    # protected region g3.check on begin\n"
 Figures = dict[str, float]
 """What was measured, in words with their unit."""
@@ -31,7 +32,7 @@ Figures = dict[str, float]
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two."""
+    """One of the trees compared."""
 
     tree: Path  # mrsfi is installed in its .venv
     scratch: Path  # for what is made while measuring
@@ -125,6 +126,9 @@ class Quantity:
 QUANTITIES = MappingProxyType(
     {
         "paper": Quantity(lambda side, _: side.probe()),
+        "fleet_30": Quantity(
+            lambda side, _: side.probe(str(side.scratch / "fleet_30"), str(FLEET.absolute()))
+        ),
         "robots": Quantity(lambda side, _: side.probe(str(side.scratch / "fleet"))),
         "commands": Quantity(commands),
         "cached": Quantity(lambda side, _: from_start("evolve, cached", side.evolve())),
@@ -135,14 +139,14 @@ QUANTITIES = MappingProxyType(
 )
 
 
-def print_ratios(before: list[Figures], now: list[Figures]) -> None:
-    """Print a line for each figure."""
-    for what in before[0]:
-        first, second = ([each[what] for each in runs] for runs in (before, now))
+def print_ratios(found: list[list[Figures]]) -> None:
+    """Print a line for each figure: the least and the median of each side."""
+    for what in found[0][0]:
         columns = []
         for of in (min, statistics.median):
-            columns += [f"{of(first):10.3f} {of(second):10.3f} {of(second) / of(first):6.2f}"]
-        print(f"{what:40} {'   '.join(columns)}", flush=True)
+            first, *others = (of(each[what] for each in runs) for runs in found)
+            columns += [f"{first:10.3f}", *(f"{each:10.3f} {each / first:6.2f}" for each in others)]
+        print(f"{what:40} {' '.join(columns)}", flush=True)
 
 
 def installed(commit: str, copy: Path) -> Path:
@@ -159,8 +163,8 @@ def installed(commit: str, copy: Path) -> Path:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("quantities", nargs="*", help=f"of {', '.join(QUANTITIES)}")
-    parser.add_argument("--commit", default="82a3d34")
-    parser.add_argument("--copy", type=Path, help="its tree [default: among temporary files]")
+    parser.add_argument("--commit", action="append", help="several may be given [default: 82a3d34]")
+    parser.add_argument("--copies", type=Path, default=tempfile.gettempdir(), help="their folder")
     parser.add_argument("--rounds", type=int, default=10, help="fewer of what takes long")
     parser.add_argument("--evaluations", type=int, default=100_000, help="of the long campaign")
     arguments = parser.parse_args()
@@ -173,19 +177,20 @@ def _arguments() -> argparse.Namespace:
 def main() -> None:
     """Print how long everything takes in the copy, and here."""
     arguments = _arguments()
-    default = Path(tempfile.gettempdir(), f"mrsfi-{arguments.commit}")
-    copy = installed(arguments.commit, (arguments.copy or default).absolute())
+    commits = arguments.commit or ["82a3d34"]
+    trees = [installed(each, arguments.copies.absolute() / f"mrsfi-{each}") for each in commits]
     others = Others()
     with tempfile.TemporaryDirectory() as name:
         sides = []
-        for label, tree in (("before", copy), ("now", Path.cwd())):
-            scratch = Path(name, label)
+        for number, tree in enumerate((*trees, Path.cwd())):
+            scratch = Path(name, str(number))
             scratch.mkdir()
             sides.append(Side(tree, scratch, arguments.evaluations))
-        print(f"{'':40} {'least before':>12} {'now':>8} {'ratio':>6}   ", end="")
-        print(f"{'median':>10} {'now':>10} {'ratio':>6}")
+        first, *labels = (*commits, "now")
+        heads = [f"{first:>10}", *(f"{label:>10} {'ratio':>6}" for label in labels)]
+        print(f"{'least, then median':40} {' '.join(heads + heads)}")
         for quantity in arguments.quantities or QUANTITIES:
-            print_ratios(*measured(QUANTITIES[quantity], sides, arguments.rounds))
+            print_ratios(measured(QUANTITIES[quantity], sides, arguments.rounds))
     print(f"other programs kept {others.processors():.1f} of {os.cpu_count()} processors busy")
 
 

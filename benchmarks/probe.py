@@ -16,9 +16,10 @@ from random import Random
 from typing import Any
 
 from benchmarks.fleets import fleet
+from m2t.generate import generate
 from mrsfi_runtime.engine.compiled import engine as compiled
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.search.space import SearchSpace, random_specification
+from mrsfi_runtime.search.space import SearchSpace
 
 MISSION = "uuv_sampling"
 LEAST_SECONDS = 1.0
@@ -33,6 +34,7 @@ def module(*names: str) -> Any:
 
 
 load_code = module("generated_code", "mission").load_code
+random_specification = module("search.specifications", "search.space").random_specification
 
 
 def evaluation(code: Any, n: int) -> dict[str, float]:
@@ -70,8 +72,8 @@ def search(code: Any) -> float:
     campaign = module("record.settings", "search.settings").CampaignSettings
     settings = campaign.load(Path("models") / MISSION / "case_a.toml")
     recorded: tuple[Any, ...] = (settings.as_json(), {})
-    if find_spec("mrsfi_runtime.record.engine_settings"):
-        recorded = settings, module("record.manifest").Manifest()
+    if find_spec("mrsfi_runtime.record.settings"):
+        recorded = settings, module("record.manifest", "record.engine_settings").Manifest()
     store_class = module("record.store", "record.campaign").CampaignStore
     run_campaign = module("search.run", "search.campaign").run_campaign
     with (
@@ -91,6 +93,12 @@ def paper() -> dict[str, float]:
     return {**evaluation(code, 200), "search of 909": search(code)}
 
 
+def mission(folder: Path, models: Path) -> dict[str, float]:
+    """Return what a mission takes; it is generated in a folder each time."""
+    generate(models, folder)
+    return {f"{models.name}: {what}": ms for what, ms in evaluation(load_code(folder), 60).items()}
+
+
 def robots(folder: Path) -> dict[str, float]:
     """Return what a fleet takes; it is generated in a folder the first time."""
     generated = folder / "generated"
@@ -99,5 +107,5 @@ def robots(folder: Path) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    folders = sys.argv[1:]
-    print(json.dumps(robots(Path(folders[0])) if folders else paper()))
+    measure = (paper, robots, mission)[len(sys.argv) - 1]
+    print(json.dumps(measure(*map(Path, sys.argv[1:]))))
