@@ -14,12 +14,14 @@ from numba.core.errors import TypingError
 
 import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.compiler import compiled_kernel
+from mrsfi_runtime.engine.compiled.layout import ALIKE
 from mrsfi_runtime.engine.compiled.machine_code import kept_code, kernel_key
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine, tried
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.kernel.flight import initial_state
+from mrsfi_runtime.kernel.flight import Verdicts, initial_state, no_verdicts
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.conformance.regions import compiled
 from tests.support.cli import edit
@@ -51,6 +53,16 @@ for name in ("reference", "compiled"):
         found.append(engine.evaluate(()).digest)
 print(json.dumps(found))
 """
+
+
+@pytest.mark.parametrize("name", ["depot", "fleet_30", "uuv_sampling"])
+def test_lists_whose_bounds_are_checked_by_one_length_are_alike(name):
+    mission = load_code(ROOT / "generated" / name).mission
+    records = {State: initial_state(mission, 1), Verdicts: no_verdicts(len(mission.goals))}
+
+    for kind, alike in ALIKE.items():
+        sizes = {each: len(getattr(records[kind], each)) for each in (*alike, *alike.values())}
+        assert {each: sizes[each] for each in alike} == {a: sizes[b] for a, b in alike.items()}
 
 
 @pytest.mark.parametrize("declare", [lambda code: code, with_triggers], ids=["plain", "triggers"])

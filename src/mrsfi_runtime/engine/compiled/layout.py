@@ -11,7 +11,7 @@ An object with a directory also keeps the arrays that it points to.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from functools import cache, cached_property, lru_cache
 from itertools import accumulate, chain, starmap
 from struct import Struct
@@ -49,17 +49,32 @@ RECORDED, CALLS = " recorded", " calls"
 _HIDDEN: Mapping[type, tuple[str, ...]] = {State: (RECORDED, CALLS)}
 
 
+ALIKE: Mapping[type, Mapping[str, str]] = {
+    State: {
+        **dict.fromkeys(("commands", "traits", "wishes"), "robots"),
+        **dict.fromkeys(("required", "apart", "longest"), "goals"),
+        "switches": "sensors",
+        "outlines": "obstacles",
+        "routes": "members",
+    },
+    Verdicts: dict.fromkeys(get_type_hints(Verdicts), "is_true"),
+}
+"""Lists that are always as long as another one: one check of a bound is enough for all."""
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """A field of a record of lists: a list, a record, a number of one, or a directory within.
 
-    ``place`` is the number of its entry in the directory, and ``layout`` that of an element.
+    ``place`` is the number of its entry in the directory, ``sized`` that of the list that has as
+    many elements, and ``layout`` that of an element.
     """
 
     kind: str
     place: int
     layout: np.dtype[Any]
     inner: type | None = None
+    sized: int = 0
 
 
 @cache
@@ -85,7 +100,11 @@ def entries(kind: type) -> Mapping[str, Entry]:
     for name in _HIDDEN.get(kind, ()):
         found[name] = Entry("list", place, np.dtype(np.int64))
         place += 1
-    return found
+    alike = ALIKE.get(kind, {})
+    return {
+        name: replace(each, sized=found[alike.get(name, name)].place)
+        for name, each in found.items()
+    }
 
 
 def n_entries(kind: type) -> int:

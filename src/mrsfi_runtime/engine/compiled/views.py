@@ -112,7 +112,7 @@ def _get(context: Any, builder: Any, view: View, directory: Any, name: str) -> A
         array = make_array(kind)(context, builder)
         size = context.get_constant(types.intp, entry.layout.itemsize)
         data = builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer())
-        length = _word(builder, directory, 2 * entry.place + 1)
+        length = _word(builder, directory, 2 * entry.sized + 1)
         least_and_most = [ir.Constant(_WORD, 0), ir.Constant(_WORD, 2**40)]
         length.set_metadata("range", builder.module.add_metadata(least_and_most))
         populate_array(array, data, [length], [size], size, meminfo=None)
