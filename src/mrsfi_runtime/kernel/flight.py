@@ -441,18 +441,21 @@ def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None
 def count(verdicts: Verdicts, world: State) -> None:
     """Count the violations of a tick, once per goal, and the tick of each missed goal.
 
-    Margins, and goals missed without a violation, are checked only when they can change.
+    Margins, and goals missed without a violation, are checked only when they can change. Of most
+    goals nothing changes at most ticks: one that was ever missed is broken, too.
     """
     tick = world.mission.tick
     for goal in range(len(verdicts.is_true)):
         true = verdicts.is_true[goal]
         believed = verdicts.is_believed[goal]
+        is_due = tick >= verdicts.due[goal]
+        if not (true or believed or is_due or verdicts.broken[goal] > 0):
+            continue
         if true or believed:
             verdicts.true[goal] += true
             verdicts.believed[goal] += believed
             verdicts.phantom[goal] += believed and not true
             verdicts.masked[goal] += true and not believed
-        is_due = tick >= verdicts.due[goal]
         if verdicts.missed[goal] > 0 or ((true or is_due) and is_missed(world, goal, true)):
             verdicts.missed[goal] += 1
             true = 1

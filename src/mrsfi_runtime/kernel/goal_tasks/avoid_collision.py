@@ -68,10 +68,7 @@ def brush(view: State, g: int) -> float:
 
 @kernel
 def hits_obstacle(view: State, g: int) -> bool:
-    """Return whether a disc of a goal's robots was too near to one of its obstacles.
-
-    All obstacles are checked if the map does not reach as far as a robot can have moved.
-    """
+    """Return whether a disc of a goal's robots was too near to one of its obstacles."""
     goal = view.goals[g]
     reach = brush(view, g)
     is_mapped = reach <= view.map.reach
@@ -86,11 +83,23 @@ def hits_obstacle(view: State, g: int) -> bool:
             hazard = mapped.obstacle
             if hits(view, goal, index, hazard, reach) and is_listed(view, goal, hazard):
                 return True
-        if view.map.is_wrong or not is_mapped:
-            for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-                hazard = view.hazards[h]
-                is_due = not is_mapped or is_displaced(view, hazard)
-                if is_due and hits(view, goal, index, hazard, reach):
+    if view.map.is_wrong or not is_mapped:
+        return hits_unmapped(view, g, reach, is_mapped)
+    return False
+
+
+@kernel
+def hits_unmapped(view: State, g: int, reach: float, is_mapped: bool) -> bool:
+    """Return whether a robot was too near to an obstacle that is not where the map has it.
+
+    If the map does not reach as far as a robot can have moved, all obstacles are checked.
+    """
+    goal = view.goals[g]
+    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+        hazard = view.hazards[h]
+        if not is_mapped or is_displaced(view, hazard):
+            for m in range(goal.first_member, goal.first_member + goal.n_members):
+                if hits(view, goal, view.members[m].robot, hazard, reach):
                     return True
     return False
 
