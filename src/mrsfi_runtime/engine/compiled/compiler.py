@@ -46,8 +46,13 @@ from mrsfi_runtime.engine.compiled.regions import (
 )
 from mrsfi_runtime.engine.compiled.views import TASK_FUNCTIONS, Flights, arguments_of, fly_many
 from mrsfi_runtime.files import lines_in_regions
+from mrsfi_runtime.kernel.effects import believe, note
+from mrsfi_runtime.kernel.geometry import in_area
+from mrsfi_runtime.kernel.goal_tasks import avoid_collision
 from mrsfi_runtime.kernel.goal_tasks.table import FUNCTIONS
+from mrsfi_runtime.kernel.guidance import roam_in
 from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.kernel.neighbours import gather
 from mrsfi_runtime.kernel.state import State, is_kernel
 
 _KNOWN = tuple(
@@ -172,8 +177,30 @@ def _code(library: Any) -> Any:
     return library._get_module_for_linking()  # noqa: SLF001 - numba's own libraries ask each other
 
 
-jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)
-"""Lets compiled code call a function, and leaves the function unchanged."""
+INLINED = frozenset(
+    {
+        avoid_collision.gap_along,
+        avoid_collision.gap_between,
+        avoid_collision.gap_to,
+        avoid_collision.gap_to_obstacles_along,
+        believe,
+        gather,
+        in_area,
+        note,
+        roam_in,
+    }
+)
+"""Functions that most ticks call, which LLVM by itself would not inline in their callers."""
+
+
+def jitable(function: Callable[..., Any]) -> None:
+    """Let compiled code call a function, and leave the function unchanged."""
+    register_jitable(
+        boundscheck=True,
+        no_cfunc_wrapper=True,
+        forceinline=function in INLINED,
+        pipeline_class=Inlined,
+    )(function)
 
 
 _REASONS = (
