@@ -26,7 +26,7 @@ PAGES = sorted(
     for pattern in ("README.md", "CONTRIBUTING.md", "docs/**/*.md", "examples/*/README.md")
     for path in ROOT.glob(pattern)
 )
-LISTS = ("docs/constraints.md", "docs/glossary.md")
+LISTS = ("docs/glossary.md",)
 """Pages that are written from values of the product."""
 
 VALUES = ("came back",)

@@ -37,7 +37,6 @@ RUN = (
 
 ELSEWHERE = {
     "docs/api.md": "tests/e2e/test_api_page.py",
-    "docs/constraints.md": "tests/model/test_constraints_page.py",
     "docs/editing-models.md": "tests/integration/test_editing_models.py",
     "docs/epsilon.md": "tests/interop/test_configurations.py",
     "docs/extending.md": "tests/integration/test_documentation.py",

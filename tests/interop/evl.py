@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import CONSTRAINTS, Diagnostic
+from m2t.diagnostics import Diagnostic
 from m2t.models.fixes import FIXES, mend
 from m2t.models.load import inspect_folder
 from tests.interop.eclipse import ROOT, Note, difference, harness
+from tests.support.constraints import LISTED
 from tests.support.models.copies import FAULTS, MISSION
 
 EVL = ROOT / "metamodels"
-TWINS = frozenset(name for name, constraint in CONSTRAINTS.items() if constraint.evl)
+TWINS = frozenset(name for name, each in LISTED.items() if each.evl != "none")
 
 Finding = tuple[str, str, str]
 """Constraint, severity, and message without line numbers, which a loaded model has none of."""

@@ -10,7 +10,6 @@ from random import Random
 
 import pytest
 
-from m2t.diagnostics import CONSTRAINTS
 from m2t.metaclasses import RESERVED
 from m2t.models.fixes import FIXES
 from m2t.models.load import inspect_folder
@@ -28,6 +27,7 @@ from tests.interop.evl import (
     stated_fixes,
 )
 from tests.support.broken_models import BROKEN, Broken
+from tests.support.constraints import LISTED, REASONS
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split
@@ -93,8 +93,8 @@ def test_both_write_the_same_when_they_fix_models(models, note):
 
 
 def test_what_has_no_twin_is_refused_or_dropped_by_eclipse(tmp_path):
-    refused = [name for name, found in CONSTRAINTS.items() if "refuses" in found.reason]
-    dropped = [name for name, found in CONSTRAINTS.items() if "drops" in found.reason]
+    (refused,) = (names for reason, names in REASONS.items() if "refuses" in reason)
+    (dropped,) = (names for reason, names in REASONS.items() if "drops" in reason)
     broken = [entry for entry in BROKEN if entry.constraint in (*refused, *dropped)]
     folders = [copy_models(tmp_path / str(number)) for number in range(len(broken))]
     for folder, entry in zip(folders, broken, strict=True):
@@ -117,9 +117,9 @@ def test_every_twin_is_stated_in_the_file_that_its_entry_names():
 
     kinds = {"error": "constraint", "warning": "critique"}
     assert stated == {
-        name: {(constraint.evl, kinds[constraint.severity])}
-        for name, constraint in CONSTRAINTS.items()
-        if constraint.evl
+        name: {(each.evl, kinds[each.severity])}
+        for name, each in LISTED.items()
+        if each.evl != "none"
     }
 
 

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from m2t.diagnostics import CONSTRAINTS
 from m2t.generate import plan
 from m2t.metamodels import load_metamodels
 from m2t.models.fixes import FIXES, Mending, mend
@@ -18,6 +17,7 @@ from m2t.models.load import inspect_folder, inspect_specification, load_mission_
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.mission import Coordinates, Robot
 from tests.support.broken_models import BROKEN, Broken
+from tests.support.constraints import LISTED
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 from tests.support.models.shapes import shape, write_drawn
 from tests.support.models.split import PARTS, write_split
@@ -46,7 +46,7 @@ def test_broken_model_is_reported_at_its_line(folder, broken, approved):
     assert (first.path, first.line) == (path, line_of(path, broken.place))
     assert first.element.startswith(broken.element)
     approved(first.message)
-    assert first.severity == CONSTRAINTS[broken.constraint].severity
+    assert first.severity == LISTED[broken.constraint].severity
     assert str(first) == f"{path}:{first.line}: {first.message} [{broken.constraint}]"
 
 
@@ -84,7 +84,7 @@ def test_missing_mission_is_reported(tmp_path, approved):
 def test_every_constraint_has_a_broken_model():
     covered = {broken.constraint for broken in BROKEN} | {"ReadableFile", "NameSyntax"}
 
-    assert covered == set(CONSTRAINTS)
+    assert covered == set(LISTED)
 
 
 def test_all_defects_of_both_files_are_reported_at_once(folder):
