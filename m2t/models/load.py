@@ -13,8 +13,10 @@ References
 Source paper, section III-A, step 6, and section III-B b).
 """
 
+import gc
 import os
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
@@ -184,6 +186,18 @@ def _is_there(path: Path) -> bool:
         return True
 
 
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Disable garbage collection in the body: it is slow, and a large model has no garbage."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
 class Objects:
     """Makes objects of checked nodes; ``nodes`` and ``by_node`` map one to the other."""
 
@@ -232,6 +246,7 @@ class _Loading:
         self._report = Report(self._objects.nodes)
         self._files = ModelFiles(self._report)
 
+    @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
         """Load a mission and its faults, which may stand in the mission's file.
 
