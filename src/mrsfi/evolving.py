@@ -118,6 +118,7 @@ Progress: TypeAlias = Callable[[CampaignProgress], None]
 """Receives the progress of a search after each generation."""
 
 _UNEXPLAINED = "unexplained"  # key in the record of a campaign without weaknesses
+_SEARCHED = "searched"  # key of the numbers of its results when a search has ended
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
@@ -287,8 +288,7 @@ def evolve(
             tell(f"ranges searched beyond the pool's values: {wide}")
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
-        with watched as progress:
-            search(campaign, many, progress, tell)
+        _finish_search(campaign, many, watched, tell)
         if settings.is_short(store.n_evaluations + store.n_failures):
             what = f"{store.n_evaluations} of {settings.evaluations} evaluations"
             tell(f"the search ended after {what}: it found no new specification to fly")
@@ -302,6 +302,24 @@ def evolve(
                 tell(f"weaknesses are not searched for: {error}")
     if (store.n_generations, len(store.flights())) == before:
         tell("the campaign was finished already; its report is written again")
+
+
+def _finish_search(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    watched: AbstractContextManager[Progress],
+    tell: Tell,
+) -> None:
+    """Search to the end; what the record says has ended is not repeated, which takes long."""
+    store = campaign.store
+
+    def size() -> str:
+        return f"{store.n_evaluations} {store.n_failures} {store.n_generations}"
+
+    if store.kept(_SEARCHED, str) != size():
+        with watched as progress:
+            search(campaign, evaluator, progress, tell)
+        store.keep(_SEARCHED, size())
 
 
 def _explains(store: CampaignStore, asked: bool | None) -> bool:

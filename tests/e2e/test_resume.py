@@ -10,13 +10,17 @@ EVOLVE = ("evolve", MISSION, "--case", "b", *SMALL)
 def test_the_command_of_a_finished_campaign_repeated_with_resume_only_writes_the_report_anew(
     campaign, tmp_path
 ):
-    report = (campaign / "report.md").read_text()
+    def reported():
+        text = (campaign / "report.md").read_text()
+        return [line for line in text.splitlines()[1:] if line and not line.startswith("![")]
+
+    report = reported()
     (campaign / "report.md").unlink()
 
     done = mrsfi(*EVOLVE, "--engine", "reference", "--resume", campaign, cwd=tmp_path)
 
     assert "was finished already" in done.stderr
-    assert (campaign / "report.md").read_text().splitlines()[1:] == report.splitlines()[1:]
+    assert reported() == report
 
 
 @pytest.mark.parametrize(
