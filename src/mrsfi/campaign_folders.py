@@ -16,7 +16,7 @@ from m2t.generate import rendered_file
 from m2t.models.load import load_mission_folder
 from mrsfi.engines import Tell, from_here, project, silent
 from mrsfi.folders import MissionFolders, find_mission
-from mrsfi_runtime.analysis.fronts import top
+from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.engine.flights import Engine
@@ -156,10 +156,8 @@ def _edited(folder: CampaignFolder) -> Iterator[str]:
 def mission_of(campaign: OpenCampaign) -> MissionFolders:
     """Return the folders of a campaign's mission in the project of the working folder."""
     manifest = campaign.store.manifest
-    place = (
-        str(from_here((root() / manifest.place).resolve())) if manifest.place else manifest.mission
-    )
-    folders = find_mission(place)
+    place = from_here((root() / manifest.place).resolve()) if manifest.place else manifest.mission
+    folders = find_mission(str(place))
     if manifest.sha256.get(MISSION_XMI) != hashes(folders.models).get(MISSION_XMI):
         models = load_mission_folder(folders.models)
         found = mission_from_text(rendered_file("mission_loader.py", models))
@@ -198,10 +196,11 @@ def find_evaluations(
     """Return one evaluation of a campaign, or without index the most critical distinct ones."""
     if index is not None:
         return (campaign.store.evaluation(index),)
-    best = top(campaign.store, Measure.of(campaign.store.settings, campaign.mission), n)
+    store = campaign.store
+    best = Columns.read(store, Measure.of(store.settings, campaign.mission)).top(n)
     if not best:
         raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
-    return best
+    return tuple(map(store.evaluation, best))
 
 
 def tried_again(campaign: FlyableCampaign, engine: EngineSettings, tell: Tell) -> EngineSettings:

@@ -9,13 +9,14 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
 from mrsfi.campaign_folders import open_to_fly
-from mrsfi.engines import project
+from mrsfi.engines import now_and_then, project
 from mrsfi.evolving import made, require_searchable, search
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import Evaluator
@@ -40,8 +41,6 @@ from mrsfi_runtime.study.folder import ComparisonFolder
 
 _SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
 """Additional values in the record of a run."""
-
-_NOTED = 1.0  # seconds between two notes of the time that a run has taken
 
 
 def default_folder(mission: str, case: str, kind: str = "compare") -> Path:
@@ -154,16 +153,9 @@ def _flown(place: CampaignFolder, name: str, evaluator: Evaluator, source: str) 
         if not any(store.next_indexes()):
             store.keep(_SOURCE, source)
         spent = store.kept(_SECONDS, float) or 0.0
-        began = noted = monotonic()
-
-        def note(_: object) -> None:
-            nonlocal noted
-            if monotonic() - noted > _NOTED:
-                noted = monotonic()
-                store.keep(_SECONDS, repr(spent + noted - began))
-
-        search(campaign, evaluator, note)
-        found = measure_run(store, campaign.mission, spent + monotonic() - began)
+        began, keep = monotonic() - spent, now_and_then(partial(store.keep, _SECONDS))
+        search(campaign, evaluator, lambda _: keep(lambda: repr(monotonic() - began)))
+        found = measure_run(store, campaign.mission, monotonic() - began)
         result = replace(found, algorithm=name)
         store.keep(_RESULT, canonical(asdict(result)))
     return result

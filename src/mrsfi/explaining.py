@@ -164,10 +164,10 @@ def explainer_of_file(
     beside the file, but never among kept weaknesses.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
-        found = (
-            f"{path}: is a kept weakness; its cause sets would be written among the kept weaknesses"
+        raise UsageError(
+            f"{path}: is a kept weakness; its cause sets would be written among the kept "
+            "weaknesses; expected another folder: name it with --out"
         )
-        raise UsageError(f"{found}; expected another folder: name it with --out")
     code = load_fresh(folders)
     written = read_specification(path, code, tell)
     named = named_faults(code.mission, written.pool, written.specification)

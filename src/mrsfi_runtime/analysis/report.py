@@ -250,13 +250,9 @@ def _next(
 ) -> dict[str, Sequence[str]]:
     run, number = str(layout.path), str(weakness.number)
     command, reason = _command(layout, summary, weakness), ("--because", "REASON", "--by", "NAME")
+    shown = "its mildest variant" if weakness.mildest else "it"
     return {
-        f"Draw {'its mildest variant' if weakness.mildest else 'it'}": (
-            "mrsfi",
-            "show",
-            run,
-            number,
-        ),
+        f"Draw {shown}": ("mrsfi", "show", run, number),
         "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
         "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
         "Decide on it": ("mrsfi", "decide", run, number, "accept", *reason),

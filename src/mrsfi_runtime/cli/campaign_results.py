@@ -162,10 +162,7 @@ def print_bounds(pool: FaultPool, goals: Sequence[str], campaigns: Sequence[Harv
 
 def print_found(campaign: OpenCampaign, found: Sequence[GoalWeakness]) -> None:
     """Print weaknesses as JSON, with a row for each measure."""
-    decided, (mission, pool) = (
-        deciding(campaign, dt.date.today()),
-        (campaign.mission, campaign.pool),
-    )
+    decided, mission, pool = deciding(campaign, dt.date.today()), campaign.mission, campaign.pool
     rows = (
         row | {"decision": decided(each), "elsewhere": [one.as_json() for one in each.elsewhere]}
         for each in found

@@ -15,7 +15,7 @@ import click
 
 from mrsfi_runtime.cli.terminal import steady_output
 from mrsfi_runtime.errors import LIMITED, MrsfiError, UsageError, expected
-from mrsfi_runtime.project_file import installed_version, metamodels_chosen
+from mrsfi_runtime.project_file import metamodels_chosen
 
 _INTERRUPTED = 130
 
@@ -129,26 +129,13 @@ def _report(error: BaseException, *, is_traced: bool) -> int:
     return MrsfiError.exit_code
 
 
-def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> None:
-    if is_wanted and not ctx.resilient_parsing:
-        click.echo(f"mrsfi, version {installed_version('mrsfi')}")
-        ctx.exit()
-
-
 @click.group(
     cls=CommandGroup,
     commands=dict.fromkeys(_COMMANDS),  # for suggestions when a name is misspelt
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.option("--traceback", is_flag=True, help="On an error, print where in the code it occurred.")
-@click.option(
-    "--version",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=_print_version,
-    help="Show the version and end.",
-)
+@click.version_option(package_name="mrsfi", help="Show the version and end.")
 def cli(traceback: bool) -> None:
     """Find the faults that break a multi-robot mission.
 

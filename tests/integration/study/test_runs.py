@@ -3,7 +3,7 @@
 import pytest
 
 import mrsfi
-from mrsfi import comparing
+from mrsfi import engines
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.store import CampaignStore
 from tests.support.edited import edited
@@ -41,7 +41,7 @@ def test_a_module_that_was_edited_since_is_refused_and_named(tmp_path, monkeypat
 
 
 def test_a_run_notes_how_long_it_has_taken(tmp_path, monkeypatch):
-    monkeypatch.setattr(comparing, "_NOTED", 0.0)
+    monkeypatch.setattr(engines, "_EVERY", 0.0)
     mission = mrsfi.load(ROOT / "models" / MISSION, ROOT / "generated" / MISSION)
 
     found = mission.compare(

@@ -18,13 +18,12 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     parse_ratio,
     thinned,
-    top,
 )
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation, Measure
-from tests.support.campaigns import columns_of, evaluation, store_of
+from tests.support.campaigns import columns_of, evaluation
 from tests.support.search import paper_mission
 
 MEASURE = Measure.of(CampaignSettings(), paper_mission())
@@ -223,5 +222,4 @@ def test_mean_violations_beside_the_fitness_play_no_part_in_the_ranking():
     low = replace(evaluation(0, (1,)), fitness=(2.0, 9.0))
     high = replace(evaluation(1, (1,)), fitness=(4.0, 0.0))
 
-    with store_of([low, high]) as store:
-        assert top(store, MEASURE, 2) == (high, low)
+    assert columns_of([low, high], MEASURE).top(2) == (1, 0)
