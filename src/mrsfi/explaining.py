@@ -1,9 +1,9 @@
 """Explain a campaign: causes of one specification, all weaknesses, and its report.
 
 ``explained`` flies parts of a specification and finds which faults break which goal; cause sets
-are written as models. ``harvest`` searches for weaknesses, ``harvested`` reads them, and the
-``write_`` functions write files of them. ``report`` and ``show`` write tables, figures, models and
-a page. Flights of a campaign use its own copy of the code.
+are written as models. ``harvest`` searches for weaknesses, ``harvested`` reads them; ``map_of``,
+``fmea_of`` and ``export_results`` make files of them. ``report`` and ``show`` write tables,
+figures, models and a page. Flights of a campaign use its own copy of the code.
 """
 
 import datetime as dt
@@ -14,6 +14,7 @@ from functools import cache, partial
 from itertools import count, islice
 from pathlib import Path
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from mrsfi.campaign_folders import (
     FlyableCampaign,
@@ -48,6 +49,7 @@ from mrsfi_runtime.analysis.report import (
 )
 from mrsfi_runtime.analysis.summary import Drawing, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
+from mrsfi_runtime.analysis.weaknesses import State, verdicts
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.cause_set import Flights, Prober, chosen
 from mrsfi_runtime.causes.explanation import Explanation
@@ -55,7 +57,7 @@ from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.causes.harvest import Harvest, known_by, recorded_by
 from mrsfi_runtime.causes.harvest import harvest as find_weaknesses
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
-from mrsfi_runtime.causes.weakness import Known, Weakness, detected, in_seeds
+from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, detected, in_seeds
 from mrsfi_runtime.causes.weakness import untried as untried_in
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import tried
@@ -68,15 +70,18 @@ from mrsfi_runtime.errors import (
     counted,
     time_left,
 )
-from mrsfi_runtime.files import writable
+from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import Specification, numbered
-from mrsfi_runtime.model.mission import Evaluated
+from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
+from mrsfi_runtime.model.mission import Evaluated, Mission
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings, folder_of, following
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
+
+if TYPE_CHECKING:
+    from m2t.models.requirements import ReqifFile
 
 CAUSE_SET, SIMPLEST = "cause set", "simplest variant"
 """Kinds of specifications that an explanation writes."""
@@ -529,3 +534,41 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record]:
             return engine.record(specification)
 
         yield record
+
+
+RESULTS = (
+    *("undetected", "detection not recorded", "late", "in time"),
+    *("violated without faults", "none found", "not searched"),
+)
+"""Results of a requirement, the gravest first."""
+
+_UNDETECTED, _UNRECORDED, *_, _ANYWAY, _NONE_FOUND, _NOT_SEARCHED = RESULTS
+
+
+def export_results(file: "ReqifFile", run: Path, output: Path) -> Mapping[str, tuple[str, ...]]:
+    """Write a ReqIF file with the results of its requirements; return their IDs by result.
+
+    The campaign in ``run`` has what breaks goals, and its mission which requirements these have.
+    """
+    with open_campaign(run) as campaign:
+        known = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
+        found = {} if known is None else results(campaign.mission, campaign.pool, known)
+    shown = {each.id: found.get(each.id, _NOT_SEARCHED) for each in file.requirements}
+    with whole_file(output) as written:
+        written.write(file.with_results(shown))
+    by_result = {each: tuple(own for own in shown if shown[own] == each) for each in RESULTS}
+    return {**by_result, "written": (str(output),)}
+
+
+def results(mission: Mission, pool: FaultPool, known: Harvest) -> dict[str, str]:
+    """Return the result of each requirement for which a goal of a mission stands, by its ID."""
+    found: dict[str, str] = {}
+    for verdict in verdicts(mission, pool, known):
+        of_goal = [_ANYWAY if verdict.state is State.BROKEN_ANYWAY else _NONE_FOUND]
+        for each in known.goal_weaknesses:
+            if each.goal == verdict.goal and each.measure != MEASURES[0]:
+                worst = each.shown.detection.worst if each.shown.detection else _UNRECORDED
+                of_goal.append(_UNDETECTED if worst == "never" else worst)
+        for own in mission.goals[mission.goal_ids.index(verdict.goal)].requirements:
+            found[own] = min(*of_goal, found.get(own, _NOT_SEARCHED), key=RESULTS.index)
+    return found

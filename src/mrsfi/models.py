@@ -1,6 +1,7 @@
 """Models: difference, import, requirements and writing, for the command line and for scripts."""
 
 from collections.abc import Mapping
+from filecmp import cmpfiles
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,9 @@ from mrsfi_runtime.project_file import MISSION_XMI
 def own_metamodels() -> Path | None:
     """Return the folder of the metamodels that are read if they differ from those of mrsfi."""
     read, ours = metamodel_folder(), installed_metamodels()
-    names = (MISSION_FILE, FAULTS_FILE)
-    try:
-        is_same = all((read / name).read_bytes() == (ours / name).read_bytes() for name in names)
-    except OSError:  # reported when they are read
-        is_same = False
-    return None if is_same else read
+    names = (MISSION_FILE, FAULTS_FILE)  # an error is reported when they are read
+    _, *others = cmpfiles(read, ours, names, shallow=False)
+    return read if any(others) else None
 
 
 def piped(pipe: Path, folder: Path) -> Path:

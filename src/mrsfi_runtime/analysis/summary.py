@@ -120,7 +120,6 @@ def summarise(
     columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
     front = fronts.find_front(measure, columns, goals) if goals else None
     best = tuple(map(store.evaluation, columns.top(10)))
-    tops = {each.index: each.specification for each in best}
     trend = tables.find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
     found = () if known is None else known.goal_weaknesses
@@ -153,7 +152,7 @@ def summarise(
         harm=fronts.find_harm(measure, columns) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, columns, front, wanted),
         trend=trend,
-        patterns=tables.find_patterns([*tops.values()], columns.tried, pool),
+        patterns=tables.find_patterns([each.specification for each in best], columns.tried, pool),
         guilty=tables.find_patterns([each.shown.witness for each in found], columns.tried, pool),
     )
     return summary, columns

@@ -382,26 +382,25 @@ def _write(
     from mrsfi import explaining as of
     from mrsfi_runtime.analysis.documents import FAULT_TREES, FMEA
 
-    number, map_path = drawn or (0, None)
-    files = ((fmea, FMEA), (fault_tree, FAULT_TREES), (map_path, of.MAPS))
-    wanted = [(path, known) for path, known in files if path is not None]
-    for path, known in wanted:
-        of.require_format(path, known)
-    drawn_of = None if drawn is None else of.weakness_of(campaign.folder.path, found, number)
+    run, (number, map_path) = campaign.folder.path, drawn or (0, None)
+    for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES), (map_path, of.MAPS)):
+        if path is not None:
+            of.require_format(path, known)
+    shown = of.weakness_of(run, found, number) if map_path else None
     if fault_tree is not None:
         trees = FAULT_TREES[fault_tree.suffix](campaign.mission, campaign.pool, found)
         write_file(fault_tree, trees)
-    if fmea is not None or map_path is not None:
-        run = campaign.folder.path
-        with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
-            if fmea is not None:
-                from mrsfi.regressions import settled
+    if fmea is None and map_path is None:
+        return
+    with of.flying_again(run, engine, workers, tell) as (flown, evaluator, own):
+        if fmea is not None:
+            from mrsfi.regressions import settled
 
-                decided = settled(flown, found, dt.date.today())
-                write_file(fmea, of.fmea_of(flown, found, own.record, decided, fmea.suffix))
-            if drawn_of is not None and map_path is not None:
-                of_map = (flown, evaluator, own.record, drawn_of, map_path.suffix)
-                write_file(map_path, of.map_of(*of_map))
+            decided = settled(flown, found, dt.date.today())
+            write_file(fmea, of.fmea_of(flown, found, own.record, decided, fmea.suffix))
+        if map_path is not None and shown is not None:
+            drawing = of.map_of(flown, evaluator, own.record, shown, map_path.suffix)
+            write_file(map_path, drawing)
 
 
 def _budget(_: click.Context, __: click.Parameter, text: str | None) -> "Budget | None":

@@ -105,12 +105,11 @@ class CommandGroup(click.Group):
         """Run a subcommand; if it raises an error, print it and end with its exit code."""
         try:
             with metamodels_chosen():
-                result = super().invoke(ctx)
+                return super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except BaseException as error:  # noqa: BLE001 - every error becomes an exit code
             ctx.exit(_report(error, is_traced=ctx.params["traceback"]))
-        return result
 
 
 def _report(error: BaseException, *, is_traced: bool) -> int:

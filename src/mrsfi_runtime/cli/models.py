@@ -432,7 +432,7 @@ def requirements_command(file: Path, target: str, text: str, id: str, output: Pa
     if output is None:
         done = import_requirements(find_mission(target).models, ReqifFile(file, text, id))
     else:
-        from mrsfi.requirements import export_results
+        from mrsfi.explaining import export_results
 
         done = export_results(ReqifFile(file, text, id), Path(target), output)
     for what, names in done.items():

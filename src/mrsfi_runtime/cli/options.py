@@ -132,23 +132,18 @@ def options(
     return decorate
 
 
-def _kind(each: Field[Any]) -> click.ParamType[Any] | None:
-    if each.type == int | None:
-        return click.IntRange(each.metadata["least"])
-    return KINDS.get(each.type)
-
-
 def _option(
     each: Field[Any], default: str | None = None, choices: Sequence[Any] = ()
 ) -> Callable[[F], F]:
     """Return the option of a field; with choices, it shows its default unless its text does."""
     text, choices = each.metadata["text"], choices or each.metadata["choices"]
+    number = click.IntRange(each.metadata["least"]) if each.type == int | None else None
     is_shown = choices and "[default" not in text
     return click.option(
         f"{engine_settings.flag(each)}/--no-{engine_settings.spelling(each)}"
         if each.type is bool
         else engine_settings.flag(each),
-        type=OneOf(choices) if choices else _kind(each),
+        type=OneOf(choices) if choices else number or KINDS.get(each.type),
         default=None,
         metavar=each.metadata["metavar"] or None,
         show_default=(default or each.default) if is_shown else None,

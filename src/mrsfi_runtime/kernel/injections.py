@@ -327,10 +327,9 @@ def active_window(shapes: FaultShapes, timed: TimedFault) -> tuple[int, int] | N
     windows = [(row[_START], row[_FINISH]) for listed in lists for row in listed]
     if rows.waiting:
         windows = [(max(start, 1), finish) for *_, start, finish, _ in rows.waiting]
-    for first, finish in windows:
-        last = min(finish, shapes.last)
-        return (first, last) if first <= last else None
-    return None
+    first, finish = next(iter(windows), (0, -1))
+    last = min(finish, shapes.last)
+    return (first, last) if first <= last else None
 
 
 _CHANGES: Mapping[Mode, Callable[..., tuple[float, ...]]] = {

@@ -571,8 +571,10 @@ def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, f
     }
     if of in of_mission:
         return of_mission[of]
+    found = [target for target in touched(mission, fault) if target[0] in OF_SENSOR]
     robots = _robots(mission, fault)
-    sensors = _sensors(mission, fault, robots)
+    sensors = [mission.sensors[index] for _, index in found]
+    sensors = sensors or [sensor for robot in robots for sensor in robot.sensors]
     largest = {
         Range.ENERGY: [robot.total_energy for robot in robots],
         Range.SPEED: [10.0 * robot.speed for robot in robots],  # ten times nominal
@@ -584,7 +586,6 @@ def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, f
 
 def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
     """Return the robots that a fault touches: none for a server's message, all for an obstacle."""
-    touched(mission, fault)  # refuses unknown elements
     index: int | None
     match fault.kind.struck:
         case Struck.OBSTACLE:
@@ -596,13 +597,3 @@ def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
         case Struck.SENSOR:
             index = mission.sensor_robot[mission.sensor_index[fault.target]]
     return () if index is None else (mission.robots[index],)
-
-
-def _sensors(mission: Mission, fault: Fault, robots: tuple[Robot, ...]) -> tuple[Sensor, ...]:
-    """Return the sensors that a fault touches, else all sensors of the robots that it touches."""
-    if fault.kind.struck is Struck.SENSOR:
-        return (mission.sensors[mission.sensor_index[fault.target]],)
-    found = tuple(
-        mission.sensors[index] for field, index in touched(mission, fault) if field in OF_SENSOR
-    )
-    return found or tuple(sensor for robot in robots for sensor in robot.sensors)

@@ -77,7 +77,8 @@ def variants_of(algorithms: object, sweep: "Sweep | None" = None) -> tuple[Varia
         return tuple(variants)
     if len(names) > 1:
         raise UsageError(f"algorithms: found {names}; expected one, whose settings are swept")
-    return sweep.variants(names[0])
+    found = sweep.settings().items()
+    return tuple(Variant(name, {"algorithm": names[0], **values}) for name, values in found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,11 +126,6 @@ class Sweep:
         """Return its values, and those of each setup by its name, as values of JSON."""
         values = {key: list(each) for key, each in self.values.items()}
         return {"values": values, "papers": self.papers, "settings": dict(self.settings())}
-
-    def variants(self, algorithm: str) -> tuple[Variant, ...]:
-        """Return the setups of an algorithm."""
-        found = self.settings().items()
-        return tuple(Variant(name, {"algorithm": algorithm, **values}) for name, values in found)
 
 
 def _numbers(text: str) -> tuple[Value, ...]:

@@ -216,15 +216,8 @@ class ComparisonFolder(CampaignFolder):
     def reserve(cls, path: Path) -> Self:
         """Take the folder of a comparison, or make a new folder."""
         folder = cls(path)
-        if not (folder.runs.is_dir() and folder.lock.is_file()):
-            return super().reserve(path)
-        if any(folder.runs.glob("*.json")):
-            raise RecordError(
-                f"{path}: found a comparison of an earlier mrsfi, whose runs are no campaigns; "
-                "expected one of this mrsfi; compare in another folder with --out, or remove this "
-                "one"
-            )
-        return folder
+        is_begun = folder.runs.is_dir() and folder.lock.is_file()
+        return folder if is_begun else super().reserve(path)
 
     def run(self, algorithm: str, seed: int) -> CampaignFolder:
         """Return the folder of a run."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi.requirements import results
+from mrsfi.explaining import results
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import goal_weaknesses

@@ -300,7 +300,7 @@ def test_values_are_listed_or_evenly_spaced_without_rounding():
 def test_the_papers_setting_is_added_unless_it_is_one_of_them(text, names):
     sweep = Sweep.parse(text)
 
-    variants = sweep.variants("eaSimple")
+    variants = variants_of(["eaSimple"], sweep)
 
     assert [each.name for each in variants] == names
     assert sweep.papers == PAPERS
@@ -335,7 +335,6 @@ def test_a_sweep_is_of_one_algorithm_and_a_variant_is_as_good_as_a_name(refused)
     sweep, own = Sweep.parse("crossover=0.3"), Variant("own", {"mutation_operator": "free"})
 
     assert variants_of(["paper", own]) == (Variant("paper", {"algorithm": "paper"}), own)
-    assert variants_of(["paper"], sweep) == sweep.variants("paper")
     with refused(UsageError):
         variants_of(["paper", "random"], sweep)
     with refused(UsageError):
