@@ -9,30 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Protocol
 
-from mrsfi_runtime.errors import ModelError, nearest
-
-Severity: TypeAlias = Literal["error", "warning"]
-
-
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
-    """One defect of a model; an error stops loading, a warning does not.
-
-    ``line`` counts from 1, ``element`` is like ``robots 'r1'``, ``constraint`` is a name;
-    ``message`` gives the finding, the expectation, and the next step.
-    """
-
-    path: Path
-    line: int
-    element: str
-    constraint: str
-    severity: Severity
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}: {self.message} [{self.constraint}]"
+from mrsfi_runtime.errors import Diagnostic, ModelError, Severity, nearest
 
 
 WARNINGS = (

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeAlias
 
-from m2t.diagnostics import Diagnostic
 from m2t.metaclasses import contained, is_kind, slots, values
 from m2t.models.constraints import (
     Pairs,
@@ -24,6 +23,7 @@ from m2t.models.constraints import (
     strangers,
 )
 from m2t.models.load import Edit, Inspection, LoadedModels, edited
+from mrsfi_runtime.errors import Diagnostic
 
 Remedy: TypeAlias = Callable[[Any], None]
 

@@ -10,7 +10,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from m2t.diagnostics import Diagnostic
 from m2t.generate import rendered_file
 from m2t.models.fixes import Mending, mend
 from m2t.models.load import (
@@ -27,6 +26,7 @@ from mrsfi.folders import MissionFolders, find_mission, load_fresh
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
 from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
 from mrsfi_runtime.errors import (
+    Diagnostic,
     EvaluationError,
     MrsfiError,
     ReplayMismatch,
@@ -125,7 +125,7 @@ class Validated:
     def strict(self) -> "Validated":
         """Return the same with its warnings as errors."""
         models, code = (
-            tuple(replace(found, severity="error") for found in some)
+            tuple(found._replace(severity="error") for found in some)
             for some in (self.models, self.code)
         )
         return replace(self, models=models, code=code)
@@ -144,17 +144,7 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     folders = find_mission(mission, generated)
     inspection = inspect_folder(folders.models)
     models = inspection.diagnostics
-    regions = tuple(
-        Diagnostic(
-            path=found.path,
-            line=found.line,
-            element=found.place,
-            constraint=found.constraint,
-            severity="error" if found.is_error else "warning",
-            message=f"{found.place}: {found.message}",
-        )
-        for found in lint_regions(folders.generated)
-    )
+    regions = lint_regions(folders.generated)
     if n_errors(models):
         return Validated(folders.name, models, regions)
     loaded = inspection.require_models()

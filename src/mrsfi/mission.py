@@ -25,10 +25,10 @@ from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
 
 if TYPE_CHECKING:
-    from m2t.diagnostics import Diagnostic
     from mrsfi.campaign import Campaign
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
+    from mrsfi_runtime.errors import Diagnostic
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Evaluated
     from mrsfi_runtime.model.mission import Mission as Model

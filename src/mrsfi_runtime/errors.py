@@ -19,16 +19,44 @@
     ├── LimitExceeded          10  a kept weakness exceeds its limit
     └── UndecidedWeakness      11  a weakness is neither kept nor decided on
 
-Programming mistakes stay ``TypeError`` and ``ValueError``.
+Programming mistakes stay ``TypeError`` and ``ValueError``. A ``Diagnostic`` is one of several
+defects that are found together.
 """
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Literal, NamedTuple, TypeAlias
 
 LIMITED = "this machine limits memory or processes (`ulimit -v`, `ulimit -u`); allow more"
 """Message if the machine gives no more memory or threads."""
+
+
+Severity: TypeAlias = Literal["error", "warning"]
+
+
+class Diagnostic(NamedTuple):
+    """A defect of a model or of a region; with an error it must not fly, with a warning it may.
+
+    ``line`` counts from 1, ``element`` is like ``robots 'r1'`` or ``region 'g1.check'``,
+    ``constraint`` the name of the rule; ``message`` gives the element, the finding, the
+    expectation, and the next step.
+    """
+
+    path: Path
+    line: int
+    element: str
+    constraint: str
+    severity: Severity
+    message: str
+
+    @property
+    def words(self) -> str:
+        """Its place and its message."""
+        return f"{self.path}:{self.line}: {self.message}"
+
+    def __str__(self) -> str:
+        return f"{self.words} [{self.constraint}]"
 
 
 def nearest(found: object, known: Iterable[object]) -> str:

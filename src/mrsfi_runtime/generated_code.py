@@ -27,7 +27,7 @@ from typing import Any, cast
 from zlib import crc32
 
 from mrsfi_runtime.cosimulation.lockstep import SimInterface, Simulation
-from mrsfi_runtime.errors import EvaluationError, GenerationError, WorkerLost
+from mrsfi_runtime.errors import Diagnostic, EvaluationError, GenerationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, importing, words
 from mrsfi_runtime.files import MARKER, not_a_manifest
 from mrsfi_runtime.kernel.flight import MissionFunctions
@@ -58,45 +58,13 @@ def require_semantics(directory: Path) -> None:
         )
 
 
-FILLED, RUNS, COMPILES_ALIKE = "RegionFilled", "RegionRuns", "RegionCompilesAlike"
-
-
-@dataclass(frozen=True, slots=True)
-class RegionFinding:
-    """A defect of a line: what was found, why it matters and what to write instead.
-
-    ``place`` is its region, function or module, such as ``region 'g1.check'``. The constraints
-    ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a warning: the line
-    compiles to something else.
-    """
-
-    path: Path
-    line: int
-    place: str
-    message: str
-    constraint: str = FILLED
-
-    @property
-    def is_error(self) -> bool:
-        """Whether code with it must not fly."""
-        return self.constraint != COMPILES_ALIKE
-
-    @property
-    def words(self) -> str:
-        """Its place and its message."""
-        return f"{self.path}:{self.line}: {self.place}: {self.message}"
-
-    def __str__(self) -> str:
-        return f"{self.words} [{self.constraint}]"
-
-
 def region_files(directory: Path) -> list[Path]:
     """Return the generated files that hold regions, if they are there."""
     paths = (directory / name for name in ("collective_intelligence.py", "fault_effects.py"))
     return [path for path in paths if path.is_file()]
 
 
-def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
+def unfilled_regions(directory: Path) -> tuple[Diagnostic, ...]:
     """Return the regions of ``generated/<mission>`` that have to be filled before it can fly.
 
     A file that is missing, or is not Python, has none.
@@ -104,7 +72,7 @@ def unfilled_regions(directory: Path) -> tuple[RegionFinding, ...]:
     return tuple(found for path in region_files(directory) for found in _of_file(path))
 
 
-def _of_file(path: Path) -> Iterator[RegionFinding]:
+def _of_file(path: Path) -> Iterator[Diagnostic]:
     text = path.read_text(encoding="utf-8", errors="replace")
     try:
         tree = ast.parse(text)
@@ -119,8 +87,9 @@ def _of_file(path: Path) -> Iterator[RegionFinding]:
         number, line = next(((n, line) for n, line in rest if line.strip()), (0, ""))
         marker = MARKER.fullmatch(line)
         if purpose and marker and marker["state"] and not marker["id"].endswith(".progress"):
-            message = f"is empty; expected the body of {node.name}, which is to: {purpose}"
-            yield RegionFinding(path, number, f"region '{marker['id']}'", message)
+            region = f"region '{marker['id']}'"
+            what = f"{region}: is empty; expected the body of {node.name}, which is to: {purpose}"
+            yield Diagnostic(path, number, region, "RegionFilled", "error", what)
 
 
 @dataclass(frozen=True)

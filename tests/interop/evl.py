@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import Diagnostic
 from m2t.models.fixes import FIXES, mend
 from m2t.models.load import inspect_folder
+from mrsfi_runtime.errors import Diagnostic
 from tests.interop.eclipse import ROOT, Note, difference, harness
 from tests.support.constraints import LISTED
 from tests.support.models.copies import FAULTS, MISSION

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from m2t.diagnostics import Diagnostic
 from m2t.generate import VISITORS, generate
 from m2t.models.load import (
     LoadedFile,
@@ -21,7 +20,7 @@ from m2t.models.load import (
     write_specification,
 )
 from m2t.read import MAX_BYTES, MAX_ELEMENTS, Spelling
-from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.errors import Diagnostic, ModelError
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit, line_of
 from tests.support.models.split import PARTS, split_folder
 

@@ -313,7 +313,7 @@ def validate_command(
     n_found = n_errors(found.diagnostics)
     n_warnings = len(found.diagnostics) - n_found
     if is_json:
-        diagnostics = [{**asdict(each), "path": str(each.path)} for each in found.diagnostics]
+        diagnostics = [{**each._asdict(), "path": str(each.path)} for each in found.diagnostics]
         counts = {"n_errors": n_found, "n_warnings": n_warnings}
         print_json({"mission": found.name, **counts, "diagnostics": diagnostics})
     else:

@@ -38,8 +38,11 @@ from mrsfi_runtime.engine.region_sources import (
     literal,
     sources,
 )
-from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.generated_code import COMPILES_ALIKE, RUNS, RegionFinding, unfilled_regions
+from mrsfi_runtime.errors import Diagnostic, EvaluationError, Severity
+from mrsfi_runtime.generated_code import unfilled_regions
+
+RUNS, COMPILES_ALIKE = "RegionRuns", "RegionCompilesAlike"
+"""Constraints of a line: it runs, else it is an error; it compiles to the same, else a warning."""
 
 _LARGEST = 2**63 - 1
 
@@ -312,7 +315,7 @@ _CERTAIN = (
 _Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
-def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
+def lint_regions(directory: Path) -> tuple[Diagnostic, ...]:
     """Return all findings in a mission's regions, and in the team's files that they import."""
     return _findings(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
 
@@ -324,14 +327,20 @@ def require_sound_regions(directory: Path) -> None:
         raise EvaluationError("\n".join(map(str, errors)))
 
 
-def _findings(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, ...]:
+def _findings(directory: Path, rules: Mapping[_Rule, str]) -> tuple[Diagnostic, ...]:
     found = (
-        RegionFinding(source.path, line, source.place(line), message, constraint)
+        _diagnostic(source, line, constraint, message)
         for source in sources(directory)
         for rule, constraint in rules.items()
         for line, message in sorted(rule(source))
     )
     return tuple(dict.fromkeys((*unfilled_regions(directory), *found)))
+
+
+def _diagnostic(source: Source, line: int, constraint: str, message: str) -> Diagnostic:
+    severity: Severity = "warning" if constraint == COMPILES_ALIKE else "error"
+    place = source.place(line)
+    return Diagnostic(source.path, line, place, constraint, severity, f"{place}: {message}")
 
 
 def _no_python(source: Source) -> Iterator[tuple[int, str]]:
