@@ -77,8 +77,8 @@ def variants_of(algorithms: object, sweep: "Sweep | None" = None) -> tuple[Varia
         return tuple(variants)
     if len(names) > 1:
         raise UsageError(f"algorithms: found {names}; expected one, whose settings are swept")
-    found = sweep.settings().items()
-    return tuple(Variant(name, {"algorithm": names[0], **values}) for name, values in found)
+    setups = sweep.settings().items()
+    return tuple(Variant(name, {"algorithm": names[0], **values}) for name, values in setups)
 
 
 @dataclass(frozen=True, slots=True)
