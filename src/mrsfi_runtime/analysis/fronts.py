@@ -168,6 +168,17 @@ class Ratio:
         return "{}:{}={:g}:{:g}".format(*self.goals, *self.parts)
 
 
+def _undominated(vectors: NDArray[Any]) -> list[int]:
+    """Return the places of undominated vectors; all are distinct and in ascending order."""
+    # A dominating vector has no smaller sum; with an equal sum (by rounding) it stands later.
+    left = np.argsort(vectors.sum(axis=1), kind="stable")[::-1]
+    kept = []
+    while left.size:
+        kept.append(int(left[0]))
+        left = left[(vectors[left] > vectors[left[0]]).any(axis=1)]
+    return sorted(kept)
+
+
 def _earliest(vectors: NDArray[Any]) -> NDArray[np.intp]:
     """Return the first row of each vector, the vectors in ascending order."""
     return np.unique(vectors, axis=0, return_index=True)[1]
@@ -180,14 +191,12 @@ def find_front(
 
     ``rows`` are evaluations of distinct specifications, by default all of them.
     """
-    from moocore import is_nondominated  # noqa: PLC0415 - a campaign without a front needs none
-
     rows = columns.distinct if rows is None else rows
     violations = columns.of(goals)[rows]
     costs = columns.costs[rows] if measure.minimised else np.zeros(len(rows), np.int64)
     vectors = np.column_stack([violations, -costs])
     earliest = _earliest(vectors)
-    found = earliest[is_nondominated(vectors[earliest], maximise=True)]
+    found = earliest[_undominated(vectors[earliest])]
     found_rows = zip(rows[found], violations[found], costs[found], strict=True)
     points = (FrontPoint(int(row), (*of.tolist(),), int(cost)) for row, of, cost in found_rows)
     return Front(tuple(goals), tuple(points), str(measure), measure.minimised)
