@@ -251,10 +251,10 @@ def _draw_mission(
     _disc(axes, _of(mission.area.center), mission.area.radius, "#f1f6fa", BLUE, 1.4, 0)
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
-        spot = (disc.x, disc.y)
-        shape = _shape(spot, disc.radius, disc.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
+        area, spot = disc.area, _of(disc.area.center)
+        shape = _shape(spot, area.radius, area.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
         axes.add_patch(shape)
-        _disc(axes, spot, disc.radius, "none", colour, 1.2, 1.1, disc.offsets)
+        _disc(axes, spot, area.radius, "none", colour, 1.2, 1.1, area.offsets)
     for goal in _with_paths(mission):
         path = [_of(point) for point in goal.terms.path]
         colour = colours.get(goal.members[0], SOFT)
@@ -279,8 +279,9 @@ def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[
 
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
-        high = max((dy for _, dy in disc.offsets), default=disc.radius)
-        label(f"{disc.label} {disc.goal.name}", (disc.x, disc.y + high), 5, color=colour)
+        area, (x, y) = disc.area, _of(disc.area.center)
+        high = max((dy for _, dy in area.offsets), default=area.radius)
+        label(f"{disc.label} {disc.goal.name}", (x, y + high), 5, color=colour)
     for goal in _with_paths(mission):
         colour = colours.get(goal.members[0], SOFT)
         for point in goal.terms.trajectory[:1]:

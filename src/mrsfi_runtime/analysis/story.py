@@ -20,7 +20,7 @@ import numpy.typing as npt
 from mrsfi_runtime.analysis.tables import Table, every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.fault_types import Range
-from mrsfi_runtime.model.mission import Coordinates, GoalDisc, Mission, Offsets
+from mrsfi_runtime.model.mission import Area, Mission
 from mrsfi_runtime.model.polygons import off_way
 from mrsfi_runtime.record.observers import NamedFault, Window
 
@@ -161,14 +161,11 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
 
 def working_window(mission: Mission) -> tuple[float, float, float]:
     """Return x, y and half width of the square around robots' starts, obstacles and goal areas."""
-    discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
-    discs += [(robot.position.x, robot.position.y, robot.radius) for robot in mission.robots]
-    discs += [
-        (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)
-        for obstacle in mission.obstacles
-    ]
-    left, right = min(x - r for x, _, r in discs), max(x + r for x, _, r in discs)
-    low, high = min(y - r for _, y, r in discs), max(y + r for _, y, r in discs)
+    discs = [(each.area.center, each.area.radius) for each in mission.goal_discs]
+    discs += [(each.area.center, each.area.radius) for each in mission.obstacles]
+    discs += [(each.position, each.radius) for each in mission.robots]
+    left, right = min(at.x - r for at, r in discs), max(at.x + r for at, r in discs)
+    low, high = min(at.y - r for at, r in discs), max(at.y + r for at, r in discs)
     half = max(right - left, high - low) / 2
     return (left + right) / 2, (low + high) / 2, max(half * 1.12, mission.area.radius * 0.01)
 
@@ -243,25 +240,19 @@ def mission_content(mission: Mission) -> dict[str, Any]:
         "robots": [
             {"id": robot.id, "name": robot.name, "radius": robot.radius} for robot in mission.robots
         ],
-        "obstacles": [
-            {"id": each.id, **_shape(each.area.center, each.area.radius, each.area.offsets)}
-            for each in mission.obstacles
-        ],
+        "obstacles": [{"id": each.id, **_shape(each.area)} for each in mission.obstacles],
         "goals": [
             {"id": goal.id, "name": goal.name, "label": goal.name or goal.id}
             for goal in mission.goals
         ],
-        "discs": [
-            {"goal": disc.label, **_shape(disc, disc.radius, disc.offsets)}
-            for disc in mission.goal_discs
-        ],
+        "discs": [{"goal": disc.label, **_shape(disc.area)} for disc in mission.goal_discs],
     }
 
 
-def _shape(center: Coordinates | GoalDisc, radius: float, offsets: Offsets) -> dict[str, Any]:
+def _shape(area: Area) -> dict[str, Any]:
     """Return a disc; of a polygon also its corners."""
-    found = {"x": center.x, "y": center.y, "radius": radius}
-    return found | ({"corners": offsets} if offsets else {})
+    found = {"x": area.center.x, "y": area.center.y, "radius": area.radius}
+    return found | ({"corners": area.offsets} if area.corners else {})
 
 
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:

@@ -34,7 +34,6 @@ from mrsfi_runtime.model.mission import (
     RESULTS,
     Coordinates,
     Goal,
-    GoalDisc,
     Margin,
     Mission,
     Outcome,
@@ -425,12 +424,13 @@ def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple
 
 def map_table(title: str, mission: Mission) -> Table:
     """Return the areas, robots and obstacles of a mission with their places, in distance units."""
-    area, obstacles, discs = mission.area, mission.obstacles, mission.goal_discs
-    places: list[tuple[str, str, str, Coordinates | GoalDisc, float]] = [
+    area, obstacles = mission.area, mission.obstacles
+    discs = [(each.label, each.goal.name, each.area) for each in mission.goal_discs]
+    places: list[tuple[str, str, str, Coordinates, float]] = [
         ("mission area", area.id, mission.name, area.center, area.radius),
         *(("robot", each.id, each.name, each.position, each.radius) for each in mission.robots),
         *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),
-        *(("goal area", disc.label, disc.goal.name, disc, disc.radius) for disc in discs),
+        *(("goal area", label, name, each.center, each.radius) for label, name, each in discs),
     ]
     rows = [(kind, of, name, at.x, at.y, radius) for kind, of, name, at, radius in places]
     return Table(title, ("kind", "id", "name", "x", "y", "radius"), rows)

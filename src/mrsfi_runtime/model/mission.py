@@ -296,17 +296,11 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class GoalDisc:
-    """An area of a goal, in distance units; of a route, with its number from 1 on.
-
-    It is a disc, or a polygon with corners at ``offsets`` from its centre.
-    """
+    """An area of a goal, wider by its tolerance; of a route, with its number from 1 on."""
 
     goal: Goal
-    x: float
-    y: float
-    radius: float
+    area: Area
     number: int = 0
-    offsets: Offsets = ()
 
     @property
     def label(self) -> str:
@@ -392,10 +386,7 @@ class Mission:
     def goal_discs(self) -> tuple[GoalDisc, ...]:
         """The areas that the goals' tasks use, in model order; some tasks ignore their area."""
         return tuple(
-            GoalDisc(
-                *(goal, area.center.x, area.center.y, area.radius + terms.tolerance),
-                *(number, area.offsets),
-            )
+            GoalDisc(goal, replace(area, radius=area.radius + terms.tolerance), number)
             for goal in self.goals
             for terms in (goal.terms,)
             for number, area in enumerate(terms.areas, 1 if terms.route else 0)

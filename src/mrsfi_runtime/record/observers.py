@@ -481,8 +481,8 @@ def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
     """Return all fixed markers: areas, waypoints, obstacles, and names that move with robots."""
     markers = [_shape("mission area", _of(mission.area.center), mission.area.radius, (), _AREA)]
     for disc in mission.goal_discs:
-        spot = (disc.x, disc.y, 0.0)
-        markers.append(_shape("goals", spot, disc.radius, disc.offsets, _GOAL))
+        area, spot = disc.area, (disc.area.center.x, disc.area.center.y, 0.0)
+        markers.append(_shape("goals", spot, area.radius, area.offsets, _GOAL))
         markers.append(_text("goals", spot, disc.label))
     paths = ([_of(each) for each in goal.terms.path] for goal in mission.goals)
     markers += [_points("waypoints", _LINE_STRIP, _THIN, path) for path in paths if path]

@@ -241,7 +241,10 @@ def test_the_map_is_told_once(engine, told):
     assert names == {robot.id: robot.id for robot in mission.robots}
     assert discs == [
         ("mission area", area.center.x, area.center.y, area.radius),
-        *(("goals", disc.x, disc.y, disc.radius) for disc in mission.goal_discs),
+        *(
+            ("goals", each.area.center.x, each.area.center.y, each.area.radius)
+            for each in mission.goal_discs
+        ),
         *(
             ("obstacles", each.area.center.x, each.area.center.y, each.area.radius)
             for each in mission.obstacles

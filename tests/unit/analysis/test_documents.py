@@ -99,7 +99,8 @@ def test_only_areas_that_a_task_reads_are_places():
     unread = replace(waters.goals[0], area=area("a9", 600, -200, 4))
     waters = replace(waters, goals=(unread, *waters.goals[1:]))
 
-    assert [(p.goal.id, p.x, p.y, p.radius) for p in waters.goal_discs] == [
+    places = [(each.label, each.area) for each in waters.goal_discs]
+    assert [(label, at.center.x, at.center.y, at.radius) for label, at in places] == [
         ("g4", -250, 250, 150),
         ("g5", 250, 250, 150),
         ("g6", 250, -250, 150),
@@ -119,9 +120,10 @@ def test_areas_and_points_of_other_tasks_are_places_too():
         ),
     )
 
-    places = replace(paper_mission(), goals=goals).goal_discs
+    found = replace(paper_mission(), goals=goals).goal_discs
 
-    assert [(p.label, p.x, p.y, p.radius) for p in places] == [
+    places = [(each.label, each.area) for each in found]
+    assert [(label, at.center.x, at.center.y, at.radius) for label, at in places] == [
         ("g1", 1, 2, 3),
         ("g2", 4, 5, 6),
         ("g3", 7, 8, 9),
