@@ -13,7 +13,6 @@ from typing import Any, Protocol
 
 from mrsfi_runtime.errors import Diagnostic, ModelError, Severity, nearest
 
-
 WARNINGS = (
     "IdWithoutSpaces", "AreaInsideMission", "RobotInsideMission", "RobotStartsClear",
     "RobotHasBattery", "SenderIsMember", "UniqueMessageField", "FieldOfSender",
