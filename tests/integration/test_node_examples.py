@@ -3,6 +3,7 @@
 That of ROS 2 runs on a stand-in for rclpy.
 """
 
+import json
 import os
 import re
 import signal
@@ -43,6 +44,27 @@ def test_without_faults_nothing_breaks_and_a_node_that_is_started_anew_flies_the
     assert flights[0] == flights[1]
     assert all(goal["true"] == goal["believed"] == 0 for goal in flights[0]["goals"])
     assert processes_in(place) == {}
+
+
+def test_kept_weaknesses_start_a_node_once_for_each_worker(place):
+    kept = place / "models" / MISSION / "regressions"
+    kept.mkdir()
+    pool = (kept.parent / "faults.xmi").read_text(encoding="ascii")
+    head, *faults = pool.replace('"mission.xmi#', '"../mission.xmi#').split("  <faults ")
+    for number, fault in enumerate(faults[:4], 1):
+        timed = fault.replace(" name=", ' start="5" finish="9" name=', 1).partition("</faults>\n")
+        written = f"{head}  <faults {timed[0]}{timed[1]}</faults:FaultSpecification>\n"
+        (kept / f"w{number}.xmi").write_text(written, encoding="ascii")
+        limits = 'found = ""\nside = "injector"\nviolations = "true"\nmission_seeds = [1]\n'
+        (kept / f"w{number}.toml").write_text(f"{limits}goals = 1\n\n[max]\ncollide = 0\n", "ascii")
+    noted = f'echo >> starts; exec {sys.executable} python/patrol.py "{{url}}"'
+
+    words = ("check", MISSION, "--side", "injector", "--node", f"sh -c '{noted}'", *SERVICE)
+    done = mrsfi_process(*words, "--workers", "2", "--json", cwd=place)
+
+    require_silence(place)
+    assert [each["state"] for each in json.loads(done.stdout)[MISSION]] == ["holds"] * 4
+    assert (place / "starts").read_text(encoding="ascii") == "\n" * 2
 
 
 def test_a_campaign_of_a_node_is_flown_again_by_that_node_alone(place, tmp_path, monkeypatch):
