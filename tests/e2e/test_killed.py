@@ -100,7 +100,9 @@ def test_what_is_ended_goes_on_to_the_same(what, ended, small):
 
 
 def recorded(run: Path) -> set[tuple[object, ...]]:
-    return {*rows(run, "evaluation"), *rows(run, "flight")} if n_rows(run, "evaluation") else set()
+    """Return evaluations and flights of a campaign, without what was half written at a kill."""
+    is_begun = (run / "campaign.sqlite").is_file()
+    return {*rows(run, "evaluation"), *rows(run, "flight")} if is_begun else set()
 
 
 def cut(case: Case, words: tuple[str, ...], place: Path, is_time: Callable[[], bool]) -> str:
