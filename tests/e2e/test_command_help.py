@@ -61,7 +61,7 @@ LONG = [
         ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
         {*FLIGHT, "numpy", "rich"},
     ),
-    (("report", "FLOWN"), {*FRESH, "numpy", "rich"}),
+    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
 ]
 IMPORTED = [
     (("--help",), set()),

@@ -116,9 +116,7 @@ def test_random_models_of_static_objects_have_the_same_bytes():
             LoadedFile(Path("mission.xmi"), Spelling("UTF-8"), (drawn.mission,)),
             LoadedFile(Path("faults.xmi"), Spelling("UTF-8"), (drawn.faults,)),
         )
-        models = LoadedModels(
-            drawn.mission, drawn.faults, files[0].path, files[1].path, nodes={}, files=files
-        )
+        models = LoadedModels(drawn.mission, drawn.faults, files[0].path, nodes={}, files=files)
 
         typed = with_classes(models, mission, faults)
 
