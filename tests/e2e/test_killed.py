@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import pytest
 
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi, press
 from tests.support.cluster import scheduler
 from tests.support.interrupted import is_equal, n_rows, rows
 from tests.support.processes import children, descendants, require_end, wait_for
-from tests.support.rendezvous import searched
+from tests.support.rendezvous import searched, write_planted
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
@@ -97,6 +98,30 @@ def test_what_is_ended_goes_on_to_the_same(what, ended, small):
     assert resumed.stdout == again.stdout == done.stdout
     assert recorded(out) == recorded(run)
     assert is_equal(out, run)
+
+
+@slow
+def test_a_killed_search_goes_on_from_its_kept_state_to_the_same(small):
+    words = write_planted(small, (), algorithm="guided", faults=4, evaluations=1200)
+    words, whole, out = (*words, *ONE, "--no-explain"), small / "runs" / "whole", small / "it"
+    mrsfi(*words, "--out", whole, cwd=small)
+
+    cut(Case((), kill), (*words, "--out", out), small, lambda: state(out))
+    n_before = n_rows(out, "evaluation")
+    mrsfi("evolve", "--resume", out, *ONE, cwd=small)
+
+    assert 1000 < n_before < 1200
+    for table in ("evaluation", "generation"):
+        assert rows(out, table) == rows(whole, table)
+    assert state(out) == state(whole)
+
+
+def state(run: Path) -> str | None:
+    """Return the last state that the search of a campaign kept."""
+    if not n_rows(run, "evaluation"):
+        return None
+    with CampaignStore.open(run) as store:
+        return store.kept("state", str)
 
 
 def recorded(run: Path) -> set[tuple[object, ...]]:

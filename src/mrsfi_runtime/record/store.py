@@ -11,7 +11,7 @@ turn rows into values and back. ``Measure`` names the violations that a campaign
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from operator import itemgetter
 from pathlib import Path
 from sqlite3 import Connection
@@ -37,6 +37,7 @@ T = TypeVar("T")
 
 _DEEP = 3  # the first semantics whose margins below 0 are of the worst tick, not of the first one
 _BATCH = 2000  # evaluations whose texts are held at once
+_KEEP = "INSERT OR REPLACE INTO meta VALUES (?, ?)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +70,7 @@ class Generation:
     statistics: Mapping[str, float]  # n_evaluations; mean, std, min, max of the fitness
     population: tuple[int, ...]  # evaluation index of each individual
     random_state: str  # of the search's random generator after it, as JSON text
+    state: str = field(default="", compare=False)  # of the search before it; mostly left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +206,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         self,
         evaluations: Iterable[Evaluation] = (),
         failures: Iterable[FailedEvaluation] = (),
-        generations: Iterable[Generation] = (),
+        generations: Sequence[Generation] = (),
     ) -> None:
         """Store all in one transaction; nothing if an index does not follow those stored."""
         text, faults = database.canonical, database.specification_text
@@ -229,6 +231,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
                     if table == "evaluation":
                         self._columns = database.completed(connection, self._columns)
                     connection.executemany(database.inserting(table, len(new[0])), new)
+            states = [("state", each.state) for each in generations if each.state]
+            connection.executemany(_KEEP, states)
 
     @property
     def n_evaluations(self) -> int:
@@ -339,7 +343,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def keep(self, key: str, text: str) -> None:
         """Store a text under a key, in place of an earlier one."""
         with database.transaction(self.path, self._connection) as connection:
-            connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
+            connection.execute(_KEEP, (key, text))
 
     def record_difference(self, text: str) -> None:
         """Record how two flights of one specification differed, or an empty text."""

@@ -15,9 +15,8 @@ Source paper, section III-E. Larrañaga and Lozano, *Estimation of Distribution 
 univariate models.
 """
 
-from array import array
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from hashlib import blake2b
@@ -31,6 +30,7 @@ from deap import algorithms, base, tools
 
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.record.database import specification_text
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score, chosen, errors_by_line
 from mrsfi_runtime.search.loop import (
@@ -44,6 +44,8 @@ from mrsfi_runtime.search.loop import (
     GenerationalLoop,
     GenerationSummary,
     Individual,
+    Known,
+    Memory,
     Step,
     Survival,
     filled,
@@ -71,20 +73,19 @@ def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     If the campaign minimises, NSGA-II selects survivors, all are equally likely parents, and a step
     succeeds if it leads onto the front.
     """
-    rng = Random(settings.seed)
-    guide = _Guide(space, settings, rng)
-    return GenerationalLoop(settings, rng, guide.breed, guide.survive)
+    guide = _Guide(space, settings, Random(settings.seed))
+    return GenerationalLoop(settings, guide, guide.breed, guide.survive)
 
 
-class _Guide:
+class _Guide(Memory):
     def __init__(self, space: SearchSpace, settings: CampaignSettings, rng: Random) -> None:
+        super().__init__(rng)
         self._space = space
         self._n_faults = settings.faults
         self._new_size = partial(first_size, settings, rng)
         self._costs = partial(settings.costs, duration=space.duration)
         self._minimises = settings.minimise is not None
         self._size = settings.population
-        self._rng = rng
         self._asked: set[bytes] = set()
         self._niches: dict[tuple[object, ...], tuple[tuple[float, ...], Individual]] = {}
         # With more goals, individuals hardly ever dominate each other
@@ -98,15 +99,27 @@ class _Guide:
         offspring = []
         for _ in range(self._size):
             individual = self._child(population) if population else self._new()
-            self._asked.add(self._key(individual.specification))
+            self._asked.add(_hash(specification_text(individual.specification)))
             offspring.append(individual)
         return offspring
+
+    def kept(self) -> dict[str, Any]:
+        niches = [(niche, rank, each.number) for niche, (rank, each) in self._niches.items()]
+        front = [each.number for each in self._front.values()]
+        return {"niches": niches, "front": front, "credit": [*self._credit.values()]}
+
+    def restore(self, kept: Mapping[str, Any], known: Known, asked: Iterable[str]) -> None:
+        self._asked.update(map(_hash, asked))
+        for niche, rank, number in kept["niches"]:
+            self._niches[tuple(niche)] = tuple(rank), known(number)
+        self._front = {self._aims(each): each for each in map(known, kept["front"])}
+        self._credit.update(zip(STEPS, kept["credit"], strict=True))
 
     def _new(self) -> Individual:
         size = self._new_size()
         if self._has_few_goals:
-            return Individual(random_specification(self._space, size, self._rng))
-        return Individual(filled(self._space, (), size, self._rng))
+            return Individual(random_specification(self._space, size, self.rng))
+        return Individual(filled(self._space, (), size, self.rng))
 
     def survive(
         self, population: Sequence[Individual], offspring: list[Individual]
@@ -170,41 +183,31 @@ class _Guide:
         for _ in range(10):
             parent = self._parent(population)
             specification, steps = self._varied(parent)
-            if self._key(specification) not in self._asked:
+            if _hash(specification_text(specification)) not in self._asked:
                 child = Individual(specification)
                 self._bred.append((child, _fitness(parent), steps))
                 return child
         return self._new()
 
-    def _key(self, specification: Specification) -> bytes:
-        """Return a hash of a specification, 16 bytes in place of thousands."""
-        numbers = array("d")
-        for fault, start, finish, values, trigger in specification:
-            candidate = self._space.candidates[fault]
-            set_off = candidate.triggers.index(trigger)
-            numbers.extend((candidate.index, start, finish, len(values), set_off))
-            numbers.extend(value + 0.0 for value in values)  # 0 equals -0
-        return blake2b(numbers, digest_size=16).digest()
-
     def _parent(self, population: Sequence[Individual]) -> Individual:
-        if self._niches and self._rng.random() < 0.3:
+        if self._niches and self.rng.random() < 0.3:
             best = (individual for _, individual in self._niches.values())
-            return self._rng.choice((*best, *self._front.values()))
+            return self.rng.choice((*best, *self._front.values()))
         if self._minimises:
-            return self._rng.choice(population)
-        return max((self._rng.choice(population) for _ in range(3)), key=_fitness)  # a tournament
+            return self.rng.choice(population)
+        return max((self.rng.choice(population) for _ in range(3)), key=_fitness)  # a tournament
 
     def _donor(self, parent: Individual) -> Individual:
         """Draw from the front; without one, the best of a goal, more likely if it gains much."""
         if self._front:
-            return self._rng.choice(tuple(self._front.values()))
+            return self.rng.choice(tuple(self._front.values()))
         goals = parent.score.goals
         best = [self._niches["goal", place][1] for place in range(len(goals))]
         gains = [1.0 + each.score.goals[place] - goals[place] for place, each in enumerate(best)]
-        return self._rng.choices(best, gains)[0]
+        return self.rng.choices(best, gains)[0]
 
     def _varied(self, parent: Individual) -> tuple[Specification, list[Step]]:
-        rng, space = self._rng, self._space
+        rng, space = self.rng, self._space
         specification = parent.specification
         if rng.random() < 0.25:
             donor = self._donor(parent).specification
@@ -223,6 +226,12 @@ class _Guide:
         return specification[: self._n_faults], steps
 
 
+def _hash(text: str) -> bytes:
+    """Return a hash of a specification's text, 16 bytes in place of thousands; 0 equals -0."""
+    plain = text.replace("-0.0,", "0.0,").replace("-0.0]", "0.0]")
+    return blake2b(plain.encode(), digest_size=16).digest()
+
+
 def _fitness(individual: Individual) -> float:
     return individual.score.fitness
 
@@ -232,13 +241,15 @@ _RATE = 0.3  # the learning rate
 _Gauss = tuple[float, float]
 
 
-class FaultModel:
+class FaultModel(Memory):
     """The frequency of every pool fault, and Gaussians of its start, finish and values."""
 
+    remembered = ("_chances", "_gaussians")
+
     def __init__(self, space: SearchSpace, n_faults: int, rng: Random) -> None:
+        super().__init__(rng)
         self._space = space
         self._n_faults = n_faults
-        self._rng = rng
         self._chances = dict.fromkeys(space.candidates, 1.0)
         last = float(space.duration - 1)
         self._ranges = {
@@ -255,7 +266,7 @@ class FaultModel:
         placed: list[TimedFault] = []
         candidates = dict(self._chances)
         while candidates and len(placed) < self._n_faults:
-            (fault,) = self._rng.choices(tuple(candidates), tuple(candidates.values()))
+            (fault,) = self.rng.choices(tuple(candidates), tuple(candidates.values()))
             timed = self._timed(fault, placed)
             if timed is None:
                 del candidates[fault]
@@ -265,7 +276,7 @@ class FaultModel:
 
     def _timed(self, fault: str, placed: Sequence[TimedFault]) -> TimedFault | None:
         model = zip(self._gaussians[fault], self._ranges[fault], strict=True)
-        drawn = [min(b, max(a, self._rng.gauss(*gaussian))) for gaussian, (a, b) in model]
+        drawn = [min(b, max(a, self.rng.gauss(*gaussian))) for gaussian, (a, b) in model]
         start, finish = sorted(map(round, drawn[:2]))
         overlaps = [
             (max(start, first), min(finish, last))
@@ -278,7 +289,7 @@ class FaultModel:
             drawn[2:],
             lambda value, _low, _high, is_whole: float(round(value)) if is_whole else value,
         )
-        return self._space.timed(fault, widest(overlaps), values, self._rng)
+        return self._space.timed(fault, widest(overlaps), values, self.rng)
 
     def update(self, population: Sequence[Individual]) -> None:
         """Learn from the difference between the best of a generation and all of it.
@@ -318,11 +329,11 @@ def _moved(
     return min(high, max(low, middle)), max(0.02 * (high - low), spread)  # it stays above 0
 
 
-class Breeder:
+class Breeder(Memory):
     """Draws, varies and selects individuals by a campaign's settings, with one generator."""
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
-        self.rng = Random(settings.seed)
+        super().__init__(Random(settings.seed))
         self.size = settings.population
         self._space = space
         self._settings = settings
@@ -402,7 +413,7 @@ class Breeder:
         def breed_any(parents: Sequence[Individual]) -> list[Individual]:
             return breed(parents) if parents else self.first()
 
-        return GenerationalLoop(self._settings, self.rng, breed_any, survive)
+        return GenerationalLoop(self._settings, self, breed_any, survive)
 
 
 def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -438,8 +449,7 @@ def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algori
 
 def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return DEAP's ``eaGenerateUpdate`` on a model of fault windows and values."""
-    rng = Random(settings.seed)
-    model = FaultModel(space, settings.faults, rng)
+    model = FaultModel(space, settings.faults, Random(settings.seed))
 
     def breed(_: Sequence[Individual]) -> list[Individual]:
         return [Individual(model.generate()) for _ in range(settings.population)]
@@ -448,7 +458,7 @@ def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algori
         model.update(offspring)
         return offspring
 
-    return GenerationalLoop(settings, rng, breed, survive)
+    return GenerationalLoop(settings, model, breed, survive)
 
 
 def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:

@@ -2,7 +2,7 @@
 
 An ``Algorithm`` asks for the scores of fault specifications and receives them; it neither
 evaluates nor records. The same seed and scores lead to the same specifications. So the recorded
-scores suffice to repeat or resume a run. ``GenerationalLoop`` is the usual algorithm.
+scores suffice to repeat a run. ``GenerationalLoop`` is the usual one; it can go on from a state.
 
 An individual is a list of immutable timed faults with a fitness. Its classes are plain Python,
 because ``deap.creator`` keeps classes in a global registry. DEAP draws from Python's global
@@ -27,7 +27,7 @@ from itertools import accumulate
 from operator import attrgetter
 from random import Random
 from types import MappingProxyType
-from typing import Protocol, Self, TypeAlias
+from typing import Any, Protocol, Self, TypeAlias
 
 from deap import base, tools
 
@@ -63,11 +63,13 @@ class Individual(list[TimedFault]):
     the latest score. ``number`` counts, from 0, the specifications that the algorithm asked for.
     """
 
-    def __init__(self, specification: Specification) -> None:
+    def __init__(
+        self, specification: Specification, score: Score | None = None, number: int | None = None
+    ) -> None:
         super().__init__(specification)
-        self.fitness: base.Fitness = Criticality()
-        self.score = Score(0.0, ())
-        self.number: int | None = None
+        self.fitness: base.Fitness = Criticality((score.fitness,) if score else ())
+        self.score = score or Score(0.0, ())
+        self.number = number
 
     @property
     def specification(self) -> Specification:
@@ -93,11 +95,8 @@ class Individual(list[TimedFault]):
 
     def clone(self) -> Self:
         """Return a copy that shares the immutable timed faults."""
-        copy = type(self)(self.specification)
-        if self.is_evaluated:
-            copy.assess(self.score)
-        copy.number = self.number
-        return copy
+        score = self.score if self.is_evaluated else None
+        return type(self)(self.specification, score, self.number)
 
 
 def foremost(
@@ -225,6 +224,27 @@ Survival: TypeAlias = Callable[[Sequence[Individual], list[Individual]], list[In
 """Returns the next population, not empty, from a population and its evaluated offspring."""
 
 
+Known: TypeAlias = Callable[[int], Individual]
+"""Returns an evaluated individual by the number of its specification."""
+
+
+class Memory:
+    """What a search has besides its population: a random generator, and what it remembers."""
+
+    remembered: tuple[str, ...] = ()  # names of attributes, as JSON keeps them
+
+    def __init__(self, rng: Random) -> None:
+        self.rng = rng
+
+    def kept(self) -> dict[str, Any]:
+        """Return what it remembers, without all that was asked for."""
+        return {name: getattr(self, name) for name in self.remembered}
+
+    def restore(self, kept: Mapping[str, Any], known: Known, asked: Iterable[str]) -> None:  # noqa: ARG002 - of others
+        """Remember what was kept; ``asked`` has the texts of all specifications asked for."""
+        vars(self).update(kept)
+
+
 class GenerationalLoop:
     """An algorithm that breeds offspring, and selects survivors from offspring and population.
 
@@ -234,10 +254,10 @@ class GenerationalLoop:
     """
 
     def __init__(
-        self, settings: CampaignSettings, rng: Random, breed: Breeding, survive: Survival
+        self, settings: CampaignSettings, memory: Memory, breed: Breeding, survive: Survival
     ) -> None:
         self._settings = settings
-        self._rng = rng
+        self._memory = memory
         self._breed = breed
         self._survive = survive
         self._population: list[Individual] = []
@@ -281,7 +301,25 @@ class GenerationalLoop:
 
     def random_state(self) -> str:
         """Return the state of the random generator as JSON text."""
-        return json.dumps(self._rng.getstate())
+        return json.dumps(self._memory.rng.getstate())
+
+    def state(self) -> dict[str, Any]:
+        """Return what ``restore`` needs to go on from here, as JSON keeps it."""
+        counts = self._n_asked, self._n_closed, self._n_idle
+        population = [(each.number, vars(each.fitness)) for each in self._population]
+        random, memory = self._memory.rng.getstate(), self._memory.kept()
+        return {"counts": counts, "random": random, "population": population, "memory": memory}
+
+    def restore(self, state: Mapping[str, Any], known: Known, asked: Iterable[str]) -> None:
+        """Go on from a state; ``asked`` has the texts of all specifications asked for."""
+        self._n_asked, self._n_closed, self._n_idle = state["counts"]
+        version, numbers, gauss = state["random"]
+        self._memory.rng.setstate((version, tuple(numbers), gauss))
+        for number, fitness in state["population"]:
+            individual = known(number).clone()
+            vars(individual.fitness).update(fitness, wvalues=tuple(fitness["wvalues"]))
+            self._population.append(individual)
+        self._memory.restore(state["memory"], known, asked)
 
 
 AlgorithmFactory: TypeAlias = Callable[[SearchSpace, CampaignSettings], Algorithm]

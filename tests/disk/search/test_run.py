@@ -98,7 +98,7 @@ def run(store: CampaignStore, interruption: Interruption | None = None) -> int:
     mission, pool, clock = paper_mission(), pool_of(), map(float, CLOCK)
     sys.settrace(interruption)
     try:
-        run_campaign(SETTINGS, mission, pool, evaluate, store, clock=clock.__next__)
+        run_campaign(SETTINGS, mission, pool, evaluate, store, clock=clock.__next__, state_every=2)
     except KeyboardInterrupt:
         assert interruption is not None
     sys.settrace(None)
@@ -110,6 +110,7 @@ def test_what_was_evaluated_before_an_interrupt_is_stored_once_and_resumed(strid
     with store_of([]) as whole:
         n_whole = run(whole)
         assert 0 < whole.n_failures < n_whole
+        assert whole.kept("state", str)
         for step in count(0, stride):
             interruption = Interruption(step)
             with store_of([]) as store:
@@ -122,6 +123,7 @@ def test_what_was_evaluated_before_an_interrupt_is_stored_once_and_resumed(strid
                 assert store.digest() == whole.digest(), step
                 assert [*store.generations()] == [*whole.generations()], step
                 assert store.failures() == whole.failures(), step
+                assert store.kept("state", str) == whole.kept("state", str), step
             if interruption.left >= 0:
                 break
     assert step > 100

@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
+from mrsfi_runtime.record.database import specification_text
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS, Breeder
+from mrsfi_runtime.search.algorithms import ALGORITHMS, Breeder, _hash
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import (
     Algorithm,
@@ -396,6 +397,15 @@ def test_an_individual_that_variation_left_as_it_was_keeps_its_fitness():
 
     assert first.fitness.values == twin.fitness.values == (3.0,)
     assert first.number == twin.number == 0
+
+
+def test_specifications_that_differ_in_the_sign_of_a_zero_are_the_same_to_the_guided_search():
+    rows = [(0.0, -0.05, 0.0), (-0.0, -0.05, -0.0), (0.0, 0.05, 0.0)]
+
+    texts = [specification_text((TimedFault("f-0.0", 1, 2, values),)) for values in rows]
+
+    one, same, other = map(_hash, texts)
+    assert one == same != other
 
 
 def start_on(goals: tuple[str, ...], algorithm: str = "guided") -> Algorithm:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
-from itertools import chain, product, repeat
+from itertools import chain, count, product, repeat
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -17,8 +17,9 @@ from mrsfi.evolving import ALGORITHMS
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import COSTS, FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Outcome
+from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, Generation
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, run_campaign
 from tests.support.campaigns import content, store_of
 from tests.support.search import (
@@ -51,14 +52,28 @@ class Failed:
     traceback: str
 
 
+class Watched(CampaignStore):
+    """A store that notes which generations a search compares with it."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.compared: list[int] = []
+
+    def generation(self, index: int) -> Generation | None:
+        self.compared.append(index)
+        return super().generation(index)
+
+
 @dataclass
 class Run:
     settings: CampaignSettings
     evaluate_many: EvaluateMany = evaluate_stand_in
     pool: FaultPool = field(default_factory=pool_of)
+    replicas: Sequence[EvaluateMany] = ()
+    state_every: int = 1000
 
     def __post_init__(self) -> None:
-        self.store = store_of(settings=self.settings)
+        self.store = store_of(settings=self.settings, kind=Watched)
         self.progress: list[CampaignProgress] = []
 
     def start(self) -> None:
@@ -69,7 +84,9 @@ class Run:
             self.evaluate_many,
             self.store,
             self.progress.append,
+            replicas=self.replicas,
             algorithms=ALGORITHMS,
+            state_every=self.state_every,
         )
 
 
@@ -256,23 +273,103 @@ def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
         evaluations=150 if algorithm == "cover" else evaluations,  # it knows no generations
         max_failures=1000,
     )
-    whole = Run(settings, failing_if_rare, pool())
+    whole = Run(settings, failing_if_rare, pool(), state_every=30)
     whole.start()
     n_all = whole.store.n_evaluations + whole.store.n_failures
 
     for n_before in (0, 1, 19, 20, 21, 50, n_all - 1, n_all):
-        run = Run(settings, Cut(n_before), pool())
-        with suppress(KeyboardInterrupt):
-            run.start()
-        assert run.store.n_evaluations + run.store.n_failures == n_before
-        n_closed = run.store.n_generations
-        run.progress.clear()
-        run.evaluate_many = Cut(n_all)
-        run.start()
+        run = cut_and_resumed(whole, n_before)
 
-        assert content(run.store) == content(whole.store)
         assert run.evaluate_many.n_evaluated == n_all - n_before
-        assert run.progress == whole.progress[n_closed:]
+
+
+def cut_and_resumed(whole: Run, n_before: int) -> Run:
+    """Cut a run after so many evaluations, resume it, and compare its record with a whole one."""
+    run = replace(whole, evaluate_many=Cut(n_before))
+    with suppress(KeyboardInterrupt):
+        run.start()
+    assert run.store.n_evaluations + run.store.n_failures == n_before
+    n_closed = run.store.n_generations
+    run.progress.clear()
+    run.store.compared.clear()
+    run.evaluate_many = Cut(1000)
+    run.start()
+
+    assert content(run.store) == content(whole.store)
+    assert state(run.store) == state(whole.store)
+    assert run.progress == whole.progress[n_closed:]
+    return run
+
+
+def state(store: CampaignStore) -> str | None:
+    """Return the last state that a search kept, as it is stored."""
+    return store.kept("state", str)
+
+
+SEARCHES = {
+    **{algorithm: {"algorithm": algorithm} for algorithm in ALGORITHMS if algorithm != "cover"},
+    "guided by faults": {"algorithm": "guided", "minimise": "faults"},
+    "guided to few goals": {"algorithm": "guided", "goals": ("g1", "g3")},
+    "eaMuPlusLambda, best": {"algorithm": "eaMuPlusLambda", "selection": "best"},
+    "nsga2 by fault_ticks": {"algorithm": "nsga2", "minimise": "fault_ticks"},
+    "guided in three seeds": {"algorithm": "guided", "replications": 3},
+    "nsga2 in three seeds": {"algorithm": "nsga2", "replications": 3},
+}
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+def test_a_search_goes_on_from_its_last_state_and_repeats_a_generation_at_least(search):
+    settings = CampaignSettings(evaluations=190, max_failures=1000, **SEARCHES[search])
+    replicas = (on_another_seed, evaluate_stand_in)[: settings.replications - 1]
+    whole = Run(settings, failing_if_rare, replicas=replicas, state_every=40)
+    whole.start()
+
+    for n_before in (Random(search).randrange(100, 190), 190):
+        run = cut_and_resumed(whole, n_before)
+
+        n_closed = whole.store.n_generations - len(run.progress)
+        assert 0 < run.store.compared[0] < n_closed
+
+
+WITHOUT_STATE = {
+    "no state": lambda store: store._connection.execute("DELETE FROM meta WHERE key = 'state'"),
+    "other versions": lambda store: setattr(store, "manifest", Manifest(versions={"deap": "1.0"})),
+}
+
+
+@pytest.mark.parametrize("what", WITHOUT_STATE)
+def test_a_record_without_a_usable_state_is_repeated_as_a_whole(what):
+    settings = CampaignSettings(algorithm="guided", faults=1, evaluations=240, max_failures=1000)
+    whole = Run(settings, failing_if_rare, state_every=20)
+    whole.start()
+    run = replace(whole, evaluate_many=Cut(90))
+    with suppress(KeyboardInterrupt):
+        run.start()
+    assert state(run.store)
+    WITHOUT_STATE[what](run.store)
+    run.evaluate_many = Cut(90)
+    run.store.compared.clear()
+
+    with suppress(KeyboardInterrupt):
+        run.start()
+    assert run.store.compared[0] == 0
+    run.evaluate_many = failing_if_rare
+    run.store.compared.clear()
+    run.start()  # from the state that the second one kept, with its versions
+    assert run.store.compared[0] > 0
+
+    assert content(run.store) == content(whole.store)
+
+
+def test_of_a_search_with_a_function_of_the_user_no_state_is_kept(monkeypatch):
+    kept = SimpleNamespace(creep=lambda space, specification, rng, share: specification)
+    monkeypatch.setitem(sys.modules, "own_steps", kept)
+    run = Run(CampaignSettings(mutation_operator="own_steps:creep"), state_every=20)
+
+    run.start()
+
+    assert run.store.n_evaluations > 100
+    assert state(run.store) is None
 
 
 def on_another_seed(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
@@ -322,16 +419,28 @@ def test_a_record_that_another_fitness_function_wrote_is_refused(refused):
         run.start()
 
 
+STATE = "UPDATE meta SET value = {} WHERE key = 'state'"
+SWAP = "UPDATE evaluation SET specification = (SELECT specification FROM evaluation WHERE idx = 6)"
+
+
 @pytest.mark.parametrize(
-    "change",
+    ("state_every", "change"),
     [
-        """UPDATE evaluation SET specification =
-            (SELECT specification FROM evaluation WHERE idx = 6) WHERE idx = 5""",
-        "UPDATE generation SET random_state = '[]' WHERE idx = 1",
+        (1000, f"{SWAP} WHERE idx = 5"),
+        (1000, "UPDATE generation SET random_state = '[]' WHERE idx = 1"),
+        (20, f"{SWAP} WHERE idx = (SELECT max(idx) FROM evaluation)"),
+        (20, "UPDATE generation SET random_state = '[]' WHERE idx = 3"),
+        (20, "DELETE FROM evaluation WHERE idx > 30"),
+        (20, STATE.format("""replace(value, '"counts": [', '"counts": [9')""")),
+        (20, STATE.format("""replace(value, '"random": [3', '"random": [4')""")),
+        (20, STATE.format("""replace(value, '"population": [', '"population": [0,')""")),
+        (20, STATE.format("""'{"versions": {}}'""")),
+        (20, STATE.format("'['")),
     ],
+    ids=count(),
 )
-def test_a_record_that_does_not_follow_from_its_settings_is_refused(change, refused):
-    run = Run(CampaignSettings(generations=3))
+def test_a_record_that_does_not_follow_from_its_settings_is_refused(state_every, change, refused):
+    run = Run(CampaignSettings(generations=3), state_every=state_every)
     run.start()
     run.store._connection.execute(change)
 
