@@ -53,6 +53,7 @@ from mrsfi_runtime.kernel.state import (
     PointState,
     RobotState,
     RouteState,
+    ScopeState,
     SensorState,
     State,
     SwitchState,
@@ -252,6 +253,16 @@ def _add_robot(state: State, robot: Robot) -> None:
         state.switches.append(SwitchState(active=1, claimed=0))
 
 
+def _scope(mission: Mission, name: str, clearance: float) -> ScopeState:
+    """Return the scope of a member: the sum of two has both clearances."""
+    robot = mission.robots[mission.robot_index[name]]
+    trait = _traits(robot)
+    step = float(robot.fastest) + 2.0 * trait.position_noise
+    berth = trait.position_noise + 0.5 * step * (trait.turn_width - 1.0)
+    stretch = (LOOK_AHEAD + 1.0) * step + 2.0 * trait.radius + berth + float(clearance)
+    return ScopeState(stretch, step)
+
+
 def _traits(robot: Robot) -> TraitState:
     turn = math.radians(robot.turn_rate)
     turn_y = math.sin(turn) if robot.turn_rate < 180.0 else 0.0  # exactly 0, which sin(pi) is not
@@ -304,6 +315,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     state.longest += (max(reaches, default=0.0),)
     state.routes += (RouteState(len(state.areas), len(areas)),) * len(terms.robots)
     state.areas += tuple(_area(mission, state.corners, each, terms.tolerance) for each in areas)
+    state.scopes += tuple(_scope(mission, robot, terms.clearance) for robot in terms.robots)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

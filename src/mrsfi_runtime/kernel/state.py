@@ -98,6 +98,14 @@ class TraitState:
     radius: float
 
 
+@dataclass(frozen=True, slots=True)
+class ScopeState:
+    """How far from a member others can be of concern to its reaction, and its way in a tick."""
+
+    stretch: float
+    step: float
+
+
 @dataclass(slots=True)
 class WakeState:
     """Where a robot or an obstacle was a tick ago, and how far it can have moved since.
@@ -371,6 +379,7 @@ class State:
     traits: tuple[TraitState, ...]
     areas: tuple[AreaState, ...] = ()
     routes: tuple[RouteState, ...] = ()
+    scopes: tuple[ScopeState, ...] = ()
     outlines: tuple[AreaState, ...] = ()
     corners: tuple[PointState, ...] = ()
     chances: tuple[int, ...] = ()
@@ -389,6 +398,7 @@ class State:
     grace: list[GraceState] = field(default_factory=list)
     aims: list[int] = field(default_factory=list)
     latest: list[float] = field(default_factory=list)
+    calm: list[int] = field(default_factory=list)
 
 
 _HINTS = get_type_hints(State)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import allowed_columns
-from mrsfi_runtime.engine.compiled.layout import Batch, Frame, laid_out, packed, read_recorded
+from mrsfi_runtime.engine.compiled.layout import Batch, Frame, FreshState, laid_out, packed, read_recorded
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
     Library,
@@ -274,7 +274,7 @@ class CompiledEngine(Engine):
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
-        self._fresh = cache(lambda seed: laid_out(initial_state(code.mission, seed)))
+        self._fresh = cache(self._fresh_state)
         self._moment_type = moment_type(initial_state(code.mission, seed))
         self._reference = ReferenceEngine(code, seed)
         self._gate = Gate(code.mission, code.pool)
@@ -283,6 +283,12 @@ class CompiledEngine(Engine):
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code)
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
+
+    def _fresh_state(self, seed: int) -> FreshState:
+        state = initial_state(self.code.mission, seed)
+        if not len(self._fly_many.calls):
+            state.calm = [0] * len(state.members)
+        return laid_out(state)
 
     def close(self) -> None:
         """End the threads."""

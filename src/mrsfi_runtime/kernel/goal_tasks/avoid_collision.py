@@ -42,6 +42,8 @@ LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 HORIZON = 8
 """Ticks for which the margin need not be computed anew, if all obstacles are far enough away."""
 
+CALM = 24  # ticks for which a member is calm at most
+
 CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
 
 
@@ -57,7 +59,93 @@ class AvoidCollision(GoalTask):
 @kernel
 def violated(view: State, g: int) -> bool:
     """Return whether two discs were too near among a goal's robots and obstacles."""
+    if len(view.calm) > 0:
+        rouse(view, g)
+        if not is_anyone_awake(view, g):
+            return False
     return hits_obstacle(view, g) or hits_robot(view, g)
+
+
+@kernel
+def is_calm(view: State, m: int) -> bool:
+    """Return whether nothing can be near a member in this tick, or foreseen to come near."""
+    return len(view.calm) > 0 and view.calm[m] > view.mission.tick
+
+
+@kernel
+def is_anyone_awake(view: State, g: int) -> bool:
+    """Return whether a member of a goal is not calm."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if not is_calm(view, m):
+            return True
+    return False
+
+
+@kernel
+def rouse(view: State, g: int) -> None:
+    """Wake the members of a goal near which something can be in this tick, and calm the others."""
+    goal = view.goals[g]
+    last = goal.first_member + goal.n_members
+    if goal.n_members > FEW:
+        return
+    for m in range(goal.first_member, last):
+        index = view.members[m].robot
+        robot = view.robots[index]
+        if view.calm[m] <= view.mission.tick or jumps(view.wakes[index], robot.x, robot.y):
+            look(view, goal, m)
+    if view.map.is_wrong == 1:
+        for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+            hazard = view.hazards[h]
+            if is_displaced(view, hazard):
+                obstacle = view.obstacles[hazard]
+                for m in range(goal.first_member, last):
+                    robot = view.robots[view.members[m].robot]
+                    dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
+                    reach = view.scopes[m].stretch + obstacle.radius
+                    if dx * dx + dy * dy < reach * reach:
+                        view.calm[m] = view.mission.tick
+
+
+@kernel
+def look(view: State, goal: GoalState, m: int) -> None:
+    """Calm a member until something can be near it; wake the robots that are near it now."""
+    index = view.members[m].robot
+    robot, own = view.robots[index], view.scopes[m]
+    near = min(own.stretch + CALM * own.step, view.map.reach)
+    least = view.mission.tick + until(near, 0.0, own.stretch, own.step)
+    cell = cell_at(view, robot.x, robot.y)
+    for k in range(view.cells[cell], view.cells[cell + 1]):
+        mapped = view.mapped[k]
+        if mapped.gap >= near:
+            break
+        obstacle = view.obstacles[mapped.obstacle]
+        dx, dy = obstacle.model_x - robot.x, obstacle.model_y - robot.y
+        reach = own.stretch + obstacle.radius
+        least = min(least, view.mission.tick + until(dx, dy, reach, own.step))
+    for n in range(goal.first_member, goal.first_member + goal.n_members):
+        if n != m:
+            other, scope = view.robots[view.members[n].robot], view.scopes[n]
+            reach, step = own.stretch + scope.stretch, own.step + scope.step
+            wait = until(other.x - robot.x, other.y - robot.y, reach, step)
+            due = view.mission.tick + wait
+            view.calm[n] = min(view.calm[n], due)
+            least = min(least, due)
+    view.calm[m] = least
+
+
+@kernel
+def until(dx: float, dy: float, reach: float, step: float) -> int:
+    """Return for how many ticks, ``CALM`` at most, a distance surely stays beyond a reach.
+
+    It falls by at most ``step`` in a tick.
+    """
+    square, far = dx * dx + dy * dy, reach + CALM * step
+    if square >= far * far:
+        return CALM
+    if square < reach * reach:
+        return 0
+    return min(patience(math.sqrt(square), reach, step), CALM)
 
 
 @kernel
@@ -73,6 +161,8 @@ def hits_obstacle(view: State, g: int) -> bool:
     reach = brush(view, g)
     is_mapped = reach <= view.map.reach
     for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if is_calm(view, m):
+            continue
         index = view.members[m].robot
         robot = view.robots[index]
         cell = cell_at(view, robot.x, robot.y)
@@ -170,6 +260,8 @@ def hits_robot(view: State, g: int) -> bool:
         return gap_between_neighbours(view, g, 0.0) < 0.0
     near = (view.apart[g] + 2.0 * view.longest[g]) * SURE
     for m in range(goal.first_member, last):
+        if is_calm(view, m):
+            continue
         index = view.members[m].robot
         robot = view.robots[index]
         x, y = robot.x, robot.y
@@ -276,10 +368,14 @@ def react(ci: State, g: int) -> None:
     One that evaded in the tick before is also judged by the heading that a later goal was denied
     then, as that goal would lead it back.
     """
+    if not is_anyone_awake(ci, g):
+        return
     goal = ci.goals[g]
     farthest = foreseen(ci, goal)
     chart(ci, goal, 0.5 * ci.apart[g] + 2.0 * farthest + ci.apart[g])
     for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if is_calm(ci, m):
+            continue
         index = ci.members[m].robot
         command, wish = ci.commands[index], ci.wishes[index]
         least = ci.traits[index].radius
