@@ -21,6 +21,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, get_args, get_type_hints
 
 import numba
+from llvmlite.binding import parse_assembly
 from numba import types
 from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
@@ -44,7 +45,7 @@ from mrsfi_runtime.engine.compiled.regions import (
     Region,
     names_of,
 )
-from mrsfi_runtime.engine.compiled.views import TASK_FUNCTIONS, Flights, arguments_of, fly_many
+from mrsfi_runtime.engine.compiled.views import GUARDED, TASK_FUNCTIONS, Flights, arguments_of, fly_many
 from mrsfi_runtime.files import lines_in_regions
 from mrsfi_runtime.kernel.effects import believe, note
 from mrsfi_runtime.kernel.geometry import in_area
@@ -333,7 +334,7 @@ def compiled_kernel(machine: Any = None) -> MachineCode:
     flight = (views.View(Flights), types.int64, types.int64)
     arguments = (flight, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
     machine = machine or this_machine(is_near=True)
-    found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine)
+    found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine, "unguarded")
     return replace(found, is_near=True)
 
 
@@ -446,9 +447,14 @@ def _reached_by(first: Any) -> list[FunctionType]:
 
 @global_compiler_lock  # type: ignore[untyped-decorator]
 def _compiled(
-    functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]], machine: Any
+    functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]],
+    machine: Any,
+    unguarded: str = "",
 ) -> MachineCode:
-    """Return the code of functions for a machine, by their arguments; each returns an integer."""
+    """Return the code of functions for a machine, by their arguments; each returns an integer.
+
+    If it has a name, the first function is written a second time, last, with no index checked.
+    """
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
@@ -460,7 +466,18 @@ def _compiled(
             _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
         )
         names.append(result.fndesc.llvm_func_name)
-        modules.append(_optimised(_TARGET.codegen(), result.library.whole(), names[-1]))
+        whole = result.library.whole()
+        if unguarded and len(names) == 1:
+            whole.get_function(names[0]).linkage = "external"  # else nothing would take it
+            without = parse_assembly(f"@{GUARDED} = constant i8 0")
+            without.link_in(whole, preserve=True)
+            without.get_function(names[0]).name = unguarded
+            _optimise(without, unguarded)
+        _optimise(whole, names[-1])
+        modules.append(whole)
+    if unguarded:
+        names.append(unguarded)
+        modules.append(without)
     module, *others = modules
     for other in others:
         module.link_in(other)
@@ -470,8 +487,8 @@ def _compiled(
     return MachineCode(tuple(names), binary, tuple(n for n in taken if not n.startswith("llvm.")))
 
 
-def _optimised(codegen: Any, module: Any, name: str) -> Any:
-    """Return an optimised module, of which other modules call one function.
+def _optimise(module: Any, name: str) -> None:
+    """Optimise a module, of which other modules call one function.
 
     Loops are mostly short: vectors take longer, and make flights slower. So does a second function
     in the same module, because functions that both call are not inlined.
@@ -479,10 +496,9 @@ def _optimised(codegen: Any, module: Any, name: str) -> Any:
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:
             each.linkage = "external" if each.name == name else "internal"
-    passes, builder = codegen._module_pass_manager(  # noqa: SLF001
+    passes, builder = _TARGET.codegen()._module_pass_manager(  # noqa: SLF001
         opt=3, loop_vectorize=False, slp_vectorize=False
     )
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, builder)
     module.verify()
-    return module

@@ -66,8 +66,8 @@ class CompiledFlight:
 
     def _compile(self) -> None:
         compiled, self.is_new = kernel()
-        flight, *by_task = compiled.addresses()
-        self._fly: Any = FLIGHT(flight)
+        guarded, *by_task, unguarded = compiled.addresses()
+        self._fly: Any = FLIGHT(guarded if self._regions else unguarded)
         self.calls = np.zeros(self._n_calls, np.int64)
         self.calls[-len(by_task) :] = by_task
         if not self._regions:  # the kernel then reads no address

@@ -137,17 +137,40 @@ def _set_row(context: Any, builder: Any, signature: Any, arguments: Any) -> None
     store_item(context, builder, rows, value, place)
 
 
+GUARDED = "mrsfi_guarded"
+"""Name of a constant, 1 unless code is compiled for missions without regions that a team wrote."""
+
+
+def _guarded(builder: Any) -> Any:
+    """Return whether a team's code can run, which may write any index into a state."""
+    module, byte = builder.module, ir.IntType(8)
+    flag = module.globals.get(GUARDED)
+    if flag is None:
+        flag = ir.GlobalVariable(module, byte, GUARDED)
+        flag.linkage, flag.global_constant = "weak", True  # else it would be folded too early
+        flag.initializer = ir.Constant(byte, 1)
+    return builder.icmp_unsigned("!=", builder.load(flag), ir.Constant(byte, 0))
+
+
+@_intrinsic
+def is_guarded(_context: Any) -> Any:
+    """Return whether regions that a team wrote can be called."""
+    return types.boolean(), lambda _context, builder, _signature, _arguments: _guarded(builder)
+
+
 def _place(context: Any, builder: Any, rows: Any, kind: Any, arguments: Any) -> Any:
     """Return the address of a row; the function that is compiled returns an error if there is none.
 
-    A negative index counts from the end only in a team's functions: the kernel has none.
+    A negative index counts from the end only in a team's functions: the kernel has none. Indices
+    of the kernel itself are right, so they are checked only if a team's code can change them.
     """
     array = make_array(rows)(context, builder, arguments[0])
     index = context.cast(builder, arguments[1], kind, types.intp)
     (length,) = cgutils.unpack_tuple(builder, array.shape, 1)
     if not builder.function.name.startswith(_OURS):
         index = slicing.fix_index(builder, index, length)
-    with cgutils.if_unlikely(builder, builder.icmp_unsigned(">=", index, length)):
+    is_wrong = builder.and_(_guarded(builder), builder.icmp_unsigned(">=", index, length))
+    with cgutils.if_unlikely(builder, is_wrong):
         context.call_conv.return_user_exc(builder, IndexError, ("index is out of bounds",))
     return builder.gep(array.data, [index])
 
@@ -242,8 +265,7 @@ _ODD = -7046029254386353131  # no single change of a word escapes a sum that is 
 @kernel
 def region(view: Any, place: int) -> int:
     """Return the address of a region that a team wrote; 0 for a default one."""
-    calls = getattr(view, CALLS)
-    return calls[place] if len(calls) > 0 else 0
+    return getattr(view, CALLS)[place] if is_guarded() else 0
 
 
 @kernel
