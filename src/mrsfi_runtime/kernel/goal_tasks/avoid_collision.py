@@ -42,6 +42,8 @@ LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 HORIZON = 8
 """Ticks for which the margin need not be computed anew, if all obstacles are far enough away."""
 
+AWAKE, SHORT = 16, 5
+
 CALM = 24  # ticks for which a member is calm at most
 
 CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
@@ -92,7 +94,7 @@ def rouse(view: State, g: int) -> None:
     for m in range(goal.first_member, last):
         index = view.members[m].robot
         robot = view.robots[index]
-        if view.calm[m] <= view.mission.tick or jumps(view.wakes[index], robot.x, robot.y):
+        if abs(view.calm[m]) <= view.mission.tick or jumps(view.wakes[index], robot.x, robot.y):
             look(view, goal, m)
     if view.map.is_wrong == 1:
         for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
@@ -131,7 +133,8 @@ def look(view: State, goal: GoalState, m: int) -> None:
             due = view.mission.tick + wait
             view.calm[n] = min(view.calm[n], due)
             least = min(least, due)
-    view.calm[m] = least
+    is_long = least - view.mission.tick >= SHORT
+    view.calm[m] = least if is_long else -(view.mission.tick + AWAKE)
 
 
 @kernel
