@@ -253,14 +253,12 @@ def _add_robot(state: State, robot: Robot) -> None:
         state.switches.append(SwitchState(active=1, claimed=0))
 
 
-def _scope(mission: Mission, name: str, clearance: float) -> ScopeState:
-    """Return the scope of a member: the sum of two has both clearances."""
-    robot = mission.robots[mission.robot_index[name]]
+def _scope(robot: Robot, clearance: float) -> ScopeState:
+    """Return the scope of a member; a tick more than the look-ahead exceeds rounding errors."""
     trait = _traits(robot)
     step = float(robot.fastest) + 2.0 * trait.position_noise
     berth = trait.position_noise + 0.5 * step * (trait.turn_width - 1.0)
-    stretch = (LOOK_AHEAD + 1.0) * step + 2.0 * trait.radius + berth + float(clearance)
-    return ScopeState(stretch, step)
+    return ScopeState((LOOK_AHEAD + 1) * step + 2.0 * trait.radius + berth + clearance, step)
 
 
 def _traits(robot: Robot) -> TraitState:
@@ -309,13 +307,14 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
         )
     )
     state.required += (goal.required_members or len(terms.robots),)
-    radii = [float(mission.robots[mission.robot_index[robot]].radius) for robot in terms.robots]
+    members = [mission.robots[mission.robot_index[robot]] for robot in terms.robots]
+    radii = [float(robot.radius) for robot in members]
     state.apart += (2.0 * max(radii, default=0.0) + float(terms.clearance),)
     reaches = [state.wakes[mission.robot_index[robot]].reach for robot in terms.robots]
     state.longest += (max(reaches, default=0.0),)
     state.routes += (RouteState(len(state.areas), len(areas)),) * len(terms.robots)
     state.areas += tuple(_area(mission, state.corners, each, terms.tolerance) for each in areas)
-    state.scopes += tuple(_scope(mission, robot, terms.clearance) for robot in terms.robots)
+    state.scopes += tuple(_scope(robot, float(terms.clearance)) for robot in members)
     state.members.extend(MemberState(mission.robot_index[robot]) for robot in terms.robots)
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
     state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

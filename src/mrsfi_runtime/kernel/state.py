@@ -100,9 +100,12 @@ class TraitState:
 
 @dataclass(frozen=True, slots=True)
 class ScopeState:
-    """How far from a member others can be of concern to its reaction, and its way in a tick."""
+    """How far a member of a goal can be from an obstacle that it has to avoid, and move in a tick.
 
-    stretch: float
+    Two members are of no concern to each other beyond the sum of both reaches.
+    """
+
+    reach: float
     step: float
 
 
@@ -355,17 +358,19 @@ class State:
     """The state of a world: the truth of the simulation, or the belief of the CI.
 
     Tuples are constant tables, the same in every state of a mission; digests and records leave
-    them out. ``traits`` has one entry per robot, ``routes`` one per member, whose areas are in
-    ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions`` are the unit
-    vectors of whole degrees. ``required`` has for each goal how many members must keep to the rule
-    of its task, ``apart`` the greatest distance of two centres at which robots can be too near for
-    it, ``longest`` how far one of its members can have moved in a tick. ``cells`` has the index in
-    ``mapped`` at which the obstacles of each map cell begin.
+    them out. ``traits`` has one entry per robot, ``scopes`` and ``routes`` one per member, whose
+    areas are in ``areas``; ``outlines`` has the area of each obstacle in the model. ``directions``
+    are the unit vectors of whole degrees. ``required`` has for each goal how many members must keep
+    to the rule of its task, ``apart`` the greatest distance of two centres at which robots can be
+    too near for it, ``longest`` how far one of its members can have moved in a tick. ``cells`` has
+    the index in ``mapped`` at which the obstacles of each map cell begin.
 
     The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then
     one per obstacle; ``wishes`` one per robot; ``grace``, empty unless a goal has some, one per
     goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
-    waypoints each member has surely passed. ``lookup`` is scratch space.
+    waypoints each member has surely passed; ``calm``, empty unless its use is allowed, the tick
+    before which no member of an AvoidCollision goal has to be looked at, or, negative, before which
+    it stays awake. ``lookup`` is scratch space.
     """
 
     mission: MissionState

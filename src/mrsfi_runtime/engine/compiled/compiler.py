@@ -21,7 +21,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, get_args, get_type_hints
 
 import numba
-from llvmlite.binding import parse_assembly
+from llvmlite.binding import parse_assembly, set_option
 from numba import types
 from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
@@ -45,7 +45,13 @@ from mrsfi_runtime.engine.compiled.regions import (
     Region,
     names_of,
 )
-from mrsfi_runtime.engine.compiled.views import GUARDED, TASK_FUNCTIONS, Flights, arguments_of, fly_many
+from mrsfi_runtime.engine.compiled.views import (
+    GUARDED,
+    TASK_FUNCTIONS,
+    Flights,
+    arguments_of,
+    fly_many,
+)
 from mrsfi_runtime.files import lines_in_regions
 from mrsfi_runtime.kernel.effects import believe, note
 from mrsfi_runtime.kernel.geometry import in_area
@@ -322,19 +328,23 @@ def _why(error: Exception) -> str:
     return lines[1 if len(lines) > 1 and "pipeline" in lines[0] else 0].partition(" Raised from")[0]
 
 
+set_option("", "-disable-loop-idiom-all")  # code for ``NEAR`` cannot call memset
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
 lend_runtime()
 _REGISTERED: dict[FunctionType, str] = {}
 
 
 def compiled_kernel(machine: Any = None) -> MachineCode:
-    """Compile the kernel's flight, for this machine or another."""
+    """Compile the kernel's flight, for this machine or another.
+
+    Last among the functions is the flight of missions in which no code of a team runs.
+    """
     functions = (fly_many, *TASK_FUNCTIONS)
     register(each for one in functions for each in _reached_by(one)[1:])
     flight = (views.View(Flights), types.int64, types.int64)
     arguments = (flight, *(views.TASK_SIGNATURE for _ in TASK_FUNCTIONS))
     machine = machine or this_machine(is_near=True)
-    found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine, "unguarded")
+    found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine, "fly_unguarded")
     return replace(found, is_near=True)
 
 
@@ -453,7 +463,7 @@ def _compiled(
 ) -> MachineCode:
     """Return the code of functions for a machine, by their arguments; each returns an integer.
 
-    If it has a name, the first function is written a second time, last, with no index checked.
+    If ``unguarded`` is a name, the first function is repeated last, without ``GUARDED``.
     """
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
@@ -466,18 +476,15 @@ def _compiled(
             _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
         )
         names.append(result.fndesc.llvm_func_name)
-        whole = result.library.whole()
-        if unguarded and len(names) == 1:
-            whole.get_function(names[0]).linkage = "external"  # else nothing would take it
-            without = parse_assembly(f"@{GUARDED} = constant i8 0")
-            without.link_in(whole, preserve=True)
-            without.get_function(names[0]).name = unguarded
-            _optimise(without, unguarded)
-        _optimise(whole, names[-1])
-        modules.append(whole)
+        modules.append(result.library.whole())
     if unguarded:
+        modules[0].get_function(names[0]).linkage = "external"  # else it would not be linked
+        modules.append(parse_assembly(f"@{GUARDED} = constant i8 0"))
+        modules[-1].link_in(modules[0], preserve=True)
+        modules[-1].get_function(names[0]).name = unguarded
         names.append(unguarded)
-        modules.append(without)
+    for module, name in zip(modules, names, strict=True):
+        _optimise(module, name)
     module, *others = modules
     for other in others:
         module.link_in(other)

@@ -26,7 +26,14 @@ from typing import Any
 import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import allowed_columns
-from mrsfi_runtime.engine.compiled.layout import Batch, Frame, FreshState, laid_out, packed, read_recorded
+from mrsfi_runtime.engine.compiled.layout import (
+    Batch,
+    Frame,
+    FreshState,
+    laid_out,
+    packed,
+    read_recorded,
+)
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
     Library,
@@ -57,6 +64,7 @@ class CompiledFlight:
     def __init__(self, code: MissionCode) -> None:
         self._directory = code.directory
         self._regions = [(each, Reached([each.function])) for each in own_regions(code)]
+        self.is_guarded = bool(self._regions)
         self._keys = [
             key_of(kernel_key(), each.role, reached.text) for each, reached in self._regions
         ]
@@ -67,10 +75,10 @@ class CompiledFlight:
     def _compile(self) -> None:
         compiled, self.is_new = kernel()
         guarded, *by_task, unguarded = compiled.addresses()
-        self._fly: Any = FLIGHT(guarded if self._regions else unguarded)
+        self._fly: Any = FLIGHT(guarded if self.is_guarded else unguarded)
         self.calls = np.zeros(self._n_calls, np.int64)
         self.calls[-len(by_task) :] = by_task
-        if not self._regions:  # the kernel then reads no address
+        if not self.is_guarded:  # the kernel then reads no address
             self.calls = self.calls[:0]
         for (region, reached), key in zip(self._regions, self._keys, strict=True):
             found, is_new = kept_code(key, partial(self._compiled, region, reached))
@@ -285,8 +293,9 @@ class CompiledEngine(Engine):
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
 
     def _fresh_state(self, seed: int) -> FreshState:
+        """Return a mission's state; members are calm only where no code of a team changes it."""
         state = initial_state(self.code.mission, seed)
-        if not len(self._fly_many.calls):
+        if not self._fly_many.is_guarded:
             state.calm = [0] * len(state.members)
         return laid_out(state)
 

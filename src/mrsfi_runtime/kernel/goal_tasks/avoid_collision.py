@@ -4,7 +4,9 @@ A gap is the least distance of two centres on their way from the tick before to 
 radii and the clearance; the goal is violated while one is below 0. In belief, a position that a
 fault moves may jump: nothing was on the way, and only its end counts. Reactions look ``LOOK_AHEAD``
 ticks ahead, as if all robots kept heading and speed. ``kernel.neighbours`` finds those near enough
-to matter, so that few pairs are compared; the results equal those of comparing all pairs.
+to matter, so that few pairs are compared; the results equal those of comparing all pairs. A member
+is *calm* for the ticks in which nothing can be so near, however all move (``rouse``); in flights of
+the reference engine, and where a team's code may change a state, none is.
 
 Begin with ``violated``, ``margin`` and ``react``; each is followed by the functions that it calls.
 """
@@ -42,9 +44,8 @@ LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 HORIZON = 8
 """Ticks for which the margin need not be computed anew, if all obstacles are far enough away."""
 
-AWAKE, SHORT = 16, 5
-
-CALM = 24  # ticks for which a member is calm at most
+CALM, LONGEST, AWAKE = 5, 24, 16
+"""Ticks for which a member is calm at least and at most, and awake at least."""
 
 CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
 
@@ -70,7 +71,7 @@ def violated(view: State, g: int) -> bool:
 
 @kernel
 def is_calm(view: State, m: int) -> bool:
-    """Return whether nothing can be near a member in this tick, or foreseen to come near."""
+    """Return whether surely nothing is near a member, nor foreseen to come near."""
     return len(view.calm) > 0 and view.calm[m] > view.mission.tick
 
 
@@ -86,69 +87,75 @@ def is_anyone_awake(view: State, g: int) -> bool:
 
 @kernel
 def rouse(view: State, g: int) -> None:
-    """Wake the members of a goal near which something can be in this tick, and calm the others."""
+    """Decide which of up to ``FEW`` members are calm in this tick; called once in each tick.
+
+    A member is looked at when its time is over, or when its position jumps.
+    """
     goal = view.goals[g]
-    last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
         return
-    for m in range(goal.first_member, last):
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]
         if abs(view.calm[m]) <= view.mission.tick or jumps(view.wakes[index], robot.x, robot.y):
             look(view, goal, m)
     if view.map.is_wrong == 1:
         for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-            hazard = view.hazards[h]
-            if is_displaced(view, hazard):
-                obstacle = view.obstacles[hazard]
-                for m in range(goal.first_member, last):
-                    robot = view.robots[view.members[m].robot]
-                    dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
-                    reach = view.scopes[m].stretch + obstacle.radius
-                    if dx * dx + dy * dy < reach * reach:
-                        view.calm[m] = view.mission.tick
+            if is_displaced(view, view.hazards[h]):
+                rouse_near(view, goal, view.hazards[h])
+
+
+@kernel
+def rouse_near(view: State, goal: GoalState, hazard: int) -> None:
+    """Wake the members near an obstacle that is not where the map has it."""
+    obstacle = view.obstacles[hazard]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        robot = view.robots[view.members[m].robot]
+        dx, dy = obstacle.x - robot.x, obstacle.y - robot.y
+        reach = view.scopes[m].reach + obstacle.radius
+        if dx * dx + dy * dy < reach * reach:
+            view.calm[m] = min(view.calm[m], view.mission.tick)
 
 
 @kernel
 def look(view: State, goal: GoalState, m: int) -> None:
-    """Calm a member until something can be near it; wake the robots that are near it now."""
-    index = view.members[m].robot
-    robot, own = view.robots[index], view.scopes[m]
-    near = min(own.stretch + CALM * own.step, view.map.reach)
-    least = view.mission.tick + until(near, 0.0, own.stretch, own.step)
+    """Calm a member until something can be near it, and other members no longer than that.
+
+    One that would be calm for less than ``CALM`` ticks stays awake for some, without a look.
+    """
+    tick, own, robot = view.mission.tick, view.scopes[m], view.robots[view.members[m].robot]
+    far = min(own.reach + LONGEST * own.step, view.map.reach)
+    least = tick + untouched(far, 0.0, own.reach, own.step)
     cell = cell_at(view, robot.x, robot.y)
     for k in range(view.cells[cell], view.cells[cell + 1]):
         mapped = view.mapped[k]
-        if mapped.gap >= near:
+        if mapped.gap >= far:
             break
         obstacle = view.obstacles[mapped.obstacle]
         dx, dy = obstacle.model_x - robot.x, obstacle.model_y - robot.y
-        reach = own.stretch + obstacle.radius
-        least = min(least, view.mission.tick + until(dx, dy, reach, own.step))
+        least = min(least, tick + untouched(dx, dy, own.reach + obstacle.radius, own.step))
     for n in range(goal.first_member, goal.first_member + goal.n_members):
         if n != m:
-            other, scope = view.robots[view.members[n].robot], view.scopes[n]
-            reach, step = own.stretch + scope.stretch, own.step + scope.step
-            wait = until(other.x - robot.x, other.y - robot.y, reach, step)
-            due = view.mission.tick + wait
+            other, second = view.scopes[n], view.robots[view.members[n].robot]
+            dx, dy, reach = second.x - robot.x, second.y - robot.y, own.reach + other.reach
+            due = tick + untouched(dx, dy, reach, own.step + other.step)
             view.calm[n] = min(view.calm[n], due)
             least = min(least, due)
-    is_long = least - view.mission.tick >= SHORT
-    view.calm[m] = least if is_long else -(view.mission.tick + AWAKE)
+    view.calm[m] = least if least >= tick + CALM else -(tick + AWAKE)
 
 
 @kernel
-def until(dx: float, dy: float, reach: float, step: float) -> int:
-    """Return for how many ticks, ``CALM`` at most, a distance surely stays beyond a reach.
+def untouched(dx: float, dy: float, reach: float, step: float) -> int:
+    """Return for how many ticks, at most ``LONGEST``, a distance is surely not below ``reach``.
 
-    It falls by at most ``step`` in a tick.
+    ``step`` is the most that it falls in a tick.
     """
-    square, far = dx * dx + dy * dy, reach + CALM * step
+    square, far = dx * dx + dy * dy, reach + LONGEST * step
     if square >= far * far:
-        return CALM
+        return LONGEST
     if square < reach * reach:
         return 0
-    return min(patience(math.sqrt(square), reach, step), CALM)
+    return min(patience(math.sqrt(square), reach, step), LONGEST)
 
 
 @kernel
