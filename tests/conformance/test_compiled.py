@@ -22,6 +22,7 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts, initial_state, no_verdicts
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.conformance.regions import compiled
 from tests.support.cli import edit
@@ -76,6 +77,29 @@ def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, d
         outcomes = list(engine.evaluate_many(drawn))
 
     assert outcomes == [reference.evaluate(specification) for specification in drawn]
+
+
+def test_a_robot_believed_to_be_just_ahead_of_another_is_avoided_at_once():
+    """Robots that are far apart are looked at less often when compiled, unless one jumps."""
+    code = paper_code(120)
+    reference = ReferenceEngine(code, SEED)
+    (moments,) = reference.record(()).moments()
+    told = code.mission.robot_index["r3"]  # whose position the fault falsifies
+    ahead = []
+    for tick in range(5, 100, 5):
+        for other in {*range(len(code.mission.robots))} - {told}:
+            robot, command = (
+                moments["world"][name][tick, other] for name in ("robots", "commands")
+            )
+            x, y = (robot[axis] + 20.0 * command[f"heading_{axis}"] for axis in "xy")
+            ahead.append((TimedFault("f11", tick, tick + 2, (float(x), float(y), 1.0)),))
+
+    with open_engine(COMPILED, code, SEED, 2) as engine:
+        outcomes = list(engine.evaluate_many(ahead))
+
+    assert outcomes == [reference.evaluate(specification) for specification in ahead]
+    turned = {outcome.digest for outcome in outcomes}
+    assert len(turned) == len(ahead)
 
 
 FLY = """
