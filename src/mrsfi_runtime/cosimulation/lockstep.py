@@ -19,7 +19,8 @@ Source paper, sections III-F and III-G, and Figure 4.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
+from functools import cached_property
 from typing import Any, Protocol, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, ProtocolError
@@ -450,18 +451,19 @@ class SimulatedSensor:
         self._switch.active = int(payload["data"])
 
 
-@dataclass(slots=True)
 class World(State):
-    """A true state; ``samples[tick]`` has the valid samples of each sensor."""
+    """A true state."""
 
-    samples: Samples
+    @cached_property
+    def samples(self) -> Samples:
+        """The valid samples of each sensor, by tick; they are drawn for the first motion."""
+        return valid_samples(self)
 
 
 def initial_state(mission: Mission, seed: int) -> World:
     """Return the true state before the first tick, as ``kernel.flight.initial_state``."""
     state = first_state(mission, seed)
-    known = {name: getattr(state, name) for name in State.__slots__}
-    return World(**known, samples=valid_samples(state))
+    return World(**{name: getattr(state, name) for name in State.__slots__})
 
 
 def move(world: World, tick: int) -> None:
