@@ -37,7 +37,6 @@ from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.analysis.report import Shown
 from mrsfi_runtime.analysis.tables import evaluations_table, to_html
 from mrsfi_runtime.analysis.weaknesses import verdict_table
-from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.causes.mildest import GoalWeakness
@@ -47,7 +46,7 @@ from mrsfi_runtime.fence import IMPORTED
 from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
-from mrsfi_runtime.record.settings import Regression
+from mrsfi_runtime.record.settings import KEEP, Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 if TYPE_CHECKING:

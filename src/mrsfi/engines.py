@@ -21,7 +21,6 @@ import hashlib
 import json
 import os
 import re
-import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields
@@ -218,6 +217,8 @@ def _files_beside(command: str) -> tuple[str, ...]:
     folders above. Files of the working folder count only if they are named, because the project is
     there; absolute paths, hidden files, logs and caches do not count.
     """
+    import shlex  # noqa: PLC0415 - slow, and seldom needed
+
     found = set[Path]()
     with suppress(ValueError):  # the command cannot be split
         for path in map(Path, shlex.split(command)):

@@ -27,7 +27,6 @@ from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.confirmation import N_LOOKS
 from mrsfi_runtime.causes.harvest import Cover
-from mrsfi_runtime.cosimulation.node_speech import Speech, out_of_reach
 from mrsfi_runtime.engine.compiled.engine import differing
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.opening import open_engine, tried
@@ -68,6 +67,11 @@ def within_reach(
     """
     if engine.side != INJECTOR:
         return code, engine
+    from mrsfi_runtime.cosimulation.node_speech import (  # noqa: PLC0415 - brings types of ROS
+        Speech,
+        out_of_reach,
+    )
+
     speech = Speech.of(engine.node_mapping, code.mission)
     beyond = out_of_reach(code.mission, code.pool, speech)
     touching = defaultdict(list)

@@ -43,7 +43,14 @@ from mrsfi_runtime.record.decisions import (
     read_decision,
 )
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
-from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
+from mrsfi_runtime.record.settings import (
+    KEEP,
+    CampaignSettings,
+    Regression,
+    folder_of,
+    following,
+    kept,
+)
 from mrsfi_runtime.record.store import Measure
 
 if TYPE_CHECKING:
@@ -534,7 +541,7 @@ def _why(
     regression: Regression, engine: Engine, goals: tuple[str, ...], seed: int
 ) -> tuple[str, ...]:
     """Return sentences on the faults without which the goals would have fewer violations."""
-    from mrsfi_runtime.causes.cause_set import KEEP, Flights  # noqa: PLC0415
+    from mrsfi_runtime.causes.cause_set import Flights  # noqa: PLC0415
     from mrsfi_runtime.causes.chain import find_cause  # noqa: PLC0415
     from mrsfi_runtime.record.observers import named_faults  # noqa: PLC0415
 

@@ -24,7 +24,6 @@ defects that are found together.
 """
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from pathlib import Path
 from typing import ClassVar, Literal, NamedTuple, TypeAlias
 
@@ -61,6 +60,8 @@ class Diagnostic(NamedTuple):
 
 def nearest(found: object, known: Iterable[object]) -> str:
     """Return the end of a message about an unknown name: the nearest known name."""
+    from difflib import get_close_matches  # noqa: PLC0415 - only for messages
+
     near = get_close_matches(str(found), [str(name) for name in known], 1)
     return "".join(f"; did you mean '{name}'?" for name in near)
 

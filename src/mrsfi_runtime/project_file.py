@@ -1,7 +1,6 @@
 """The project file, the metamodels of a project, and the installed versions."""
 
 import os
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -83,6 +82,8 @@ def _require_numbers(file: Path, table: dict[str, Any]) -> None:
 
 def settings(file: Path) -> tuple[dict[str, Any], dict[str, Any] | None, dict[str, Any]]:
     """Return the tables [project], [node] and [fmea] of a settings file."""
+    import tomllib  # noqa: PLC0415 - many projects have none
+
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -39,8 +39,8 @@ COMMANDS = (
 
 HEAVY = {
     *("cbor2", "deap", "distributed", "importlib.metadata", "jinja2", "lxml", "m2t", "matplotlib"),
-    *("moocore", "numba", "numpy", "pyecore", "pyflakes", "rich", "roslibpy", "scipy"),
-    "websockets",
+    *("moocore", "numba", "numpy", "pyecore", "pyflakes", "rich", "rosbags", "roslibpy", "scipy"),
+    *("sqlite3", "websockets"),
 }
 """What takes its time to import, and is not what every command needs."""
 
@@ -49,8 +49,8 @@ FRESH = {*MODELS, "jinja2"}
 """Generated code is fresh if it is what would be generated now."""
 
 FLIGHT = {*FRESH, "pyflakes"}
-SEARCH = {"deap", "importlib.metadata", "moocore", "numpy"}
-BUS = {"cbor2", "importlib.metadata", "roslibpy", "websockets"}
+SEARCH = {"deap", "importlib.metadata", "moocore", "numpy", "sqlite3"}
+BUS = {"cbor2", "importlib.metadata", "rosbags", "roslibpy", "websockets"}
 
 TINY = ("--population", "4", "--generations", "0")
 REFERENCE = ("--engine", "reference", "--workers", "1")
@@ -59,13 +59,13 @@ LONG = [
     (("evolve", MISSION, *TINY, *REFERENCE, "--no-explain"), {*FLIGHT, *SEARCH, "rich"}),
     (
         ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
-        {*FLIGHT, "numpy", "rich"},
+        {*FLIGHT, "numpy", "rich", "sqlite3"},
     ),
-    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
+    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich", "sqlite3"}),
 ]
 IMPORTED = [
     (("--help",), set()),
-    *(((command, "--help"), set()) for command in COMMANDS),
+    *(((command, "--help"), {"rosbags"} if command == "bridge" else set()) for command in COMMANDS),
     *((("help", topic), set()) for topic in ("evolve", "bus", "words")),
     (("--version",), {"importlib.metadata"}),
     (("validate", MISSION), FLIGHT),
@@ -75,7 +75,7 @@ IMPORTED = [
     (("import", "published.xmi"), MODELS),
     (("requirements", "required.reqif", MISSION), MODELS),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
-    (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
+    (("replay", "FLOWN"), {*FRESH, "numpy", "rich", "sqlite3"}),
     *(pytest.param(*case, marks=slow) for case in LONG),
 ]
 """Which of the heavy ones a command imports."""

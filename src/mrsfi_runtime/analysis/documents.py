@@ -31,6 +31,7 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
 from mrsfi_runtime.analysis.tables import (
+    NONE,
     Cell,
     Table,
     Trend,
@@ -59,7 +60,6 @@ from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, elements
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.project_file import DETECTIONS
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.store import NONE
 
 _FREQUENT = (
     "A frequent fault type need not be harmful. Compare its occurrences with the two expected "

@@ -22,9 +22,10 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from mrsfi_runtime.analysis.tables import ticks
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record import database
-from mrsfi_runtime.record.store import CampaignStore, Measure, ticks
+from mrsfi_runtime.record.store import CampaignStore, Measure
 
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""

@@ -19,12 +19,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from datetime import datetime
-from html import escape
 from itertools import chain, zip_longest
 from operator import itemgetter
-from statistics import linear_regression
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias, TypeGuard
-from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from mrsfi_runtime.errors import printable
 from mrsfi_runtime.model.fault_types import Range
@@ -43,11 +40,14 @@ from mrsfi_runtime.model.mission import (
 )
 from mrsfi_runtime.record.observers import NamedFault
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import NONE, Evaluation, Flown, Generation, Measure, ticks
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.fronts import Front, Harm
+    from mrsfi_runtime.record.store import Evaluation, Flown, Generation, Measure
 
+
+NONE = "–"
+"""The content of an empty table cell."""
 
 Cell: TypeAlias = str | int | float | None
 
@@ -115,6 +115,11 @@ def every(n: int, most: int) -> int:
     return max(1, -(-n // most))
 
 
+def ticks(count: float) -> str:
+    """Return a count, or a mean of counts, as text."""
+    return str(count) if isinstance(count, int) else f"{count:.2f}"
+
+
 def in_words(cell: Cell) -> str:
     """Return a cell as text for people."""
     if isinstance(cell, float):
@@ -138,6 +143,7 @@ def to_page(table: Table) -> dict[str, Any]:
 
 def to_html(table: Table) -> str:
     """Return a table with its title as HTML; cells are escaped."""
+    from html import escape  # noqa: PLC0415 - slow, and seldom needed
 
     def line(tag: str, cells: Sequence[Cell]) -> str:
         return "".join(f"<{tag}>{escape(printable(in_words(cell)))}</{tag}>" for cell in cells)
@@ -172,7 +178,9 @@ def as_xlsx(table: Table) -> bytes:
 
     Texts are printable. Excel reads the letter of a number in ``_x0041_``, so ``_x`` is escaped.
     """
-    from openpyxl import Workbook  # noqa: PLC0415 - as the next, only for this format
+    from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo  # noqa: PLC0415 - only for this format
+
+    from openpyxl import Workbook  # noqa: PLC0415 - likewise
     from openpyxl.writer.excel import ExcelWriter  # noqa: PLC0415
 
     workbook = Workbook()
@@ -222,8 +230,10 @@ class Trend:
     intercept: float
 
 
-def find_trend(generations: Iterable[Generation]) -> Trend:
+def find_trend(generations: "Iterable[Generation]") -> Trend:
     """Return the fitness of each generation and the trend of the means."""
+    from statistics import linear_regression  # noqa: PLC0415 - slow, and seldom needed
+
     of = itemgetter("mean", "std", "max", "min")
     rows = tuple(GenerationFitness(each.index, *of(each.statistics)) for each in generations)
     means = [row.mean for row in rows]
@@ -387,7 +397,7 @@ def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[
 
 
 def critical_table(
-    measure: Measure, pool: FaultPool, top: Sequence[Evaluation], n_distinct: int
+    measure: "Measure", pool: FaultPool, top: "Sequence[Evaluation]", n_distinct: int
 ) -> Table:
     """Return the most critical specifications with fitness, results of each goal, and faults.
 
@@ -408,7 +418,7 @@ def critical_table(
     return Table(title, columns, rows, folded[:1], columns[-1:], folded=("violations", folded))
 
 
-def _violation_lines(measure: Measure, evaluation: Evaluation) -> Iterator[tuple[str, ...]]:
+def _violation_lines(measure: "Measure", evaluation: "Evaluation") -> Iterator[tuple[str, ...]]:
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
@@ -475,7 +485,7 @@ def front_table(front: "Front") -> Table:
     return Table(f"Pareto front: {title}", columns, rows)
 
 
-def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
+def harm_table(harm: Iterable["Harm"], measure: "Measure") -> Table:
     """Return the front of harm against a minimised cost; ``by`` is an evaluation."""
     few = str(measure.minimised)
     title = f"Most violations for each limit on {few} ({measure}, {', '.join(measure.chosen)})"
@@ -483,7 +493,7 @@ def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
     return Table(title, columns, [*map(astuple, harm)])
 
 
-def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
+def evaluations_table(title: str, flown: "Iterable[Flown]", measure: "Measure") -> Table:
     """Return evaluations with the results of each goal; several objectives share one cell.
 
     Counts are of the first mission seed. ``missed_since`` is empty for goals that did not fail.
@@ -505,7 +515,7 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
     return Table(title, (*first, *counted, "digest"), rows)
 
 
-def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
+def short_evaluations_table(title: str, flown: "Iterable[Flown]", measure: "Measure") -> Table:
     """Return evaluations in ten columns, with counts over all goals, and the goals that failed.
 
     If they were flown several times, an eleventh has in how many flights which goals broke.

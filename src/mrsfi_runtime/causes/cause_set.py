@@ -131,9 +131,6 @@ def _unfailed(specification: Specification, _seed: int, flown: Evaluated) -> Out
     raise EvaluationError(f"{message} (flown with the faults {faults or 'of none'})")
 
 
-KEEP = 0.95
-"""Share of every goal's violations that a cause set keeps."""
-
 N_ORDERS = 5
 """Shuffled orders in which other minima are searched."""
 

@@ -17,7 +17,7 @@ from mrsfi.explaining import CAUSE_SET, SIMPLEST, harvested, of_goal, untried
 from mrsfi.explaining import report as write_report
 from mrsfi_runtime.analysis import tables, weaknesses
 from mrsfi_runtime.analysis.summary import Summary, as_json
-from mrsfi_runtime.analysis.tables import Table
+from mrsfi_runtime.analysis.tables import NONE, Table, ticks
 from mrsfi_runtime.analysis.weaknesses import State
 from mrsfi_runtime.causes.chain import N_SEEDS, First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.consequences import estimate, risks
@@ -31,7 +31,7 @@ from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.observers import NamedFault, named_faults
-from mrsfi_runtime.record.store import NONE, Measure, ticks
+from mrsfi_runtime.record.store import Measure
 
 
 def print_verdicts(

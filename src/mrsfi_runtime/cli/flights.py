@@ -2,7 +2,7 @@
 
 A command declares its options, calls ``mrsfi``, and prints. It imports what it needs when it runs,
 so that ``mrsfi --help`` loads no toolchain. ``mrsfi bridge`` is the command of ``mrsfi_bridge``
-with the errors of ``mrsfi``.
+with the errors of ``mrsfi``; it is made when it is called, because its types load slowly.
 """
 
 from dataclasses import fields
@@ -12,23 +12,20 @@ from typing import TYPE_CHECKING
 import click
 
 from mrsfi.engines import Given, again, chosen, project
-from mrsfi_bridge.errors import BridgeError
-from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.settings import bridge_command as command_of
-from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.options import SIMULATION, FlightFiles, OneOf
 from mrsfi_runtime.cli.terminal import print_json, tell
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, SIDES, EngineSettings, Workers
-from mrsfi_runtime.record.settings import VIOLATIONS
+from mrsfi_runtime.record.settings import KEEP, VIOLATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mrsfi.campaign_folders import FlyableCampaign
     from mrsfi.explaining import Explainer, NamedSpecification
+    from mrsfi_bridge.settings import ServerSettings
     from mrsfi_runtime.engine.flights import Engine
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -364,15 +361,19 @@ def _harvest(run: Path, engine: Given, workers: Workers, *, is_json: bool) -> No
             print_all(campaign, known.goal_weaknesses, campaign.mission.goal_ids, known)
 
 
-def _serve_bridge(settings: ServerSettings) -> None:
-    from mrsfi_bridge.embedded import serve
+def bridge_command() -> click.Command:
+    """Make the command ``mrsfi bridge``."""
+    from mrsfi_bridge.errors import BridgeError
+    from mrsfi_bridge.settings import bridge_command as command_of
 
-    try:
-        serve(settings)
-    except BridgeError as error:
-        from mrsfi_runtime.transport.rosbridge import as_ours
+    def serve_bridge(settings: "ServerSettings") -> None:
+        from mrsfi_bridge.embedded import serve
 
-        raise as_ours(error) from error
+        try:
+            serve(settings)
+        except BridgeError as error:
+            from mrsfi_runtime.transport.rosbridge import as_ours
 
+            raise as_ours(error) from error
 
-bridge_command = command_of("mrsfi bridge", _serve_bridge, lambda: project().ros)
+    return command_of("mrsfi bridge", serve_bridge, lambda: project().ros)

@@ -94,7 +94,8 @@ class CommandGroup(click.Group):
         if cmd_name not in _COMMANDS:
             return None
         module = import_module(f"mrsfi_runtime.cli.{_COMMANDS[cmd_name][0]}")
-        return cast("click.Command", getattr(module, f"{cmd_name}_command"))
+        command = getattr(module, f"{cmd_name}_command")
+        return command if isinstance(command, click.Command) else cast("click.Command", command())
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
         """List the subcommands without importing them."""

@@ -108,7 +108,7 @@ def _range(numbers: Iterable[int]) -> str:
 
 
 def _rows(checked: "Sequence[Checked]") -> Iterator[tuple[str | int, ...]]:
-    from mrsfi_runtime.record.store import NONE
+    from mrsfi_runtime.analysis.tables import NONE
 
     for each in checked:
         regression = each.regression

@@ -49,6 +49,9 @@ MINIMISING = ("nsga2", "guided")
 VIOLATIONS = ("believed", "true", "masked", "missed")
 """Counts of an outcome that a search can maximise."""
 
+KEEP = 0.95
+"""Share of every goal's violations that a cause set keeps."""
+
 
 class _Rule(NamedTuple):
     expected: str

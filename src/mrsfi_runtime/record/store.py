@@ -558,12 +558,3 @@ class Measure:
         if self.n_seeds > 1:
             return dict(zip(self.chosen, evaluation.fitness[1:], strict=True))
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
-
-
-NONE = "–"
-"""The content of an empty table cell."""
-
-
-def ticks(count: float) -> str:
-    """Return a count, or a mean of counts, as text."""
-    return str(count) if isinstance(count, int) else f"{count:.2f}"

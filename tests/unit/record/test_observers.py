@@ -6,7 +6,7 @@ from io import StringIO
 
 import pytest
 
-from mrsfi_runtime.analysis.tables import fault_table, goal_table, in_words
+from mrsfi_runtime.analysis.tables import fault_table, goal_table, in_words, ticks
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.kernel.flight import initial_state, no_verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
@@ -20,7 +20,7 @@ from mrsfi_runtime.record.observers import (
     robot_markers,
 )
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import Measure, ticks
+from mrsfi_runtime.record.store import Measure
 from tests.support.campaigns import outcome
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.measures import MEANS
