@@ -67,13 +67,10 @@ def within_reach(
     """
     if engine.side != INJECTOR:
         return code, engine
-    from mrsfi_runtime.cosimulation.node_speech import (  # noqa: PLC0415 - brings types of ROS
-        Speech,
-        out_of_reach,
-    )
+    from mrsfi_runtime.cosimulation import node_speech  # noqa: PLC0415 - brings types of ROS
 
-    speech = Speech.of(engine.node_mapping, code.mission)
-    beyond = out_of_reach(code.mission, code.pool, speech)
+    speech = node_speech.Speech.of(engine.node_mapping, code.mission)
+    beyond = node_speech.out_of_reach(code.mission, code.pool, speech)
     touching = defaultdict(list)
     for fault, touched in beyond.items():
         touching[touched].append(fault)
@@ -284,7 +281,7 @@ def evolve(
     """
     path, store, settings = campaign.folder.path, campaign.store, campaign.store.settings
     explains = _explains(store, explains)
-    seed, before = settings.mission_seed, (store.n_generations, len(store.flights()))
+    seed, before = settings.mission_seed, (store.n_generations, store.n_flights)
 
     def tell_who(who: str) -> None:
         tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.words}, {who}")
@@ -304,7 +301,7 @@ def evolve(
                 raise
             except EvaluationError as error:
                 tell(f"weaknesses are not searched for: {error}")
-    if (store.n_generations, len(store.flights())) == before:
+    if (store.n_generations, store.n_flights) == before:
         tell("the campaign was finished already; its report is written again")
 
 
@@ -330,7 +327,7 @@ def _explains(store: CampaignStore, asked: bool | None) -> bool:
     """Return whether to search for weaknesses: as asked, or as the campaign was begun."""
     if asked is False:
         store.keep(_UNEXPLAINED, "")
-    is_wanted = store.kept(_UNEXPLAINED, str) is None or bool(store.flights())
+    is_wanted = store.kept(_UNEXPLAINED, str) is None or store.n_flights > 0
     return is_wanted if asked is None else asked
 
 

@@ -379,7 +379,7 @@ def flying_again(
 def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
     """Search for all weaknesses of a campaign and record them, unless it has."""
     store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
-    n_before, began, tell_of = len(store.flights()), monotonic(), now_and_then(tell)
+    n_before, began, tell_of = store.n_flights, monotonic(), now_and_then(tell)
 
     def progress(unit: str, n_done: int, n_most: int, known: Known) -> None:
         nonlocal began
@@ -391,7 +391,7 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
             tell_of(lambda: f"{done}  {_found(known.weaknesses())}  {time_left(rest)}")
 
     found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
-    if len(store.flights()) > n_before:
+    if store.n_flights > n_before:
         tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
 
 
@@ -430,7 +430,8 @@ def refined(
         judged = [*in_seeds(campaign.mission, judged, prober, seeds)]
     if is_mildest:
         flown = (RecordedFlight(seed, each, found) for (each, seed), found in prober.known.items())
-        again = iter(detected(campaign.mission, campaign.store, judged, flown))
+        later = (*campaign.store.flights(), *flown)
+        again = iter(detected(campaign.mission, campaign.store, judged, later))
         mild = (replace(each, weakness=next(again)) for each in least)
         return [replace(weakness, mildest=each) for weakness, each in zip(found, mild, strict=True)]
     again = iter(judged)

@@ -484,10 +484,10 @@ def detected(
     mission: Mission,
     store: CampaignStore,
     weaknesses: Sequence[Weakness],
-    more: Iterable[RecordedFlight] = (),
+    later: Iterable[RecordedFlight],
 ) -> tuple[Weakness, ...]:
-    """Return weaknesses with their depth, and their detection in all flights and in ``more``."""
-    flights = [*store.flown_with({frozenset(each.faults) for each in weaknesses}), *more]
+    """Return weaknesses with their depth, and their detection in the search and later flights."""
+    flights = [*store.flown_with({frozenset(each.faults) for each in weaknesses}), *later]
     yardsticks: dict[int, Yardstick] = {}
     late: defaultdict[tuple[str, FaultSet], dict[Specification, float]] = defaultdict(dict)
     depths: dict[tuple[str, Specification], Margin | None] = {}

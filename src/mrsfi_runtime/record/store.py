@@ -351,18 +351,22 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         self.manifest = replace(self.manifest, engine=engine)
         self.keep("manifest", database.canonical(self.manifest.as_json()))
 
+    @property
+    def n_flights(self) -> int:
+        """How many flights after the search are stored."""
+        return self._next("flight")
+
     def flights(self) -> tuple[RecordedFlight, ...]:
         """Return the flights after the search, in order."""
         rows = self._select("SELECT mission_seed, specification, found FROM flight ORDER BY idx")
         return tuple(self._decoded(RecordedFlight.from_row, row) for row in rows)
 
     def flown_with(self, sets: Collection[frozenset[str]]) -> Iterator[RecordedFlight]:
-        """Yield all evaluations of exactly one of the sets, or of no fault, then later flights."""
+        """Yield all evaluations of exactly one of the sets, or of no fault."""
         for index, faults in enumerate(self.fault_sets()):
             if faults in sets or not faults:
                 each = self.evaluation(index)
                 yield RecordedFlight(self.settings.mission_seed, each.specification, each.outcome)
-        yield from self.flights()
 
     def append_flights(self, flights: Iterable[RecordedFlight]) -> None:
         """Store flights after the search, in one transaction."""

@@ -194,7 +194,7 @@ def test_only_records_of_semantics_3_say_how_far_a_goal_was_beyond_its_limit(
 
         near = harvest(space, store, lambda some, _: [flown] * len(some), None).nearest
         told = Weakness(Column("g1", "true"), (), (), 1, 1)
-        (found,) = detected(space.gate.mission, store, [told])
+        (found,) = detected(space.gate.mission, store, [told], ())
 
     assert near["g1"] == (depth, 0)
     assert found.depth == (depth and (4.5, 7))
