@@ -9,9 +9,10 @@ libraries that read models, fill templates and check regions.
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,11 +20,11 @@ from typing import TYPE_CHECKING
 import m2t
 import mrsfi_runtime
 from mrsfi.engines import from_here, project
-from mrsfi_runtime.engine.compiled.machine_code import passed_once
+from mrsfi_runtime.engine.compiled.machine_code import remembered
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
 from mrsfi_runtime.generated_code import MissionCode, load_code, require_semantics
-from mrsfi_runtime.project_file import CHOSEN, MISSION_XMI, root
+from mrsfi_runtime.project_file import CHOSEN, MISSION_XMI, project_metamodels, root
 
 if TYPE_CHECKING:
     from m2t.models.load import LoadedModels
@@ -65,43 +66,55 @@ class MissionFolders:
             )
 
 
-def _fingerprint(models: Path, generated: Path) -> str:
-    """Return a key of all that decides whether generated code is fresh, and its regions sound."""
-    ours = [Path(each.__path__[0]) for each in (m2t, mrsfi_runtime)]
-    places = [Path(each, "metamodels") for each in (ours[0], ours[0].parent)]
-    chosen = os.environ.get(CHOSEN)
+_OURS = [Path(each.__path__[0]) for each in (m2t, mrsfi_runtime)]
+
+
+def fingerprint(sources: Iterable[Path]) -> str:
+    """Return a key of files by their content, of the metamodels, and of this mrsfi."""
+    places = [Path(each, "metamodels") for each in (_OURS[0], _OURS[0].parent)]
+    own = os.environ.get(CHOSEN) or project_metamodels()
+    metamodels = (
+        path for place in ([Path(own)] if own else places) for path in place.glob("*.ecore")
+    )
+    key = sha256(os.fsencode(_version()))
+    for path in sorted({*sources, *metamodels}):
+        if path.is_file():
+            key.update(os.fsencode(f"{path}\n{sha256(path.read_bytes()).hexdigest()}\n"))
+    return key.hexdigest()
+
+
+@cache
+def _version() -> str:
+    """Return the version of Python, and that of each file of this mrsfi."""
+    files = sorted(path for each in _OURS for path in each.rglob("*.[pj][y2]"))
+    about = ((path, path.stat()) for path in files)
+    lines = (f"{path} {stat.st_size} {stat.st_mtime_ns}" for path, stat in about)
+    return "\n".join((sys.version, *lines))
+
+
+def _sources(models: Path, generated: Path) -> set[Path]:
+    """Return all files that decide whether generated code is fresh, and its regions sound."""
     sources: set[Path] = set()
     with suppress(OSError, ValueError, KeyError, TypeError):
         manifest = json.loads((generated / "manifest.json").read_bytes())
         sources = {models / name for name in manifest["sources"]}
-    for folder, pattern in (
-        (models, "*.xmi"),
-        (generated, "*"),
-        *((place, "*.ecore") for place in ([Path(chosen)] if chosen else places)),
-    ):
-        sources.update(folder.glob(pattern))
-    key = sha256(sys.version.encode())
-    for path in sorted(sources):
-        if path.is_file():
-            key.update(f"{path}\n{sha256(path.read_bytes()).hexdigest()}\n".encode())
-    for path in sorted(path for each in ours for path in each.rglob("*.[pj][y2]")):
-        key.update(f"{path} {path.stat().st_size} {path.stat().st_mtime_ns}\n".encode())
-    return key.hexdigest()
+    return {*sources, *models.glob("*.xmi"), *generated.glob("*")}
 
 
 def load_fresh(folders: MissionFolders, loaded: "LoadedModels | None" = None) -> MissionCode:
     """Load the generated code of a mission, which must be fresh, with sound regions."""
 
-    def check() -> None:
+    def check() -> bytes:
         from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
             require_sound_regions,
         )
 
         folders.require_fresh(loaded)
         require_sound_regions(folders.generated)
+        return b"sound"
 
     if loaded is None:
-        passed_once(_fingerprint(folders.models, folders.generated), check)
+        remembered(fingerprint(_sources(folders.models, folders.generated)), check)
     else:
         check()
     return load_code(folders.generated)

@@ -1,28 +1,23 @@
 """Check missions, and read fault specifications in files.
 
-``read_specification`` reads a file of timed faults. ``validate`` checks the models, the regions and
-a flight without faults; its diagnostics are those of ``m2t``.
+``read_specification`` reads a file of timed faults. One that was read without an error is kept in
+the cache, as the text of a fault loader, beside the hashes of its files: while these stay as they
+are, it is read without the libraries that read models. ``validate`` checks the models, the regions
+and a flight without faults; its diagnostics are those of ``m2t``.
 """
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
+from time import time
 from typing import TYPE_CHECKING
 
-from m2t.generate import rendered_file
-from m2t.models.fixes import Mending, mend
-from m2t.models.load import (
-    Inspection,
-    LoadedModels,
-    inspect_folder,
-    inspect_specification,
-    load_mission_folder,
-    load_specification,
-    write_specification,
-)
 from mrsfi.engines import Tell, from_here, silent
-from mrsfi.folders import MissionFolders, find_mission, load_fresh
+from mrsfi.folders import MissionFolders, find_mission, fingerprint, load_fresh
+from mrsfi_runtime.engine.compiled.machine_code import remembered
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
 from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
 from mrsfi_runtime.errors import (
@@ -33,21 +28,37 @@ from mrsfi_runtime.errors import (
     SpecificationError,
     UsageError,
 )
-from mrsfi_runtime.files import changing, write_atomically
+from mrsfi_runtime.files import changing, settle, write_atomically
 from mrsfi_runtime.generated_code import MissionCode, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, original
 from mrsfi_runtime.model.mission import starvation
 
 if TYPE_CHECKING:
+    from m2t.models.fixes import Mending
+    from m2t.models.load import Inspection, LoadedModels
     from mrsfi_runtime.analysis.report import SpecificationWriter
 
 
+_N_FILES = 2  # of a specification whose mission is one file
+
+
+def load_models(path: Path) -> "LoadedModels":
+    """Load the models of a mission folder, or a specification with its mission."""
+    from m2t.models import load  # noqa: PLC0415 - slow
+
+    is_file = path.suffix == ".xmi" or path.is_file()
+    return load.load_specification(path) if is_file else load.load_mission_folder(path)
+
+
 def specification_writer(
-    source: Path | LoadedModels, put: Callable[[Path, bytes], object] = write_atomically
+    source: "Path | Callable[[], LoadedModels]",
+    put: Callable[[Path, bytes], object] = write_atomically,
 ) -> "SpecificationWriter":
     """Return a writer of specifications; it loads a mission folder when it is first called."""
-    models = cache(lambda: load_mission_folder(source) if isinstance(source, Path) else source)
-    return lambda rows, path, identifier, names: write_specification(
+    from m2t.models import load  # noqa: PLC0415 - slow
+
+    models = cache(lambda: load_models(source) if isinstance(source, Path) else source())
+    return lambda rows, path, identifier, names: load.write_specification(
         models(), rows, path, identifier=identifier, names=names, write=put
     )
 
@@ -56,11 +67,11 @@ def specification_writer(
 class Written:
     """A fault specification in a file.
 
-    ``models`` is the loaded file with its mission. ``unknown`` has the IDs of faults outside the
+    ``models`` loads the file with its mission, once. ``unknown`` has the IDs of faults outside the
     pool, ``late`` a warning for each that ends beyond the mission.
     """
 
-    models: LoadedModels
+    models: "Callable[[], LoadedModels]"
     pool: FaultPool
     specification: Specification
     unknown: tuple[str, ...]
@@ -74,15 +85,15 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     """
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
-    models = load_specification(path)
-    pool = pool_from_text(rendered_file("fault_loader.py", models))
+    models = cache(lambda: load_models(path))
+    pool = pool_from_text(_fault_loader(path, models))
     try:
         require_effects(code.pool, pool)
         specification = Gate(code.mission, pool, code.pool.by_id).admitted(
             pool.written_specification()
         )
     except SpecificationError as error:
-        lines = {each.ID: models.nodes[each].line for each in models.pool}
+        lines = {each.ID: models().nodes[each].line for each in models().pool}
         named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)
         where = f"{path}:{named}" if named else path
         raise SpecificationError(f"{where}: {error}", error.faults) from error
@@ -99,6 +110,37 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     for oddity in late:
         tell(oddity)
     return Written(models, pool, specification, unknown, late)
+
+
+def _fault_loader(path: Path, models: "Callable[[], LoadedModels]") -> str:
+    """Return the text of the fault loader of a specification, from the cache if it is there.
+
+    It is kept if the mission is one file. Of several, the first is looked for in folders, so that a
+    new file could change the result. A file of the last second may have changed while it was read.
+    """
+
+    def made() -> bytes:
+        from m2t.generate import rendered_file  # noqa: PLC0415 - slow
+
+        text = rendered_file("fault_loader.py", models())
+        files = [file.path.resolve() for file in models().files]
+        is_kept = len(files) == _N_FILES and all(
+            each.stat().st_mtime < began - 1.0 for each in files
+        )
+        return json.dumps([{str(each): _hash(each) for each in files if is_kept}, text]).encode()
+
+    def is_current(content: bytes) -> bool:
+        known: dict[str, str] = json.loads(content)[0]
+        return bool(known) and all(_hash(Path(name)) == known[name] for name in known)
+
+    settle(*path.resolve().parents)
+    began = time()
+    text: str = json.loads(remembered(fingerprint([path.resolve()]), made, is_current))[1]
+    return text
+
+
+def _hash(path: Path) -> str:
+    return sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 _LONGEST_FLIGHT = 100_000
@@ -137,12 +179,13 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     ``mission`` may also be an ``.xmi`` file with a fault specification. ``tell`` receives the
     reason if the mission is not flown.
     """
+    from m2t.models import load  # noqa: PLC0415 - slow
     from mrsfi_runtime.engine.region_lint import lint_regions  # noqa: PLC0415 - brings pyflakes
 
     if mission.endswith(".xmi"):
-        return Validated(mission, inspect_specification(Path(mission)).diagnostics)
+        return Validated(mission, load.inspect_specification(Path(mission)).diagnostics)
     folders = find_mission(mission, generated)
-    inspection = inspect_folder(folders.models)
+    inspection = load.inspect_folder(folders.models)
     models = inspection.diagnostics
     regions = lint_regions(folders.generated)
     if n_errors(models):
@@ -159,17 +202,19 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     return Validated(folders.name, models, (*flown, *regions), counts)
 
 
-def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
+def mending(mission: str, generated: Path | None = None) -> "tuple[Inspection, Mending | None]":
     """Return the diagnostics of models, and the repairs of all that have one sensible remedy."""
+    from m2t.models import fixes, load  # noqa: PLC0415 - slow
+
     inspection = (
-        inspect_specification(Path(mission))
+        load.inspect_specification(Path(mission))
         if mission.endswith(".xmi")
-        else inspect_folder(find_mission(mission, generated).models)
+        else load.inspect_folder(find_mission(mission, generated).models)
     )
-    return inspection, mend(inspection)
+    return inspection, fixes.mend(inspection)
 
 
-def write_mended(mended: Mending) -> None:
+def write_mended(mended: "Mending") -> None:
     """Write all repaired files or none; refuse if one changed since it was read."""
     with changing(mended.folder) as change:
         for path in mended.contents:
@@ -183,7 +228,7 @@ def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
     return sum(diagnostic.severity == "error" for diagnostic in diagnostics)
 
 
-def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:
+def _flown(folders: MissionFolders, loaded: "LoadedModels", tell: Tell) -> Iterator[Diagnostic]:
     """Fly the mission twice without faults; yield errors, and goals that are violated."""
     if loaded.mission.duration > _LONGEST_FLIGHT:
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")

@@ -16,12 +16,11 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, TypeAlias
 
-from m2t.models.load import load_mission_folder, load_specification
 from mrsfi.engines import AS_RECORDED, Given, Tell, evaluator, project, silent
 from mrsfi.folders import MissionFolders, find_mission, folders_at, load_fresh
-from mrsfi.loading import Written, read_specification, specification_writer
+from mrsfi.loading import Written, load_models, read_specification, specification_writer
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.opening import named, open_engine
+from mrsfi_runtime.engine.opening import open_engine, quickest
 from mrsfi_runtime.errors import (
     EvaluationError,
     MrsfiError,
@@ -43,15 +42,7 @@ from mrsfi_runtime.record.decisions import (
     read_decision,
 )
 from mrsfi_runtime.record.engine_settings import AUTO, BOTH, EngineSettings, Workers, parts_of
-from mrsfi_runtime.record.settings import (
-    KEEP,
-    CampaignSettings,
-    Regression,
-    folder_of,
-    following,
-    kept,
-)
-from mrsfi_runtime.record.store import Measure
+from mrsfi_runtime.record.settings import CampaignSettings, Regression, folder_of, following, kept
 
 if TYPE_CHECKING:
     from mrsfi.campaign_folders import OpenCampaign
@@ -317,7 +308,7 @@ def check_mission(
     checked = list[Checked]()
     if kept(models) or not files:
         checked += check_all(folders, engine, tell, n_seeds, workers=workers)
-    rows, load = [], cache(load_mission_folder)
+    rows, load = [], cache(load_models)
     for path in files:
         row = Checked(Regression(path, "", "", (), {}), (), places=((path, 1),), is_decision=True)
         try:
@@ -344,7 +335,7 @@ def _names(models: Path, known: Container[str]) -> dict[Cause, str]:
     names: dict[Cause, str] = {}
     for each in kept(models):
         if each.defect is None:
-            copies = [fault.ID for fault in load_specification(each.specification).pool]
+            copies = [fault.ID for fault in load_models(each.specification).pool]
             names |= {Cause(goal, _faults_of(copies, known)): each.name for goal in each.limits}
     return names
 
@@ -393,7 +384,8 @@ def check_all(
 ) -> Iterator[Checked]:
     """Fly all kept weaknesses of a mission, or one by its name; yield the result of each.
 
-    They fly together on all workers. The engine auto is compiled if that is built, else reference.
+    They fly together on all workers. The engine auto is compiled if that is built, else reference;
+    few short flights begin at once, on the reference engine in this process.
     ``n_seeds`` is the number of mission seeds: first those of the limits, then those that follow
     the first one.
     """
@@ -413,14 +405,15 @@ def check_all(
     try:
         code = load_fresh(folders)
         seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
-        engine = named(engine, code, seed, tell)
+        n_flights = sum(len(each.seeds) for each in fresh)
+        flown_by, workers = quickest(engine, workers, code, seed, tell, n_flights)
     except MrsfiError as error:
         yield from (replace(each, error=each.error or error) for each in fresh)
         return
-    read = [(each, None) if each.error else _read(each, code, engine, tell) for each in fresh]
+    read = [(each, None) if each.error else _read(each, code, flown_by, tell) for each in fresh]
     began = monotonic()
     readable = [(found, written) for found, written in read if written]
-    flown = _flown_together(readable, code, engine, workers)
+    flown = _flown_together(readable, code, flown_by, workers)
     seconds = (monotonic() - began) / len(read)
     for found, written in read:
         judged = _judged(found, written, flown, code, engine) if written else found
@@ -517,7 +510,7 @@ def _judged(
             )
             if found.exceeded:
                 worst = max(own, key=lambda seed: sum(own[seed].values()))
-                why, models = _why(regression, engine(), found.exceeded, worst), written.models
+                why, models = _why(regression, engine(), found.exceeded, worst), written.models()
                 places = tuple(
                     (models.mission_path, models.nodes[goal].line)
                     for goal in models.mission.goals
@@ -544,6 +537,8 @@ def _why(
     from mrsfi_runtime.causes.cause_set import Flights  # noqa: PLC0415
     from mrsfi_runtime.causes.chain import find_cause  # noqa: PLC0415
     from mrsfi_runtime.record.observers import named_faults  # noqa: PLC0415
+    from mrsfi_runtime.record.settings import KEEP  # noqa: PLC0415
+    from mrsfi_runtime.record.store import Measure  # noqa: PLC0415
 
     mission = engine.code.mission
     specification = engine.code.pool.written_specification()

@@ -1,3 +1,4 @@
+import os
 import shutil
 import subprocess
 import sys
@@ -216,6 +217,27 @@ def test_what_was_fresh_once_is_not_generated_again_until_a_file_changes(
     code = place / "generated" / MISSION / "mission_loader.py"
     code.write_text(f"{code.read_text('utf-8')}# mine\n", encoding="utf-8")
     assert "mission_loader.py" in simulated(4).stderr
+
+
+def test_a_kept_weakness_is_flown_without_numpy_and_read_once(place, tmp_path, monkeypatch):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
+    for path in (place / "models" / MISSION).rglob("*.xmi"):
+        os.utime(path, (1_000_000_000, 1_000_000_000))  # a file of the last second may change again
+
+    first, again = (
+        subprocess.run(
+            [sys.executable, "-c", _IMPORTS, " ".join(HEAVY), "check", MISSION],
+            cwd=place,
+            capture_output=True,
+            check=True,
+            encoding="utf-8",
+        )
+        for _ in range(2)
+    )
+
+    assert again.stdout == first.stdout
+    assert {*first.stderr.split()} == {*FLIGHT, "rich"}
+    assert {*again.stderr.split()} == {"m2t", "rich"}
 
 
 def test_help_imports_neither_subcommands_nor_their_options_nor_the_glossary(tmp_path):

@@ -15,6 +15,7 @@ from mrsfi_runtime.record.engine_settings import (
     INJECTOR,
     REFERENCE,
     EngineSettings,
+    Workers,
 )
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from mrsfi_runtime.generated_code import MissionCode
 
 Tell: TypeAlias = Callable[[str], None]
+
+_MEANWHILE = 6_000  # ticks of robots that the reference engine flies while the compiled one opens
 
 
 def open_engine(
@@ -66,6 +69,21 @@ def named(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) 
         tell(f"not compiled: {error}; mrsfi uses the reference engine, about 100 times slower")
         return replace(settings, name=REFERENCE)
     return compiled
+
+
+def quickest(
+    settings: EngineSettings,
+    workers: Workers,
+    code: "MissionCode",
+    seed: int,
+    tell: Tell,
+    n_flights: int,
+) -> tuple[EngineSettings, Workers]:
+    """Return settings as ``named`` does; few short flights begin at once, in this process."""
+    n_ticks = n_flights * code.mission.duration * len(code.mission.robots)
+    if settings.name == AUTO and workers.dask is None and n_ticks <= _MEANWHILE:
+        return replace(settings, name=REFERENCE), Workers(1)
+    return named(settings, code, seed, tell), workers
 
 
 def tried(settings: EngineSettings, code: "MissionCode", seed: int, tell: Tell) -> EngineSettings:

@@ -8,8 +8,7 @@ import pickle
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent import futures  # which imports processes when they are used
 from contextlib import contextmanager
 from functools import cache, lru_cache, partial
 from multiprocessing import get_context, parent_process
@@ -48,7 +47,7 @@ class WorkerPool(Evaluator):
         )
         self.n_workers = n_workers
         self._executor = cache(
-            lambda: ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
+            lambda: futures.ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
         )
 
     def close(self) -> None:
@@ -80,7 +79,7 @@ def _results(results: Iterator[Evaluated]) -> Iterator[Evaluated]:
 def _worker_lost() -> Iterator[None]:
     try:
         yield
-    except BrokenProcessPool as error:
+    except futures.BrokenExecutor as error:
         raise WorkerLost(
             "a worker process died; resume the campaign, or use --workers 1 to see why"
         ) from error

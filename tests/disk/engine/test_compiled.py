@@ -27,11 +27,19 @@ from mrsfi_runtime.engine.compiled.machine_code import (
     sources_key,
 )
 from mrsfi_runtime.engine.flights import ReferenceEngine
+from mrsfi_runtime.engine.opening import quickest
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import FaultPool, Gate, TimedFault
-from mrsfi_runtime.record.engine_settings import require_address
+from mrsfi_runtime.record.engine_settings import (
+    AUTO,
+    COMPILED,
+    REFERENCE,
+    EngineSettings,
+    Workers,
+    require_address,
+)
 from tests.support.cluster import require_dask
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
@@ -391,3 +399,14 @@ def test_what_fails_on_the_reference_engine_alone_is_told_with_its_line(refused)
 
     with refused(EvaluationError):
         require_same(failing, recorded(sound), one(sound), 10.0)
+
+
+def test_two_flights_of_the_papers_mission_do_not_wait_for_compiled_code():
+    code, auto, many = paper_code(), EngineSettings(AUTO), Workers(4)
+
+    assert quickest(auto, many, code, SEED, pytest.fail, 2) == (
+        EngineSettings(REFERENCE),
+        Workers(1),
+    )
+    for settings in (EngineSettings(COMPILED), EngineSettings(REFERENCE)):
+        assert quickest(settings, many, code, SEED, pytest.fail, 2) == (settings, many)

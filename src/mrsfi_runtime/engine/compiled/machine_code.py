@@ -53,17 +53,15 @@ def _lasting() -> tuple[Path, str]:
         return folder, "it is no folder" if folder.exists() else error.strerror or str(error)
 
 
-def passed_once(key: str, check: Callable[[], None]) -> None:
-    """Call a check, which raises if it fails, unless it passed before under the same key."""
+def remembered(
+    key: str, make: Callable[[], bytes], is_current: Callable[[bytes], bool] = bool
+) -> bytes:
+    """Return the content of a key if it is current; else make it, and keep it where possible."""
     folder, why = _lasting()
-    mark = folder / key / FILE
-    if why or not mark.is_file():
-        check()
-    with suppress(OSError):
-        if not why:
-            _make_room(mark.parent)
-            mark.parent.mkdir(mode=0o700, exist_ok=True)
-            mark.touch()
+    if not why:
+        with suppress(OSError):
+            return _kept_in(folder / key, make, is_current)[0]
+    return make()
 
 
 def _distrusted(folder: Path) -> str:
@@ -107,7 +105,9 @@ def forget(key: str) -> None:
     (cache_folder() / key / FILE).unlink(missing_ok=True)
 
 
-def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
+def _kept_in(
+    entry: Path, make: Callable[[], bytes], is_current: Callable[[bytes], bool] = bool
+) -> tuple[bytes, bool]:
     """Return the content of an entry; one process at a time makes it, and then seals it."""
     _make_room(entry)
     if entry.is_symlink() or entry.is_file():
@@ -118,7 +118,7 @@ def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
         with suppress(OSError):  # a file system without locks: then each compiles for itself
             fcntl.flock(lock, fcntl.LOCK_EX)
         seal, _, content = file.read_bytes().partition(b"\n") if file.is_file() else (b"", b"", b"")
-        if seal == sealed(entry.name, content):
+        if seal == sealed(entry.name, content) and is_current(content):
             file.touch()
             return content, False
         content = make()
