@@ -46,7 +46,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop wheel release check site clean
+.PHONY: help install code generate validate simulate evolve report regressions quick test test-all test-night interop wheel release check site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -62,23 +62,25 @@ install: $(BASE) ## make the virtual environment .venv, install mrsfi into it an
 	@echo "Compiling the simulation kernel, unless this was done before: about 20 seconds."
 	@$(BIN)/python -m mrsfi_runtime.engine.compiled
 
-generate: $(BASE) ## generate the middleware of MISSION from its models
+code: $(BASE)
 	$(BIN)/mrsfi generate $(mission)
+
+generate: code ## generate the middleware of MISSION, and the classes for scripts that make models
 	$(BIN)/python -m m2t.classes generated/metamodel
 
 validate: $(BASE) ## check the models of MISSION
 	$(BIN)/mrsfi validate $(mission)
 
-simulate: generate ## fly MISSION once without faults
+simulate: code ## fly MISSION once without faults
 	$(BIN)/mrsfi simulate $(mission) $(seed) $(engine)
 
-evolve: generate ## search for faults that break the goals of MISSION, and print its weaknesses
+evolve: code ## search for faults that break the goals of MISSION, and print its weaknesses
 	$(BIN)/mrsfi evolve $(campaign) $(engine) $(workers)
 
 report: $(BASE) ## write the report of campaign folder OUT again (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),$(call quoted,$(OUT)))
 
-regressions: generate ## fly the kept weaknesses of MISSION; fails if one exceeds its limit
+regressions: code ## fly the kept weaknesses of MISSION; fails if one exceeds its limit
 	$(BIN)/mrsfi check $(mission) $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in about a minute
