@@ -25,6 +25,7 @@ from benchmarks.measuring import MEBI, Others, Run, run_in
 
 MISSION = "uuv_sampling"
 FLEET = Path("models", "fleet_30")  # of this tree, as old commits lack it
+DURATION = 'duration="1000"'
 REGION = "    # protected region g3.check on begin\n"
 Figures = dict[str, float]
 """What was measured, in words with their unit."""
@@ -48,12 +49,19 @@ class Side:
         """Run a command, with its compiled code in a folder, until it ends or prints a line."""
         return self._run("mrsfi", *words, last=last, MRSFI_CACHE=str(self.scratch / folder))
 
-    def evolve(self, *words: str, last: str | None = None, folder: str = "cache") -> Run:
-        """Run a search that explains nothing, and drop what it found."""
-        if "--no-explain" in _help(self, "evolve"):
+    def evolve(
+        self,
+        *words: str,
+        mission: str = MISSION,
+        explains: bool = False,
+        last: str | None = None,
+        folder: str = "cache",
+    ) -> Run:
+        """Run a search, and drop what it found; it explains nothing unless it is to."""
+        if not explains and "--no-explain" in _help(self, "evolve"):
             words = (*words, "--no-explain")
         with tempfile.TemporaryDirectory(dir=self.scratch) as name:
-            words = ("evolve", MISSION, *words, "--out", f"{name}/run")
+            words = ("evolve", mission, *words, "--out", f"{name}/run")
             return self.mrsfi(*words, last=last, folder=folder)
 
     def _run(self, program: str, *words: str, last: str | None = None, **variables: str) -> Run:
@@ -79,10 +87,13 @@ def from_start(what: str, run: Run) -> Figures:
 
 def commands(side: Side, _: int) -> Figures:
     """Run what searches nothing."""
+    keeps = (side.tree / "models" / MISSION / "regressions").is_dir()
     return {
         **from_start("--help", side.mrsfi("--help")),
         **from_start("validate", side.mrsfi("validate", MISSION)),
         **from_start("generate", side.mrsfi("generate", MISSION, "--check")),
+        **from_start("simulate", side.mrsfi("simulate", MISSION)),
+        **(from_start("check", side.mrsfi("check", MISSION)) if keeps else {}),
     }
 
 
@@ -103,8 +114,30 @@ def edited(side: Side, number: int) -> Figures:
         message = f"{path}: found no region g3.check to edit"
         raise SystemExit(message)
     path.write_text(text.replace(REGION, REGION + lines), "utf-8")
-    found = side.evolve("--generated", str(generated), last="generation")
-    return {"region edit to first generation, s": found.lines[-1][0]}
+    return first_generation("region edit", side, "--generated", str(generated))
+
+
+def unseen(side: Side, number: int) -> Figures:
+    """Search a mission of a size that nobody has flown until the first generation is printed."""
+    models = side.scratch / f"unseen-{number}" / "models" / "unseen"
+    shutil.copytree(side.tree / "models" / MISSION, models)
+    path = models / "mission.xmi"
+    text = path.read_text("utf-8")
+    if DURATION not in text:
+        message = f"{path}: found no {DURATION} to replace"
+        raise SystemExit(message)
+    path.write_text(text.replace(DURATION, f'duration="{1001 + number}"'), "utf-8")
+    side.mrsfi("generate", str(models))
+    return first_generation("mission never seen", side, mission=str(models))
+
+
+def first_generation(what: str, side: Side, *words: str, mission: str = MISSION) -> Figures:
+    """Return what a search took until its first generation was printed."""
+    found = side.evolve(*words, mission=mission, last="generation")
+    return {
+        f"{what} to first generation, s": found.lines[-1][0],
+        f"{what}: processors, s": found.processor,
+    }
 
 
 def many(side: Side, _: int) -> Figures:
@@ -132,8 +165,12 @@ QUANTITIES = MappingProxyType(
         "robots": Quantity(lambda side, _: side.probe(str(side.scratch / "fleet"))),
         "commands": Quantity(commands),
         "cached": Quantity(lambda side, _: from_start("evolve, cached", side.evolve())),
+        "weaknesses": Quantity(
+            lambda side, _: from_start("evolve, weaknesses", side.evolve(explains=True))
+        ),
         "cold": Quantity(cold, share=3, is_warmed=False),
-        "edit": Quantity(edited, share=3, is_warmed=False),
+        "edit": Quantity(edited, share=3),
+        "unseen": Quantity(unseen, share=3),
         "many": Quantity(many, share=10, is_warmed=False),
     }
 )
