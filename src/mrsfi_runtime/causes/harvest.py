@@ -17,12 +17,10 @@ import json
 import math
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from random import Random
-from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes import consequences, weakness
@@ -384,50 +382,50 @@ def harvest(
     before = known_by(space, store)
     if before is not None and before.n_flights:
         return before
-    mission, settings, n_taken = space.gate.mission, store.settings, 0
-    with _recorded(store, evaluate_many) as prober:
-        most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
-        seeds = following(settings.mission_seed, N_SEEDS)
+    mission, settings = space.gate.mission, store.settings
+    prober, n_taken = _recorded(store, evaluate_many), 0
+    most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
+    seeds = following(settings.mission_seed, N_SEEDS)
 
-        def fly(specifications: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
-            nonlocal n_taken
-            found = prober(specifications, seed)
-            n_taken += len(specifications)
-            on_progress("flights", n_taken, most, known)
-            return found
+    def fly(specifications: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
+        nonlocal n_taken
+        found = prober(specifications, seed)
+        n_taken += len(specifications)
+        on_progress("flights", n_taken, most, known)
+        return found
 
-        if before is not None:
-            known, yardstick = before.known, before.yardstick
-        else:
-            known = Known(space)
-            (fault_free,) = prober([()], seeds[0])
-            n_taken += 1
-            yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
-            known.learn((), yardstick.broken(fault_free))
-            probing = _probing(space, store, known, yardstick, most)
-            while turn := probing.turn()[: _affordable(known, most - n_taken, most)]:
-                for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
-                    known.learn(each, yardstick.broken(flown))
-        weaknesses = known.weaknesses()
-        left = max(0, most - n_taken)
-        n_others = min(N_SEEDS - 1, left // len(weakness.flown_with(weaknesses)))
-        found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
-        if yardstick is not None:
-            found = weakness.dated(yardstick, found, record)
-        smallest = [each.shown for each in least(goal_weaknesses(found))]
-        mild: tuple[Mildest, ...] = ()
-        if smallest:
-            mild = mildest(
-                space,
-                known,
-                smallest,
-                prober,
-                record,
-                seeds[:N_MILD],
-                lambda n_done, n_all: on_progress("bisections", n_done, n_all, known),
-            )
-        to_protect = consequences.ladder(mission, space.gate.pool, goal_weaknesses(found))
-        prober([rest for _, rest in consequences.closing(to_protect)], seeds[0])
+    if before is not None:
+        known, yardstick = before.known, before.yardstick
+    else:
+        known = Known(space)
+        (fault_free,) = prober([()], seeds[0])
+        n_taken += 1
+        yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
+        known.learn((), yardstick.broken(fault_free))
+        probing = _probing(space, store, known, yardstick, most)
+        while turn := probing.turn()[: _affordable(known, most - n_taken, most)]:
+            for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
+                known.learn(each, yardstick.broken(flown))
+    weaknesses = known.weaknesses()
+    left = max(0, most - n_taken)
+    n_others = min(N_SEEDS - 1, left // len(weakness.flown_with(weaknesses)))
+    found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
+    if yardstick is not None:
+        found = weakness.dated(yardstick, found, record)
+    smallest = [each.shown for each in least(goal_weaknesses(found))]
+    mild: tuple[Mildest, ...] = ()
+    if smallest:
+        mild = mildest(
+            space,
+            known,
+            smallest,
+            prober,
+            record,
+            seeds[:N_MILD],
+            lambda n_done, n_all: on_progress("bisections", n_done, n_all, known),
+        )
+    to_protect = consequences.ladder(mission, space.gate.pool, goal_weaknesses(found))
+    prober([rest for _, rest in consequences.closing(to_protect)], seeds[0])
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.counts, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
@@ -552,36 +550,19 @@ def _probing(
     return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 
-@contextmanager
-def _recorded(store: CampaignStore, evaluate_many: EvaluateIn) -> Iterator[Prober[Evaluated]]:
-    """Yield a prober that records its flights, and knows the recorded ones.
-
-    Flights wait while writing them would take more than a 20th of the time; a killed process loses
-    those that wait.
-    """
-    waiting: list[RecordedFlight] = []
-    due = 0.0
-
-    def write() -> None:
-        nonlocal due
-        begin, flown = monotonic(), waiting[:]
-        waiting.clear()  # first: an interrupt must not let a flight be stored twice
-        store.append_flights(flown)
-        due = 21 * monotonic() - 20 * begin
+def _recorded(store: CampaignStore, evaluate_many: EvaluateIn) -> Prober[Evaluated]:
+    """Return a prober that records its flights, and knows the recorded ones."""
 
     def fly(missing: Sequence[Specification], seed: int) -> list[Evaluated]:
-        flown: list[Evaluated] = []
-        for specification, found in zip(missing, evaluate_many(missing, seed), strict=True):
-            waiting.append(RecordedFlight(seed, specification, found))
-            flown.append(found)
-        if monotonic() >= due:
-            write()
-        return flown
+        flown: list[RecordedFlight] = []
+        try:
+            for specification, found in zip(missing, evaluate_many(missing, seed), strict=True):
+                flown.append(RecordedFlight(seed, specification, found))
+        finally:  # also what came before an interrupt
+            store.append_flights(flown)
+        return [each.found for each in flown]
 
     prober = Prober[Evaluated](fly, lambda _, __, flown: flown)
     for each in store.flights():
         prober.known[each.specification, each.mission_seed] = each.found
-    try:
-        yield prober
-    finally:  # also after an interrupt
-        write()
+    return prober
