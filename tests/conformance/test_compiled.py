@@ -102,6 +102,21 @@ def test_a_robot_believed_to_be_just_ahead_of_another_is_avoided_at_once():
     assert len(turned) == len(ahead)
 
 
+@pytest.mark.parametrize("name", ["depot", "fleet_30", "undersea", "uuv_sampling"])
+def test_where_no_index_is_checked_none_is_wrong(name):
+    code = load_code(ROOT / "generated" / name)
+    drawn = specifications(code, 40)
+
+    with open_engine(COMPILED, code, SEED) as engine:
+        unguarded = list(engine.evaluate_many(drawn))  # from a state that is kept for later flights
+        engine._fly_many.is_guarded = True
+        engine._fly_many._compile()
+        engine._reference = None  # which would repeat a flight with a wrong index
+        guarded = list(engine.evaluate_many(drawn))
+
+    assert guarded == unguarded
+
+
 FLY = """
 import sys
 from pathlib import Path
