@@ -561,7 +561,8 @@ def _protect_first(mission: Mission, pool: FaultPool, known: Harvest) -> Iterato
     if n < 2:
         return
     rungs = [
-        f"{_element(mission, step.element)}: {f'all {n}' if closed == n else f'{closed} of {n}'}"
+        f"{element_name(mission, step.element)}: "
+        + (f"all {n}" if closed == n else f"{closed} of {n}")
         for step, closed in zip(steps, n_closed, strict=True)
     ]
     rungs[0] += " weaknesses"
@@ -574,7 +575,7 @@ def _protect_first(mission: Mission, pool: FaultPool, known: Harvest) -> Iterato
     yield f"{flown}, {sum(gone.values())} of {len(gone)} weaknesses are gone{unknown}"
 
 
-def _element(mission: Mission, element: str) -> str:
+def element_name(mission: Mission, element: str) -> str:
     """Return the name of what can be protected: ``KAL (r3)``, ``message m9 of KAL``."""
     robots = mission.robot_index
     if element in robots:

@@ -266,9 +266,13 @@ class Known:
         ]
         return min(self._unexplained[column], key=len, default=None)
 
+    def tried(self, faults: Iterable[str]) -> Sequence[Specification]:
+        """Return the variants of exactly these faults, in order of trial."""
+        return self._forms.get(frozenset(faults), ())
+
     def breaking(self, column: Column, faults: FaultSet) -> Iterator[Specification]:
         """Yield the variants of exactly these faults that broke a column, in order of trial."""
-        return (each for each in self._forms[faults] if column in self.flown[form(each)])
+        return (each for each in self.tried(faults) if column in self.flown[form(each)])
 
     def weaknesses(self, *, are_weighted: bool = True) -> "tuple[Weakness, ...]":
         """Return the weaknesses by goal, small sets first, each by all its measures."""

@@ -490,7 +490,7 @@ class Repetition(NamedTuple):
     broken: tuple[int, ...]
 
 
-def wilson(k: int, n: int) -> tuple[float, float]:
+def wilson(k: float, n: float) -> tuple[float, float]:
     """Return the 95 % interval of a share of ``k`` in ``n`` trials, n > 0, by Wilson's score.
 
     References
