@@ -182,6 +182,19 @@ TERMS = (
         "cross-simulator validation, sim-to-real transfer",
     ),
     Term(
+        "monitor",
+        "A check of what the CI receives against its commands, the map or the data sheet; it "
+        "raises an alarm while a measure exceeds a threshold.",
+        "KAL's reported position is the same for more than one tick, although KAL should move.",
+        "plausibility check, runtime monitor, safety mechanism",
+    ),
+    Term(
+        "diagnostic coverage",
+        "The share of the variants that truly break a goal that is detected in time.",
+        "The CI's belief detects 55 % in time, with two monitors 100 %.",
+        "diagnostic coverage (ISO 26262, IEC 61508)",
+    ),
+    Term(
         "cause set",
         "Of one specification: the faults without which its violations would not occur.",
         "6 of the 20 faults of evaluation 725 keep 95 % of its violations.",

@@ -21,6 +21,7 @@ from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, counted
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
+    BOTH,
     CI,
     INJECTOR,
     ROSBRIDGE,
@@ -482,6 +483,46 @@ def confirm_command(
     seconds = confirming.seconds_of(found)
     print_words((f"In {found.world}, {found.transfer.words}", "bold"))
     print_words(f"{counted(len(seconds), 'flights')} there, {sum(seconds):.0f} s of flight")
+
+
+@options.command(name="monitors")
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.option(
+    "--fit-seeds",
+    "n_fit",
+    type=click.IntRange(1, 1000),
+    default=20,
+    show_default=True,
+    metavar="N",
+    help="Fit thresholds in N mission seeds without faults.",
+)
+@options.engine_options(default=AUTO, sides=(BOTH,))
+@click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
+def monitors_command(run: Path, n_fit: int, engine: Given, *, is_json: bool) -> None:
+    """Print which monitors would have caught the weaknesses of RUN in time.
+
+    A monitor checks what the collective intelligence receives, such as a position that is frozen.
+    Its thresholds are fitted to flights without faults. Then every variant of the weaknesses is
+    flown again, and mrsfi prints the fewest monitors that detect the most of them no later than the
+    goal is first truly violated, what remains, and how often they raise false alarms.
+
+    \b
+    Examples:
+      mrsfi monitors runs/uuv_sampling-a-1
+      mrsfi monitors runs/uuv_sampling-a-1 --fit-seeds 100
+      mrsfi monitors runs/uuv_sampling-a-1 --json | jq '.recommended[].monitor'
+    """
+    from mrsfi import monitoring
+
+    study = monitoring.monitored(run, engine, n_fit, tell)
+    if is_json:
+        print_json(monitoring.as_json(study))
+        return
+    for sentence in monitoring.sentences(study):
+        print_words(sentence)
+    click.echo()
+    for table in monitoring.tables(study) if study.cases else ():
+        print_table(table)
 
 
 @click.command(name="show")

@@ -27,6 +27,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "simulate": ("flights", "Fly a mission once, with or without faults."),
     "evolve": ("campaigns", "Search for faults that break the goals of a mission."),
     "weaknesses": ("campaigns", "Print the weaknesses of a campaign: its main result."),
+    "monitors": ("campaigns", "Print which checks would have caught the weaknesses in time."),
     "show": ("campaigns", "Draw how a weakness breaks its goal."),
     "explain": ("flights", "Find out which faults of a specification break which goal."),
     "replay": ("flights", "Fly evaluations of a campaign again and compare."),

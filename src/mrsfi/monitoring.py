@@ -1,0 +1,165 @@
+"""What would have caught the weaknesses of a campaign: monitors, fitted, measured, recommended.
+
+``monitored`` flies for ``causes/monitors.py``, which judges; the rest renders its ``Study``.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from mrsfi.engines import Given, Tell, silent
+from mrsfi.explaining import flying_again, harvested
+from mrsfi_runtime.analysis.tables import Cell, Table
+from mrsfi_runtime.analysis.weaknesses import element_name
+from mrsfi_runtime.causes.monitors import (
+    MONITORS,
+    STAGES,
+    Coverage,
+    Study,
+    alarms,
+    cases,
+    fitted,
+    n_raised,
+)
+from mrsfi_runtime.causes.weakness import timed_as_json
+from mrsfi_runtime.errors import UsageError, counted
+from mrsfi_runtime.model.fault_types import Range
+from mrsfi_runtime.record.engine_settings import BOTH, Workers
+from mrsfi_runtime.record.settings import following
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.space import SearchSpace
+
+N_FRESH = 20
+"""Mission seeds, after those that fit thresholds, in which false alarms are counted."""
+
+_N_NAMED = 4  # elements in a sentence
+
+
+def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Study:
+    """Study monitors for a campaign, fitted in ``n_fit`` mission seeds from the campaign's on."""
+    with CampaignStore.open(run) as store:
+        if (side := store.manifest.engine.side) != BOTH:
+            raise UsageError(f"{run}: was flown with --side {side}; expected mrsfi's own world")
+    with flying_again(run, engine, Workers(1), tell) as (campaign, _, own):
+        seed = campaign.store.settings.mission_seed
+        known, mission = harvested(campaign), campaign.mission
+        fit, fresh = (
+            following(seed, n_fit + N_FRESH)[part] for part in (slice(n_fit), slice(n_fit, None))
+        )
+        thresholds = fitted(mission, (own.record((), each) for each in fit))
+        raised = partial(alarms, mission, thresholds)
+        tell(f"monitors   {len(fit)} mission seeds without faults fitted the thresholds")
+        space, broken = SearchSpace.of(mission, campaign.pool), known.known.flown
+        judged = tuple(cases(space, known, own.record, thresholds))
+        tell(f"monitors   {len(judged)} breaking variants of weaknesses judged")
+        single = (each for each in known.outcomes if len(each) == 1 and not broken[each])
+        harmless = {each[0].fault: each for each in single}
+        return Study(
+            mission,
+            thresholds,
+            judged,
+            tuple(raised(own.record((), each)) for each in fresh),
+            tuple(raised(own.record(each)) for each in harmless.values()),
+        )
+
+
+def sentences(study: Study) -> Iterator[str]:
+    """Yield which monitors to add, what each gives, then what is not detected in time, and why."""
+    if not study.cases:
+        yield "No weakness truly breaks a goal."
+        return
+    before, steps = Coverage.of(study.cases, ()), study.recommended()
+    for number, (monitor, elements, after) in enumerate(steps, 1):
+        undetected = f"undetected {_percent(before.never)} → {_percent(after.never)}"
+        late = " → ".join(_percent(sum(each[1 : len(STAGES)])) for each in (before, after))
+        named = [element_name(study.mission, each) for each in elements]
+        named[_N_NAMED:] = [f"{len(named) - _N_NAMED} more"] * (len(named) > _N_NAMED)
+        yield f"{number}. {monitor} of {', '.join(named)}: {undetected}, not in time {late}"
+        before = after
+    names = [each.monitor for each in steps]
+    n_false, n_fresh = n_raised(study.fresh, names), len(study.fresh)
+    yield f"False alarms of these: in {n_false} of {n_fresh} fresh mission seeds"
+    left = [each for each in study.cases if each.stage(names)]
+    yield f"They do not detect in time: {len(left)} of {len(study.cases)} breaking variants"
+    for weakness in dict.fromkeys(each.weakness for each in left):
+        late_by = [each.detected(names) - each.broken for each in left if each.weakness == weakness]
+        ticks = [int(each) for each in late_by if each < math.inf]
+        n_never, faults = len(late_by) - len(ticks), " and ".join(weakness.faults)
+        why = [f"no alarm in {counted(n_never, 'variants')}"] * bool(n_never)
+        if ticks:
+            latest = study.mission.units.ticks(max(ticks))
+            why.append(f"a late one in {counted(len(ticks), 'variants')}, by up to {latest}")
+        yield f"Weakness {weakness.number} ({weakness.goal}, {faults}): {'; '.join(why)}"
+
+
+def tables(study: Study) -> Iterator[Table]:
+    """Yield the coverage of each goal and requirement, and a row for each monitor."""
+    mission, names = study.mission, [each.monitor for each in study.recommended()]
+    goals = {mission.label_of(goal.id): {goal.id} for goal in mission.goals}
+    for each in mission.requirements:
+        some = (goal.id for goal in mission.goals if each.id in goal.requirements)
+        goals[f"requirement {each.id}"] = {*some}
+    rows = list[Sequence[Cell]]()
+    for name, group in goals.items():
+        if judged := [each for each in study.cases if each.weakness.goal in group]:
+            both = (Coverage.of(judged, ()), Coverage.of(judged, names))
+            rows.append((name, len(judged), *(cell for one in both for cell in _in_words(one))))
+    title = "Diagnostic coverage: the share of breaking variants that is detected in time"
+    words = ("belief", "class", "with these", "class then")
+    yield Table(title, ("goal", "variants", *words), rows, words, ("goal",), is_compact=True)
+    rows = []
+    for name, threshold in [("none", ""), *_thresholds(study)]:
+        shares = Coverage.of(study.cases, [name])[: len(STAGES)]
+        flights = (study.fresh, study.harmless)
+        counts = [f"{n_raised(some, [name])} of {len(some)}" for some in flights]
+        rows.append((name, threshold, *map(_percent, shares), *counts))
+    title = "Each monitor beside the CI's belief: when variants are detected, and other alarms"
+    columns = ("monitor", "alarm above", *STAGES, "false alarms", "harmless faults")
+    yield Table(title, columns, rows, ("monitor",), ("alarm above",), is_compact=True)
+
+
+def _percent(share: float) -> str:
+    return "< 1 %" if 0.0 < share < 0.01 else f"{100 * share:.0f} %"
+
+
+def _in_words(coverage: Coverage) -> tuple[str, str]:
+    ends = f"{100 * coverage.low:.0f} to {_percent(coverage.high)}"
+    return f"{_percent(coverage.in_time)} ({ends})", coverage.level
+
+
+def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
+    """Yield monitors of at least one element, with the ends of their thresholds and the unit."""
+    units = study.mission.units
+    for monitor in MONITORS:
+        if values := sorted(study.thresholds[monitor.name].values()):
+            low, high = (units.quantity(end, monitor.unit) for end in (values[0], values[-1]))
+            least = "" if low == high else f"{low.split()[0]} to "
+            if monitor.unit is Range.TICKS:
+                high = units.ticks(int(values[-1]))
+            elif monitor.unit is Range.X and not units.distance:
+                high += " units"
+            yield monitor.name, least + high
+
+
+def as_json(study: Study) -> dict[str, Any]:
+    """Return the study as plain values; a tick is null for never."""
+    steps = study.recommended()
+    names = [each.monitor for each in steps]
+    judged = []
+    for each in study.cases:
+        about = {"weakness": each.weakness.number, "goal": each.weakness.goal}
+        about["variant"] = [*map(timed_as_json, each.variant)]
+        ticks = (("broken", each.broken), ("failed", each.failed), ("believed", each.believed))
+        about |= {name: None if tick == math.inf else int(tick) for name, tick in ticks}
+        about |= {"weight": each.weight, "alarms": each.alarms}
+        judged.append(about | {"stage": STAGES[each.stage(names)]})
+    return {
+        "thresholds": study.thresholds,
+        "belief": Coverage.of(study.cases, ())._asdict() if study.cases else None,
+        "recommended": [each._asdict() | {"coverage": each.coverage._asdict()} for each in steps],
+        "cases": judged,
+        "fresh": study.fresh,
+        "harmless": study.harmless,
+    }
