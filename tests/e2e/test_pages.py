@@ -32,6 +32,7 @@ RUN = (
     "docs/find-weaknesses.md",
     "docs/requirements.md",
     "docs/missions.md",
+    "docs/monitors.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
 
