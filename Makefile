@@ -59,7 +59,7 @@ help: ## print this list
 	@echo "Example:   make evolve CASE=b SEED=7"
 
 install: $(BASE) ## make the virtual environment .venv, install mrsfi into it and compile its kernel
-	@echo "Compiling the simulation kernel, unless this was done before: about 20 seconds."
+	@echo "Compiling the simulation kernel, unless this was done before: about 25 seconds."
 	@$(BIN)/python -m mrsfi_runtime.engine.compiled
 
 code: $(BASE)

@@ -127,7 +127,7 @@ def _compiled_kernel() -> MachineCode:
     from mrsfi_runtime.engine.compiled.compiler import compiled_kernel  # noqa: PLC0415 - slow
 
     log = logging.getLogger(__name__)
-    log.warning("compiling the kernel, once for this installation; it takes about ten seconds")
+    log.warning("compiling the kernel, once for this installation; it takes about 25 seconds")
     began = perf_counter()
     code = compiled_kernel()
     log.warning("compiled the kernel in %.1f s", perf_counter() - began)
