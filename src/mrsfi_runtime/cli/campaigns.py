@@ -503,8 +503,8 @@ def monitors_command(run: Path, n_fit: int, engine: Given, *, is_json: bool) -> 
 
     A monitor checks what the collective intelligence receives, such as a position that is frozen.
     Its thresholds are fitted to flights without faults. Then every variant of the weaknesses is
-    flown again, and mrsfi prints the fewest monitors that detect the most of them no later than the
-    goal is first truly violated, what remains, and how often they raise false alarms.
+    flown again, and mrsfi prints which monitors to add, first the one that detects most of them no
+    later than the goal is broken, what remains, and how often they raise false alarms.
 
     \b
     Examples:
