@@ -14,17 +14,16 @@ from mrsfi.explaining import flying_again, harvested
 from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.analysis.weaknesses import element_name
 from mrsfi_runtime.causes.monitors import (
-    MONITORS,
     STAGES,
     Coverage,
     Study,
-    alarms,
+    Watch,
     cases,
-    fitted,
     n_raised,
 )
 from mrsfi_runtime.causes.weakness import timed_as_json
 from mrsfi_runtime.errors import UsageError, counted
+from mrsfi_runtime.kernel.monitors import MONITORS
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.record.engine_settings import BOTH, Workers
 from mrsfi_runtime.record.settings import following
@@ -48,20 +47,18 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
         fit, fresh = (
             following(seed, n_fit + N_FRESH)[part] for part in (slice(n_fit), slice(n_fit, None))
         )
-        thresholds = fitted(mission, (own.record((), each) for each in fit))
-        raised = partial(alarms, mission, thresholds)
+        watch = Watch.fitted(mission, MONITORS, ((each, own.record((), each)) for each in fit))
         tell(f"monitors   {len(fit)} mission seeds without faults fitted the thresholds")
         space, broken = SearchSpace.of(mission, campaign.pool), known.known.flown
-        judged = tuple(cases(space, known, own.record, thresholds))
+        judged = tuple(cases(space, known, own.record, partial(watch.alarms, seed)))
         tell(f"monitors   {len(judged)} breaking variants of weaknesses judged")
         single = (each for each in known.outcomes if len(each) == 1 and not broken[each])
         harmless = {each[0].fault: each for each in single}
         return Study(
-            mission,
-            thresholds,
+            watch,
             judged,
-            tuple(raised(own.record((), each)) for each in fresh),
-            tuple(raised(own.record(each)) for each in harmless.values()),
+            tuple(watch.alarms(each, own.record((), each)) for each in fresh),
+            tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
         )
 
 
@@ -74,7 +71,7 @@ def sentences(study: Study) -> Iterator[str]:
     for number, (monitor, elements, after) in enumerate(steps, 1):
         undetected = f"undetected {_percent(before.never)} → {_percent(after.never)}"
         late = " → ".join(_percent(sum(each[1 : len(STAGES)])) for each in (before, after))
-        named = [element_name(study.mission, each) for each in elements]
+        named = [element_name(study.watch.mission, each) for each in elements]
         named[_N_NAMED:] = [f"{len(named) - _N_NAMED} more"] * (len(named) > _N_NAMED)
         yield f"{number}. {monitor} of {', '.join(named)}: {undetected}, not in time {late}"
         before = after
@@ -89,14 +86,14 @@ def sentences(study: Study) -> Iterator[str]:
         n_never, faults = len(late_by) - len(ticks), " and ".join(weakness.faults)
         why = [f"no alarm in {counted(n_never, 'variants')}"] * bool(n_never)
         if ticks:
-            latest = study.mission.units.ticks(max(ticks))
+            latest = study.watch.mission.units.ticks(max(ticks))
             why.append(f"a late one in {counted(len(ticks), 'variants')}, by up to {latest}")
         yield f"Weakness {weakness.number} ({weakness.goal}, {faults}): {'; '.join(why)}"
 
 
 def tables(study: Study) -> Iterator[Table]:
     """Yield the coverage of each goal and requirement, and a row for each monitor."""
-    mission, names = study.mission, [each.monitor for each in study.recommended()]
+    mission, names = study.watch.mission, [each.monitor for each in study.recommended()]
     goals = {mission.label_of(goal.id): {goal.id} for goal in mission.goals}
     for each in mission.requirements:
         some = (goal.id for goal in mission.goals if each.id in goal.requirements)
@@ -131,9 +128,9 @@ def _in_words(coverage: Coverage) -> tuple[str, str]:
 
 def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
     """Yield monitors of at least one element, with the ends of their thresholds and the unit."""
-    units = study.mission.units
-    for monitor in MONITORS:
-        if values := sorted(study.thresholds[monitor.name].values()):
+    units = study.watch.mission.units
+    for monitor in study.watch.monitors:
+        if values := sorted(study.watch.thresholds[monitor.name].values()):
             low, high = (units.quantity(end, monitor.unit) for end in (values[0], values[-1]))
             least = "" if low == high else f"{low.split()[0]} to "
             if monitor.unit is Range.TICKS:
@@ -156,7 +153,7 @@ def as_json(study: Study) -> dict[str, Any]:
         about |= {"weight": each.weight, "alarms": each.alarms}
         judged.append(about | {"stage": STAGES[each.stage(names)]})
     return {
-        "thresholds": study.thresholds,
+        "thresholds": study.watch.thresholds,
         "belief": Coverage.of(study.cases, ())._asdict() if study.cases else None,
         "recommended": [each._asdict() | {"coverage": each.coverage._asdict()} for each in steps],
         "cases": judged,

@@ -28,7 +28,9 @@ ISO 26262-5:2018, table 4: targets of diagnostic coverage, low, medium and high.
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from functools import cache
+from types import FunctionType, SimpleNamespace
 from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -39,144 +41,80 @@ from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, form
 from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.kernel.flight import initial_state
+from mrsfi_runtime.kernel.monitors import Monitor
+from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission, wilson
 from mrsfi_runtime.search.space import SearchSpace, drawn_as, draws
 
 Values: TypeAlias = npt.NDArray[Any]
-"""Values at each tick, of shape ``(n_ticks, n_elements)``."""
+"""Values at each tick, of shape ``(n_ticks,)``."""
+
+Measure: TypeAlias = Callable[[Any, int], Any]
 
 
-def _was(values: Values) -> Values:
-    """Return the values of the tick before; the first tick has its own."""
-    return np.concatenate([values[:1], values[:-1]])
+def lifted(measure: Callable[..., Any], names: Mapping[str, Any]) -> Measure:
+    """Return a kernel function that uses other functions by ``names``, also in those it calls."""
+    scope = {**measure.__globals__, **names}
+    for name in {*measure.__code__.co_names} - names.keys():
+        if is_kernel(scope.get(name)):
+            scope[name] = lifted(scope[name], names)
+    return FunctionType(measure.__code__, scope)
 
 
-def _step(values: Values) -> Values:
-    return values - _was(values)
+@cache
+def _over_ticks(measure: Measure) -> Measure:
+    """Return a measure that takes arrays over all ticks in place of numbers."""
+    return lifted(measure, {"math": np, "min": np.minimum, "max": np.maximum})
 
 
-def _length(x: Values, y: Values | float = 0.0) -> Values:
-    length: Values = np.hypot(x, y)
-    return length
+class Heard:
+    """What the CI has received and commanded in a flight, as monitors read it.
+
+    In place of each number of a ``State`` it has an array over all ticks, except for indices.
+    """
+
+    def __init__(self, mission: Mission, seed: int, flight: Recording) -> None:
+        belief, before = flight["belief"], initial_state(mission, seed)
+        self.mission, self.n_ticks = before.mission, len(flight)
+        self.robots, self.sensors, self.obstacles = (
+            [*_elements(belief[name])] for name in ("robots", "sensors", "obstacles")
+        )
+        self.commands, self.switches, robots, sensors = (
+            [*_elements(belief[name], getattr(before, name))]
+            for name in ("commands", "switches", "robots", "sensors")
+        )
+        self.heard = robots + sensors
+
+    def measured(self, monitor: Monitor) -> list[Values]:
+        """Return the measure of each element at each tick."""
+        measure, places = _over_ticks(monitor.measure), range(len(getattr(self, monitor.elements)))
+        found = [np.broadcast_to(measure(self, k), self.n_ticks) for k in places]
+        return [*map(_in_a_row, found)] if monitor.unit is Range.TICKS else found
+
+
+_INDICES = {"first_sensor", "n_sensors", "gps", "robot"}
+
+
+def _elements(listed: Any, before: Sequence[Any] = ()) -> Iterator[SimpleNamespace]:
+    """Yield the fields of each element at all ticks; with ``before``, those of the tick before."""
+    names = listed.dtype.names
+    columns = {name: listed[name] for name in names}
+    if before:
+        first = {name: [[getattr(each, name) for each in before]] for name in names}
+        columns = {name: np.concatenate([first[name], columns[name][:-1]]) for name in names}
+    for k in range(columns[names[0]].shape[1]):
+        found = {name: values[:, k] for name, values in columns.items()}
+        yield SimpleNamespace(**found | {name: int(found[name][0]) for name in _INDICES & {*names}})
 
 
 def _in_a_row(flags: Values) -> Values:
-    """Return for how many ticks in a row, after the first, a flag has been set."""
-    ticks = np.arange(len(flags))[:, None]
-    return ticks - np.maximum.accumulate(np.where(flags & (ticks > 0), 0, ticks), axis=0)
+    """Return for how many ticks in a row a flag has been set."""
+    ticks = np.arange(1, len(flags) + 1)
+    return ticks - np.maximum.accumulate(np.where(flags, 0, ticks))
 
-
-@dataclass(frozen=True)
-class _Heard:
-    """What the CI has received and commanded in a flight, and the measures of the monitors."""
-
-    mission: Mission
-    robots: Mapping[str, Values]
-    sensors: Mapping[str, Values]
-    obstacles: Mapping[str, Values]
-    commands: Mapping[str, Values]
-    switches: Mapping[str, Values]
-
-    def moved(self) -> Values:
-        return _length(_step(self.robots["x"]), _step(self.robots["y"]))
-
-    def had_energy(self) -> Values:  # a robot without any neither moves nor samples
-        return _was(self.robots["energy"]) > 0.0
-
-    def ordered(self) -> Values:  # the speed, by the command of the tick before
-        speed = np.clip(_was(self.commands["speed"]), 0.0, self.robots["max_speed"])
-        return np.where(self.had_energy(), speed, 0.0)
-
-    def frozen(self) -> Values:
-        return _in_a_row((self.moved() == 0.0) & (self.ordered() > 0.0))
-
-    def silent(self) -> Values:
-        names = ("x", "y", "z", "speed", "energy")
-        is_same = np.logical_and.reduce([_step(self.robots[name]) == 0.0 for name in names])
-        return _in_a_row(is_same & (self.ordered() > 0.0))
-
-    def outside(self) -> Values:
-        center, radius = self.mission.area.center, self.mission.area.radius
-        off = _length(self.robots["x"] - center.x, self.robots["y"] - center.y)
-        return np.maximum(off - radius, 0.0)
-
-    def off_course(self) -> Values:
-        x, y = (self.ordered() * _was(self.commands[f"heading_{axis}"]) for axis in "xy")
-        return _length(_step(self.robots["x"]) - x, _step(self.robots["y"]) - y)
-
-    def off_speed(self) -> Values:
-        return _length(self.robots["speed"] - self.ordered())
-
-    def off_distance(self) -> Values:
-        return _length(self.robots["speed"] - self.moved())
-
-    def imbalance(self) -> Values:
-        n, sensors = len(self.mission.robots), self.sensors
-        carried = np.eye(n)[[*self.mission.sensor_robot]].reshape(-1, n)
-        sampling = sensors["active"] * sensors["nominal_rate"] * sensors["nominal_cost"]
-        spent = self.robots["speed"] * self.robots["energy_per_distance"] + sampling @ carried
-        left = _was(self.robots["energy"]) - np.where(self.had_energy(), spent, 0.0)
-        return _length(self.robots["energy"] - np.maximum(left, 0.0))
-
-    def disobeying(self) -> Values:
-        is_other = self.sensors["active"] != _was(self.switches["active"])
-        return _in_a_row(is_other & self.had_energy()[:, [*self.mission.sensor_robot]])
-
-    def sampled(self) -> Values:
-        return _length(_step(self.sensors["count"]))
-
-    def idle(self) -> Values:
-        return _in_a_row((self.sampled() == 0) & (self.sensors["active"] == 1))
-
-    def off_sheet(self) -> Values:
-        known = self.sensors
-        return _length(known["rate"] - known["nominal_rate"], known["cost"] - known["nominal_cost"])
-
-    def off_map(self) -> Values:
-        rocks = self.obstacles
-        return _length(rocks["x"] - rocks["model_x"], rocks["y"] - rocks["model_y"])
-
-
-class Monitor(NamedTuple):
-    """A check of each of the ``elements``, a list of a state: its measure, and the unit of it."""
-
-    name: str
-    elements: str
-    unit: Range
-    measure: Callable[[_Heard], Values]
-
-    def of(self, flight: Recording, mission: Mission) -> dict[str, Values]:
-        """Return the measure of each element by its ID, at each tick after the first."""
-        lists = (flight["belief"][each.name] for each in fields(_Heard)[1:])
-        measures = self.measure(_Heard(mission, *lists))[1:].T
-        elements = getattr(mission, self.elements)
-        return {each.id: values for each, values in zip(elements, measures, strict=True)}
-
-    def threshold(self, highest: float) -> float:
-        """Return the threshold for the highest measure without faults; counts stay whole."""
-        if self.unit in {Range.TICKS, Range.COUNT}:
-            return highest + max(1.0, RESERVE * highest // 1.0)
-        return highest + max(_ROUNDING, RESERVE * highest)
-
-
-MONITORS = (
-    Monitor("position frozen", "robots", Range.TICKS, _Heard.frozen),
-    Monitor("age of reports", "robots", Range.TICKS, _Heard.silent),
-    Monitor("position range", "robots", Range.X, _Heard.outside),
-    Monitor("position rate", "robots", Range.SPEED, _Heard.moved),
-    Monitor("motion against command", "robots", Range.SPEED, _Heard.off_course),
-    Monitor("speed against command", "robots", Range.SPEED, _Heard.off_speed),
-    Monitor("speed against positions", "robots", Range.SPEED, _Heard.off_distance),
-    Monitor("energy balance", "robots", Range.ENERGY, _Heard.imbalance),
-    Monitor("switch against command", "sensors", Range.TICKS, _Heard.disobeying),
-    Monitor("sample count frozen", "sensors", Range.TICKS, _Heard.idle),
-    Monitor("sample count rate", "sensors", Range.COUNT, _Heard.sampled),
-    Monitor("data sheet", "sensors", Range.RATE, _Heard.off_sheet),
-    Monitor("map", "obstacles", Range.X, _Heard.off_map),
-)
-"""The built-in monitors; of two that gain the same, the earlier one is recommended."""
 
 RESERVE = 0.2
 """Share of the highest measure without faults by which a threshold exceeds it."""
@@ -190,30 +128,53 @@ Alarms: TypeAlias = Mapping[str, Mapping[str, int]]
 """The tick of the first alarm by the name of the monitor and the ID of the element."""
 
 
-def fitted(mission: Mission, flights: Iterable[Recording]) -> Thresholds:
-    """Return the thresholds that no flight of some without faults exceeds; at least one."""
-    most = dict[Monitor, dict[str, float]]((each, {}) for each in MONITORS)
-    for flight in flights:
-        for each, highest in most.items():
-            found = each.of(flight, mission)
-            most[each] = {
-                id: max(highest.get(id, 0.0), float(found[id].max(initial=0.0))) for id in found
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """Monitors of a mission, each with a threshold for each of its elements."""
+
+    mission: Mission
+    monitors: tuple[Monitor, ...]
+    thresholds: Thresholds
+
+    @classmethod
+    def fitted(
+        cls, mission: Mission, monitors: Sequence[Monitor], flights: Iterable[tuple[int, Recording]]
+    ) -> Self:
+        """Fit thresholds that no flight without faults exceeds; each follows its mission seed."""
+        most = [[0.0] * len(getattr(mission, each.elements)) for each in monitors]
+        for seed, flight in flights:
+            heard = Heard(mission, seed, flight)
+            for monitor, highest in zip(monitors, most, strict=True):
+                highest[:] = (
+                    max(before, float(values.max(initial=0.0)))
+                    for before, values in zip(highest, heard.measured(monitor), strict=True)
+                )
+        thresholds = {
+            monitor.name: {
+                each.id: threshold(monitor.unit, value)
+                for each, value in zip(getattr(mission, monitor.elements), highest, strict=True)
             }
-    return {
-        each.name: {id: each.threshold(value) for id, value in highest.items()}
-        for each, highest in most.items()
-    }
+            for monitor, highest in zip(monitors, most, strict=True)
+        }
+        return cls(mission, tuple(monitors), thresholds)
+
+    def alarms(self, seed: int, flight: Recording, since: int = 0) -> Alarms:
+        """Return the first alarms of a flight from a tick on, without monitors that raise none."""
+        heard, found = Heard(self.mission, seed, flight), defaultdict[str, dict[str, int]](dict)
+        for monitor in self.monitors:
+            limits = self.thresholds[monitor.name]
+            for (id, limit), values in zip(limits.items(), heard.measured(monitor), strict=True):
+                over = np.flatnonzero(values[since:] > limit)
+                if len(over):
+                    found[monitor.name][id] = since + int(over[0])
+        return found
 
 
-def alarms(mission: Mission, thresholds: Thresholds, flight: Recording, since: int = 1) -> Alarms:
-    """Return the first alarms of a flight from a tick on, without monitors that raise none."""
-    found = defaultdict[str, dict[str, int]](dict)
-    for each in MONITORS:
-        for id, measures in each.of(flight, mission).items():
-            over = np.flatnonzero(measures[since - 1 :] > thresholds[each.name][id])
-            if len(over):
-                found[each.name][id] = since + int(over[0])
-    return found
+def threshold(unit: Range, highest: float) -> float:
+    """Return the threshold for the highest measure without faults; counts stay whole."""
+    if unit in {Range.TICKS, Range.COUNT}:
+        return highest + max(1.0, RESERVE * highest // 1.0)
+    return highest + max(_ROUNDING, RESERVE * highest)
 
 
 STAGES = ("in time", "before the goal fails", "later", "never")
@@ -249,9 +210,12 @@ class Case(NamedTuple):
 
 
 def cases(
-    space: SearchSpace, known: Harvest, record: Record, thresholds: Thresholds
+    space: SearchSpace, known: Harvest, record: Record, raised: Callable[[Recording, int], Alarms]
 ) -> Iterator[Case]:
-    """Fly the tried variants of weaknesses, and yield one for each goal that it truly breaks."""
+    """Fly the tried variants of weaknesses, and yield one for each goal that it truly breaks.
+
+    ``raised`` returns the alarms of a flight from a tick on.
+    """
     mission, broken = space.gate.mission, known.known.flown
     wanted = defaultdict[Specification, list[tuple[GoalWeakness, float]]](list)
     for weakness in known.goal_weaknesses:
@@ -261,11 +225,11 @@ def cases(
                 wanted[variant].append((weakness, weight))
     for variant, some in wanted.items():
         flight = record(variant)
-        since = min((each.first_changed for each in flight.tallies if each.changed), default=1)
-        raised = alarms(mission, thresholds, flight, max(1, since))
+        since = min((each.first_changed for each in flight.tallies if each.changed), default=0)
+        alarms = raised(flight, max(0, since))
         for weakness, weight in some:
             place = mission.goal_ids.index(weakness.goal)
-            yield Case(weakness, variant, weight, *verdict_ticks(flight, place), raised)
+            yield Case(weakness, variant, weight, *verdict_ticks(flight, place), alarms)
 
 
 def _weights(
@@ -341,8 +305,7 @@ class Study:
     flights of single faults that broke nothing.
     """
 
-    mission: Mission
-    thresholds: Thresholds
+    watch: Watch
     cases: tuple[Case, ...]
     fresh: tuple[Alarms, ...]
     harmless: tuple[Alarms, ...]
@@ -351,7 +314,7 @@ class Study:
         """Return monitors to add, the one that gains most first, until none gains."""
         steps, names = list[Step](), list[str]()
         while self.cases:
-            best = max(MONITORS, key=lambda each: self._reached([*names, each.name]))
+            best = max(self.watch.monitors, key=lambda each: self._reached([*names, each.name]))
             then = [*names, best.name]
             gaining = [each for each in self.cases if each.stage(then) < each.stage(names)]
             if not gaining:

@@ -46,6 +46,7 @@ from mrsfi_runtime.kernel.state import (
     DirectionState,
     GoalState,
     GraceState,
+    HeardState,
     LookupState,
     MemberState,
     MissionState,
@@ -178,6 +179,8 @@ def initial_state(mission: Mission, seed: int) -> State:
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     state.wishes = [WishState() for _ in state.robots]
+    state.heard = [HeardState(own.x, own.y, own.z, own.speed, own.energy) for own in state.robots]
+    state.heard += [HeardState() for _ in state.sensors]
     if any(robot.position_noise for robot in mission.robots):
         state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):

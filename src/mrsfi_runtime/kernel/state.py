@@ -288,6 +288,23 @@ class SwitchState:
 
 
 @dataclass(slots=True)
+class HeardState:
+    """What was last heard of a robot or a sensor, as ``kernel.monitors`` keeps it for regions.
+
+    It is the belief of the last tick, before the first one that of the model. ``in_a_row`` are
+    for how many ticks something that a region counts has been so.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    speed: float = 0.0
+    energy: float = 0.0
+    count: int = 0
+    in_a_row: MutableSequence[float] = field(default_factory=no_memory)
+
+
+@dataclass(slots=True)
 class MapState:
     """The map of ``kernel.neighbours``: its lower left corner, and its resolution.
 
@@ -370,7 +387,8 @@ class State:
     goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
     waypoints each member has surely passed; ``calm``, empty unless its use is allowed, the tick
     before which no member of an AvoidCollision goal has to be looked at, or, negative, before which
-    it stays awake. ``lookup`` is scratch space.
+    it stays awake; ``heard``, an entry per robot, then one per sensor, empty where no code of a
+    team runs. ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -404,6 +422,7 @@ class State:
     aims: list[int] = field(default_factory=list)
     latest: list[float] = field(default_factory=list)
     calm: list[int] = field(default_factory=list)
+    heard: list[HeardState] = field(default_factory=list)
 
 
 _HINTS = get_type_hints(State)

@@ -293,10 +293,10 @@ class CompiledEngine(Engine):
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
 
     def _fresh_state(self, seed: int) -> FreshState:
-        """Return a mission's state; members are calm only where no code of a team changes it."""
+        """Return a mission's state; only code of a team reads what was heard, or wakes the calm."""
         state = initial_state(self.code.mission, seed)
         if not self._fly_many.is_guarded:
-            state.calm = [0] * len(state.members)
+            state.calm, state.heard = [0] * len(state.members), []
         return laid_out(state)
 
     def close(self) -> None:
