@@ -4,13 +4,18 @@
 """
 
 import math
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from m2t.emit import parse, template_environment
+from mrsfi.campaign_folders import mission_of, open_campaign
 from mrsfi.engines import Given, Tell, silent
 from mrsfi.explaining import flying_again, harvested
+from mrsfi.folders import load_fresh
 from mrsfi_runtime.analysis.tables import Cell, Table
 from mrsfi_runtime.analysis.weaknesses import element_name
 from mrsfi_runtime.causes.monitors import (
@@ -23,8 +28,9 @@ from mrsfi_runtime.causes.monitors import (
 )
 from mrsfi_runtime.causes.weakness import timed_as_json
 from mrsfi_runtime.errors import UsageError, counted
-from mrsfi_runtime.kernel.monitors import MONITORS
-from mrsfi_runtime.model.fault_types import Range
+from mrsfi_runtime.files import changing
+from mrsfi_runtime.kernel.monitors import MONITORS, Monitor
+from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.record.engine_settings import BOTH, Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import CampaignStore
@@ -60,6 +66,100 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
             tuple(watch.alarms(each, own.record((), each)) for each in fresh),
             tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
         )
+
+
+def write(run: Path, study: Study) -> Path:
+    """Write the recommended monitors into regions of the mission's code, or change none of it.
+
+    Monitors that were written before are replaced, a reaction to their alarms is kept.
+    """
+    with open_campaign(run) as campaign:
+        folders = mission_of(campaign)
+    path = folders.generated / "collective_intelligence.py"
+    with changing(folders.models) as change:
+        if load_fresh(folders).mission != study.watch.mission:
+            what = f"{folders.models}: differs from the mission of {run}"
+            raise UsageError(f"{what}; expected the same: run `mrsfi evolve` on it first")
+        change.replace({path: _with_monitors(path, study).encode()})
+    return path
+
+
+_BLOCK = re.compile(r"# Monitors, as `mrsfi.*?# End of the monitors\.\n", re.DOTALL)
+
+
+class _Elements(NamedTuple):
+    """A list of a state, the place of an element in what was heard, and the default reaction."""
+
+    name: str
+    place: str
+    reaction: str
+    what: str
+    default: tuple[str, ...]
+
+
+_ELEMENTS = (
+    _Elements("robots", "k", "react_to_robot", "Stop a robot", ("commands.set_speed(ci, k, 0.0)",)),
+    _Elements(
+        "sensors",
+        "len(ci.robots) + k",
+        "react_to_sensor",
+        "Trust a sensor's data sheet",
+        (
+            "sensor = ci.sensors[k]",
+            "sensor.rate = sensor.nominal_rate",
+            "sensor.cost = sensor.nominal_cost",
+        ),
+    ),
+    _Elements(
+        "obstacles",
+        "len(ci.robots) + len(ci.sensors) + k",
+        "react_to_obstacle",
+        "Trust the model's map",
+        ("rock = ci.obstacles[k]", "rock.x, rock.y = rock.model_x, rock.model_y"),
+    ),
+)
+
+
+def _with_monitors(path: Path, study: Study) -> str:
+    """Return the text of a collective intelligence with the recommended monitors."""
+    names = {each.monitor for each in study.recommended()}
+    monitors = [each for each in study.watch.monitors if each.name in names]
+    file = parse(path.read_text(encoding="utf-8"), str(path))
+    bodies = {id: region.body for id, region in file.regions.items()}
+    helpers = _BLOCK.sub("", bodies["helpers"])
+    template = template_environment().get_template("monitors.py.j2")
+    rows, written = [*_rows(study.watch, monitors)], re.findall(r"def (\w+)", helpers)
+    bodies["helpers"] = template.render(monitors=rows, written=written) + helpers
+    first = next(id for id in bodies if id.endswith(".react"))
+    added = {first: ["    check_monitors(ci)\n"]}
+    added["imports"] = ["from mrsfi_runtime.api import monitors\n"]
+    for each in monitors:
+        if each not in MONITORS:
+            module, name = each.measure.__module__, each.measure.__name__
+            added["imports"].append(f"from {module} import {name}\n")
+    for id, lines in added.items():
+        bodies[id] = "".join(each for each in lines if each not in bodies[id]) + bodies[id]
+    return "".join(
+        part if isinstance(part, str) else f"{part.begin}{bodies[part.id]}{part.end}"
+        for part in file.parts
+    )
+
+
+def _rows(watch: Watch, monitors: Iterable[Monitor]) -> Iterator[dict[str, Any]]:
+    """Yield what the template needs to know about each monitor."""
+    n_counted, by_name = count(), {each.name: each for each in _ELEMENTS}
+    for each in monitors:
+        elements = by_name[each.elements]
+        measure = f"{'monitors.' * (each in MONITORS)}{each.measure.__name__}(ci, k)"
+        if each.unit is Range.TICKS:
+            measure = f"monitors.lasting(ci.heard[{elements.place}], {next(n_counted)}, {measure})"
+        yield {
+            "constant": plain_name(each.name).upper(),
+            "limits": tuple(watch.thresholds[each.name].values()),
+            "unit": each.unit.value,
+            "elements": elements,
+            "measure": measure,
+        }
 
 
 def sentences(study: Study) -> Iterator[str]:

@@ -1,13 +1,14 @@
-"""What would have caught it: checks on what the CI receives, judged on recorded flights.
+"""What would have caught it: monitors, judged on recorded flights.
 
-A ``Monitor`` measures, at each tick, what the CI receives of an element against what it commanded,
-or against the map and the data sheet in the model. It raises an *alarm* while the measure exceeds a
-threshold. Monitors read the belief of a recording alone: reports after delivery and faults, and the
-commands that the CI gave itself. They read neither the truth nor a forged command.
+A ``Monitor`` of ``kernel.monitors`` measures, at each tick, what the CI receives of an element
+against what it commanded, or against the map and the data sheet in the model. It raises an *alarm*
+while the measure exceeds a threshold. ``Heard`` is a recorded belief as monitors read it, with
+arrays over all ticks in place of numbers: neither the truth nor a forged command. ``formula`` has a
+monitor compute on names in place of numbers.
 
 Thresholds are fitted, for each element, to flights without faults: the largest measure there, and a
-reserve of ``RESERVE`` of it, at least one tick or sample. So none of these
-flights raises an alarm. Fresh flights show how often others do.
+reserve of ``RESERVE`` of it, at least one tick or sample. So none of these flights raises an alarm.
+Fresh flights show how often others do. A ``Watch`` has monitors with their thresholds.
 
 A ``Case`` is a variant of a weakness in its recorded flight: from which tick on the goal is broken,
 when the CI's own belief detects that, and the first alarms. As in ``kernel.flight.Verdicts``, a
@@ -18,7 +19,7 @@ later than the goal is broken.
 
 The weight of a variant is the chance to draw it, as in ``weakness.Share``; of several faults, all
 variants weigh the same. So each weakness counts by its share. ``Study.recommended`` adds monitors
-one after the other: next is the one that brings the most weight in time. Begin with ``MONITORS``.
+one after the other: next is the one that brings the most weight in time. Begin with ``Watch``.
 
 References
 ----------
@@ -30,6 +31,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 from types import FunctionType, SimpleNamespace
 from typing import Any, NamedTuple, Self, TypeAlias
 
@@ -44,9 +46,9 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.flight import initial_state
 from mrsfi_runtime.kernel.monitors import Monitor
 from mrsfi_runtime.kernel.state import is_kernel
-from mrsfi_runtime.model.fault_types import Range
+from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission, wilson
+from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor, wilson
 from mrsfi_runtime.search.space import SearchSpace, drawn_as, draws
 
 Values: TypeAlias = npt.NDArray[Any]
@@ -82,11 +84,11 @@ class Heard:
         self.robots, self.sensors, self.obstacles = (
             [*_elements(belief[name])] for name in ("robots", "sensors", "obstacles")
         )
-        self.commands, self.switches, robots, sensors = (
+        self.commands, self.switches, *heard = (
             [*_elements(belief[name], getattr(before, name))]
-            for name in ("commands", "switches", "robots", "sensors")
+            for name in ("commands", "switches", "robots", "sensors", "obstacles")
         )
-        self.heard = robots + sensors
+        self.heard = [*chain(*heard)]
 
     def measured(self, monitor: Monitor) -> list[Values]:
         """Return the measure of each element at each tick."""
@@ -114,6 +116,78 @@ def _in_a_row(flags: Values) -> Values:
     """Return for how many ticks in a row a flag has been set."""
     ticks = np.arange(1, len(flags) + 1)
     return ticks - np.maximum.accumulate(np.where(flags, 0, ticks))
+
+
+def _infix(sign: str, *, is_swapped: bool = False) -> Any:
+    def joined(term: object, other: object) -> "_Term":
+        first, second = (other, term) if is_swapped else (term, other)
+        return _Term(f"({first} {sign} {second})")
+
+    return joined
+
+
+class _Term:
+    """A term of past-time temporal logic, which grows as a measure is computed."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __abs__(self) -> "_Term":
+        return _Term(f"abs({self})")
+
+    __hash__ = None  # type: ignore[assignment]
+    __eq__, __ne__, __gt__, __and__ = map(_infix, ("==", "!==", ">", "and"))
+    __add__, __sub__, __mul__ = map(_infix, "+-*")
+    __radd__, __rsub__, __rmul__ = (_infix(sign, is_swapped=True) for sign in "+-*")
+
+
+_ON_TERMS = {
+    "math": SimpleNamespace(sqrt=lambda term: _Term(f"sqrt({term})")),
+    "max": lambda a, b: _Term(f"(({a} + {b} + abs({a} - {b})) / 2)"),
+    "min": lambda a, b: _Term(f"(({a} + {b} - abs({a} - {b})) / 2)"),
+    "ordered": lambda ci, r: ci.robots[r].ordered,
+    "left": lambda ci, r: ci.robots[r].left,
+}
+_SIGNALS = {"x", "y", "z", "speed", "energy", "count", "active", "rate", "cost"}
+_SIGNALS |= {"heading_x", "heading_y", "ordered", "left"}
+
+
+def _named(records: Iterable[Any], elements: Iterable[Robot | Sensor | Obstacle], name: str) -> Any:
+    """Return records with a term in place of each signal; other fields stay numbers."""
+    return [
+        SimpleNamespace(
+            **{field: getattr(record, field) for field in record.__slots__}
+            | {field: _Term(name.format(plain_name(each.id), field)) for field in _SIGNALS}
+        )
+        for record, each in zip(records, elements, strict=True)
+    ]
+
+
+def formulas(watch: "Watch", monitor: Monitor) -> dict[str, str]:
+    """Return for each element when there is no alarm, in past-time temporal logic as of RTAMT.
+
+    Signal ``r1_x`` is field ``x`` of element ``r1``, ``r1_commanded_x`` that of its last command,
+    ``r1_ordered`` and ``r1_left`` are what ``kernel.monitors`` calls so.
+    """
+    mission, state = watch.mission, initial_state(watch.mission, 0)
+    heard: Any = (*mission.robots, *mission.sensors, *mission.obstacles)
+    ci = SimpleNamespace(
+        mission=state.mission,
+        robots=_named(state.robots, mission.robots, "{}_{}"),
+        sensors=_named(state.sensors, mission.sensors, "{}_{}"),
+        obstacles=_named(state.obstacles, mission.obstacles, "{}_{}"),
+        commands=_named(state.commands, mission.robots, "{}_commanded_{}"),
+        switches=_named(state.switches, mission.sensors, "{}_commanded_{}"),
+        heard=_named(state.heard, heard, "prev({}_{})"),
+    )
+    measure, whole = lifted(monitor.measure, _ON_TERMS), "{} <= {!r}"
+    if monitor.unit is Range.TICKS:
+        whole = "not(historically[0:{1:.0f}]{0})"
+    limits = watch.thresholds[monitor.name].items()
+    return {id: whole.format(measure(ci, k), limit) for k, (id, limit) in enumerate(limits)}
 
 
 RESERVE = 0.2

@@ -496,9 +496,10 @@ def confirm_command(
     metavar="N",
     help="Fit thresholds in N mission seeds without faults.",
 )
+@click.option("--write", is_flag=True, help="Write them into regions of the mission's code.")
 @options.engine_options(default=AUTO, sides=(BOTH,))
 @click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
-def monitors_command(run: Path, n_fit: int, engine: Given, *, is_json: bool) -> None:
+def monitors_command(run: Path, n_fit: int, engine: Given, *, write: bool, is_json: bool) -> None:
     """Print which monitors would have caught the weaknesses of RUN in time.
 
     A monitor checks what the collective intelligence receives, such as a position that is frozen.
@@ -515,6 +516,8 @@ def monitors_command(run: Path, n_fit: int, engine: Given, *, is_json: bool) -> 
     from mrsfi import monitoring
 
     study = monitoring.monitored(run, engine, n_fit, tell)
+    if write:
+        tell(f"written    {monitoring.write(run, study)}")
     if is_json:
         print_json(monitoring.as_json(study))
         return

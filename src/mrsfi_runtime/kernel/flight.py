@@ -181,6 +181,7 @@ def initial_state(mission: Mission, seed: int) -> State:
     state.wishes = [WishState() for _ in state.robots]
     state.heard = [HeardState(own.x, own.y, own.z, own.speed, own.energy) for own in state.robots]
     state.heard += [HeardState() for _ in state.sensors]
+    state.heard += [HeardState(rock.x, rock.y) for rock in state.obstacles]
     if any(robot.position_noise for robot in mission.robots):
         state.aims = [0] * len(state.members)
     if any(goal.grace for goal in mission.goals):

@@ -3,7 +3,7 @@
 The function of a monitor returns a measure of an element, by its index, in a belief: how far a
 report is from what command, map and data sheet lead to expect. It reads ``ci.robots``,
 ``ci.sensors`` and ``ci.obstacles`` of this tick, ``ci.commands`` and ``ci.switches`` of the tick
-before, and ``ci.heard``, the reports of the tick before: of each robot, then of each sensor. At the
+before, and ``ci.heard``, the reports of the tick before: of each robot, sensor and obstacle. At the
 first tick these are the model's values. If the unit is ticks, the function returns whether
 something is so that should not last; the measure is for how many ticks in a row it is.
 
@@ -136,13 +136,25 @@ def lasting(heard: HeardState, k: int, is_so: bool) -> float:
 
 @kernel
 def remember(ci: State) -> None:
-    """Keep the reports of this tick for the next one; to be called once, after all monitors."""
+    """Keep the reports of this tick for the next one; called after all monitors."""
     for r in range(len(ci.robots)):
         robot, was = ci.robots[r], ci.heard[r]
         was.x, was.y, was.z = robot.x, robot.y, robot.z
         was.speed, was.energy = robot.speed, robot.energy
     for s in range(len(ci.sensors)):
         ci.heard[len(ci.robots) + s].count = ci.sensors[s].count
+    for o in range(len(ci.obstacles)):
+        was = ci.heard[len(ci.robots) + len(ci.sensors) + o]
+        was.x, was.y = ci.obstacles[o].x, ci.obstacles[o].y
+
+
+@kernel
+def alarmed(heard: HeardState) -> bool:
+    """Return whether an alarm lasts, for one tick less from now on."""
+    if heard.alarm > 0:
+        heard.alarm -= 1
+        return True
+    return False
 
 
 class Monitor(NamedTuple):

@@ -289,10 +289,11 @@ class SwitchState:
 
 @dataclass(slots=True)
 class HeardState:
-    """What was last heard of a robot or a sensor, as ``kernel.monitors`` keeps it for regions.
+    """What was last heard of an element, as ``kernel.monitors`` keeps it for regions.
 
     It is the belief of the last tick, before the first one that of the model. ``in_a_row`` are
-    for how many ticks something that a region counts has been so.
+    for how many ticks something that a region counts has been so, ``alarm`` for how many ticks an
+    alarm about the robot lasts.
     """
 
     x: float = 0.0
@@ -301,6 +302,7 @@ class HeardState:
     speed: float = 0.0
     energy: float = 0.0
     count: int = 0
+    alarm: int = 0
     in_a_row: MutableSequence[float] = field(default_factory=no_memory)
 
 
@@ -387,7 +389,7 @@ class State:
     goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
     waypoints each member has surely passed; ``calm``, empty unless its use is allowed, the tick
     before which no member of an AvoidCollision goal has to be looked at, or, negative, before which
-    it stays awake; ``heard``, an entry per robot, then one per sensor, empty where no code of a
+    it stays awake; ``heard``, an entry per robot, sensor and obstacle, empty where no code of a
     team runs. ``lookup`` is scratch space.
     """
 
