@@ -5,11 +5,10 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from m2t.emit import parse, template_environment
 from mrsfi.campaign_folders import mission_of, open_campaign
@@ -30,10 +29,12 @@ from mrsfi_runtime.causes.weakness import timed_as_json
 from mrsfi_runtime.errors import UsageError, counted
 from mrsfi_runtime.files import changing
 from mrsfi_runtime.kernel.monitors import MONITORS, Monitor
+from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.record.engine_settings import BOTH, Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.fitness import errors_by_line, imported
 from mrsfi_runtime.search.space import SearchSpace
 
 N_FRESH = 20
@@ -53,7 +54,9 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
         fit, fresh = (
             following(seed, n_fit + N_FRESH)[part] for part in (slice(n_fit), slice(n_fit, None))
         )
-        watch = Watch.fitted(mission, MONITORS, ((each, own.record((), each)) for each in fit))
+        flights = ((each, own.record((), each)) for each in fit)
+        with errors_by_line(f"{_OWN}: MONITORS"):
+            watch = Watch.fitted(mission, (*MONITORS, *own_monitors()), flights)
         tell(f"monitors   {len(fit)} mission seeds without faults fitted the thresholds")
         space, broken = SearchSpace.of(mission, campaign.pool), known.known.flown
         judged = tuple(cases(space, known, own.record, partial(watch.alarms, seed)))
@@ -66,6 +69,27 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
             tuple(watch.alarms(each, own.record((), each)) for each in fresh),
             tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
         )
+
+
+_OWN = Path("monitors.py")
+
+
+def own_monitors() -> tuple[Monitor, ...]:
+    """Return ``MONITORS`` of the module ``monitors.py`` in the current folder, if there is one."""
+    if not _OWN.is_file():
+        return ()
+    listed = getattr(imported(_OWN.stem, str(_OWN)), "MONITORS", None)
+    monitors = listed if isinstance(listed, tuple) else (listed,)
+    names = [each.name for each in MONITORS]
+    for each in monitors:
+        if not isinstance(each, Monitor) or not is_kernel(each.measure) or each.name in names:
+            found = getattr(each, "name", each)
+            raise UsageError(
+                f"{_OWN}: found {found!r} in MONITORS; expected a tuple of Monitor, each with a name "
+                "of its own and a function marked @kernel"
+            )
+        names.append(each.name)
+    return monitors
 
 
 def write(run: Path, study: Study) -> Path:
@@ -87,39 +111,6 @@ def write(run: Path, study: Study) -> Path:
 _BLOCK = re.compile(r"# Monitors, as `mrsfi.*?# End of the monitors\.\n", re.DOTALL)
 
 
-class _Elements(NamedTuple):
-    """A list of a state, the place of an element in what was heard, and the default reaction."""
-
-    name: str
-    place: str
-    reaction: str
-    what: str
-    default: tuple[str, ...]
-
-
-_ELEMENTS = (
-    _Elements("robots", "k", "react_to_robot", "Stop a robot", ("commands.set_speed(ci, k, 0.0)",)),
-    _Elements(
-        "sensors",
-        "len(ci.robots) + k",
-        "react_to_sensor",
-        "Trust a sensor's data sheet",
-        (
-            "sensor = ci.sensors[k]",
-            "sensor.rate = sensor.nominal_rate",
-            "sensor.cost = sensor.nominal_cost",
-        ),
-    ),
-    _Elements(
-        "obstacles",
-        "len(ci.robots) + len(ci.sensors) + k",
-        "react_to_obstacle",
-        "Trust the model's map",
-        ("rock = ci.obstacles[k]", "rock.x, rock.y = rock.model_x, rock.model_y"),
-    ),
-)
-
-
 def _with_monitors(path: Path, study: Study) -> str:
     """Return the text of a collective intelligence with the recommended monitors."""
     names = {each.monitor for each in study.recommended()}
@@ -127,9 +118,21 @@ def _with_monitors(path: Path, study: Study) -> str:
     file = parse(path.read_text(encoding="utf-8"), str(path))
     bodies = {id: region.body for id, region in file.regions.items()}
     helpers = _BLOCK.sub("", bodies["helpers"])
+    context = [
+        {
+            "constant": plain_name(each.name).upper(),
+            "limits": tuple(study.watch.thresholds[each.name].values()),
+            "unit": each.unit.value,
+            "elements": each.elements,
+            "measure": f"{'monitors.' * (each in MONITORS)}{each.measure.__name__}",
+            "place": place,
+            "is_lasting": each.unit is Range.TICKS,
+        }
+        for place, each in enumerate(monitors)
+    ]
     template = template_environment().get_template("monitors.py.j2")
-    rows, written = [*_rows(study.watch, monitors)], re.findall(r"def (\w+)", helpers)
-    bodies["helpers"] = template.render(monitors=rows, written=written) + helpers
+    written = template.render(monitors=context, written=re.findall(r"def (\w+)", helpers))
+    bodies["helpers"] = written + helpers
     first = next(id for id in bodies if id.endswith(".react"))
     added = {first: ["    check_monitors(ci)\n"]}
     added["imports"] = ["from mrsfi_runtime.api import monitors\n"]
@@ -143,23 +146,6 @@ def _with_monitors(path: Path, study: Study) -> str:
         part if isinstance(part, str) else f"{part.begin}{bodies[part.id]}{part.end}"
         for part in file.parts
     )
-
-
-def _rows(watch: Watch, monitors: Iterable[Monitor]) -> Iterator[dict[str, Any]]:
-    """Yield what the template needs to know about each monitor."""
-    n_counted, by_name = count(), {each.name: each for each in _ELEMENTS}
-    for each in monitors:
-        elements = by_name[each.elements]
-        measure = f"{'monitors.' * (each in MONITORS)}{each.measure.__name__}(ci, k)"
-        if each.unit is Range.TICKS:
-            measure = f"monitors.lasting(ci.heard[{elements.place}], {next(n_counted)}, {measure})"
-        yield {
-            "constant": plain_name(each.name).upper(),
-            "limits": tuple(watch.thresholds[each.name].values()),
-            "unit": each.unit.value,
-            "elements": elements,
-            "measure": measure,
-        }
 
 
 def sentences(study: Study) -> Iterator[str]:

@@ -32,7 +32,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain
-from types import FunctionType, SimpleNamespace
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -58,12 +58,21 @@ Measure: TypeAlias = Callable[[Any, int], Any]
 
 
 def lifted(measure: Callable[..., Any], names: Mapping[str, Any]) -> Measure:
-    """Return a kernel function that uses other functions by ``names``, also in those it calls."""
-    scope = {**measure.__globals__, **names}
-    for name in {*measure.__code__.co_names} - names.keys():
-        if is_kernel(scope.get(name)):
-            scope[name] = lifted(scope[name], names)
-    return FunctionType(measure.__code__, scope)
+    """Return a kernel function that uses other values by ``names``, also in those it calls."""
+    used = {*measure.__code__.co_names}
+
+    def exchanged(name: str, value: Any) -> Any:
+        if isinstance(value, ModuleType) and name not in names:
+            inner = {
+                each: exchanged(each, known) for each, known in vars(value).items() if each in used
+            }
+            return SimpleNamespace(**inner)
+        return names.get(name, lifted(value, names) if is_kernel(value) else value)
+
+    scope = {
+        name: exchanged(name, each) for name, each in measure.__globals__.items() if name in used
+    }
+    return FunctionType(measure.__code__, {**names, **scope}, argdefs=measure.__defaults__)
 
 
 @cache

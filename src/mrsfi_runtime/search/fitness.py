@@ -51,7 +51,7 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
         raise UsageError(
             f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
         )
-    module = _imported(module_name, f"{where}: found '{name}'")
+    module = imported(module_name, f"{where}: found '{name}'")
     function: Callable[..., Any] | None = getattr(module, attribute, None)
     if not callable(function):
         functions = [
@@ -78,7 +78,8 @@ def errors_by_line(where: str) -> Iterator[None]:
         yield
 
 
-def _imported(name: str, where: str) -> ModuleType:
+def imported(name: str, where: str) -> ModuleType:
+    """Return a user's module, found in the current folder or on Python's path."""
     folder = str(Path.cwd())
     sys.path.insert(0, folder)
     try:
