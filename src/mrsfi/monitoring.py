@@ -23,6 +23,7 @@ from mrsfi_runtime.causes.monitors import (
     Study,
     Watch,
     cases,
+    formulas,
     n_raised,
 )
 from mrsfi_runtime.causes.weakness import timed_as_json
@@ -85,8 +86,8 @@ def own_monitors() -> tuple[Monitor, ...]:
         if not isinstance(each, Monitor) or not is_kernel(each.measure) or each.name in names:
             found = getattr(each, "name", each)
             raise UsageError(
-                f"{_OWN}: found {found!r} in MONITORS; expected a tuple of Monitor, each with a name "
-                "of its own and a function marked @kernel"
+                f"{_OWN}: found {found!r} in MONITORS; expected a tuple of Monitor, each with a "
+                "name of its own and a function marked @kernel"
             )
         names.append(each.name)
     return monitors
@@ -229,7 +230,10 @@ def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
 def as_json(study: Study) -> dict[str, Any]:
     """Return the study as plain values; a tick is null for never."""
     steps = study.recommended()
-    names = [each.monitor for each in steps]
+    names, by_name = (
+        [each.monitor for each in steps],
+        {each.name: each for each in study.watch.monitors},
+    )
     judged = []
     for each in study.cases:
         about = {"weakness": each.weakness.number, "goal": each.weakness.goal}
@@ -241,7 +245,12 @@ def as_json(study: Study) -> dict[str, Any]:
     return {
         "thresholds": study.watch.thresholds,
         "belief": Coverage.of(study.cases, ())._asdict() if study.cases else None,
-        "recommended": [each._asdict() | {"coverage": each.coverage._asdict()} for each in steps],
+        "recommended": [
+            each._asdict()
+            | {"coverage": each.coverage._asdict()}
+            | {"formulas": formulas(study.watch, by_name[each.monitor])}
+            for each in steps
+        ],
         "cases": judged,
         "fresh": study.fresh,
         "harmless": study.harmless,

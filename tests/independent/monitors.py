@@ -3,13 +3,29 @@
 import math
 from collections import defaultdict
 
+from tests.independent.simulation import FIRST_HEADING, Weather
+
 RESERVE = 0.2
 COUNTED = {"position frozen", "age of reports", "switch against command"}
 COUNTED |= {"sample count frozen", "sample count rate"}
 
 
-def measures(mission, flight):
-    """Return the measures of a flight after its first tick, by monitor and element."""
+def beginning(mission, seed):
+    """Return what the CI knows before the first tick: the model, and first commands."""
+    weather = Weather(seed)
+    robots, commands = [], []
+    for k, robot in enumerate(mission.robots):
+        at = {axis: getattr(robot.position, axis) for axis in "xyz"}
+        robots.append(at | {"speed": robot.speed, "energy": robot.total_energy})
+        x, y = weather.direction(0, k, FIRST_HEADING)
+        commands.append({"heading_x": x, "heading_y": y, "speed": robot.speed})
+    sensors = [{"count": 0} for _ in mission.sensors]
+    switches = [{"active": 1} for _ in mission.sensors]
+    return {"robots": robots, "commands": commands, "sensors": sensors, "switches": switches}
+
+
+def measures(mission, flight, seed):
+    """Return the measures of a flight at each tick, by monitor and element."""
     belief, found = flight["belief"], defaultdict(list)
     n_in_a_row = defaultdict(int)
 
@@ -20,8 +36,8 @@ def measures(mission, flight):
         n_in_a_row[name, element.id] = n_in_a_row[name, element.id] + 1 if is_so else 0
         note(name, element, n_in_a_row[name, element.id])
 
-    for tick in range(1, len(flight)):
-        was = belief[tick - 1].copy()
+    for tick in range(len(flight)):
+        was = belief[tick - 1].copy() if tick else beginning(mission, seed)
         now = belief[tick].copy()
         for k, robot in enumerate(mission.robots):
             before, after, order = was["robots"][k], now["robots"][k], was["commands"][k]
@@ -81,12 +97,10 @@ def thresholds(every):
     return found
 
 
-def first_alarms(measured, limits, since=1):
+def first_alarms(measured, limits, since=0):
     """Return the first tick from a tick on at which each measure exceeds its threshold."""
     ticks = {
-        key: next(
-            (k for k, value in enumerate(some, 1) if k >= since and value > limits[key]), None
-        )
+        key: next((k for k, value in enumerate(some) if k >= since and value > limits[key]), None)
         for key, some in measured.items()
     }
     return {key: tick for key, tick in ticks.items() if tick is not None}

@@ -127,16 +127,19 @@ def _in_a_row(flags: Values) -> Values:
     return ticks - np.maximum.accumulate(np.where(flags, 0, ticks))
 
 
-def _infix(sign: str, *, is_swapped: bool = False) -> Any:
+def _infix(form: str) -> Any:
     def joined(term: object, other: object) -> "_Term":
-        first, second = (other, term) if is_swapped else (term, other)
-        return _Term(f"({first} {sign} {second})")
+        return _Term(form.format(term, other))
 
     return joined
 
 
 class _Term:
-    """A term of past-time temporal logic, which grows as a measure is computed."""
+    """A term of past-time temporal logic, which grows as a measure is computed.
+
+    Equality has a tolerance, since a margin of 0 is neither. A square names its base once:
+    RTAMT computes a repeated ``prev`` twice in a tick.
+    """
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -147,10 +150,15 @@ class _Term:
     def __abs__(self) -> "_Term":
         return _Term(f"abs({self})")
 
+    def __mul__(self, other: object) -> "_Term":
+        return _Term(f"pow({self}, 2)" if other is self else f"({self} * {other})")
+
     __hash__ = None  # type: ignore[assignment]
-    __eq__, __ne__, __gt__, __and__ = map(_infix, ("==", "!==", ">", "and"))
-    __add__, __sub__, __mul__ = map(_infix, "+-*")
-    __radd__, __rsub__, __rmul__ = (_infix(sign, is_swapped=True) for sign in "+-*")
+    __eq__, __ne__ = map(_infix, ("(abs({} - {}) <= 1e-09)", "(abs({} - {}) > 1e-09)"))
+    __add__, __sub__, __gt__, __and__ = map(
+        _infix, ("({} + {})", "({} - {})", "({} > {})", "({} and {})")
+    )
+    __radd__, __rsub__, __rmul__ = map(_infix, ("({1} + {0})", "({1} - {0})", "({1} * {0})"))
 
 
 _ON_TERMS = {
@@ -190,7 +198,7 @@ def formulas(watch: "Watch", monitor: Monitor) -> dict[str, str]:
         obstacles=_named(state.obstacles, mission.obstacles, "{}_{}"),
         commands=_named(state.commands, mission.robots, "{}_commanded_{}"),
         switches=_named(state.switches, mission.sensors, "{}_commanded_{}"),
-        heard=_named(state.heard, heard, "prev({}_{})"),
+        heard=_named(state.heard, heard, "(prev({}_{}))"),
     )
     measure, whole = lifted(monitor.measure, _ON_TERMS), "{} <= {!r}"
     if monitor.unit is Range.TICKS:
