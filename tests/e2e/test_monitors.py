@@ -1,12 +1,15 @@
 """Monitors are recommended in words, and their sums recounted from the cases in JSON."""
 
+import json
 import math
 import shutil
 from collections import defaultdict
+from difflib import unified_diff
 
 import pytest
 
-from tests.support.cli import execute, mrsfi, mrsfi_json
+from tests.support.cli import edit, execute, mrsfi, mrsfi_json, mrsfi_process
+from tests.support.edited import COLLECTIVE
 
 RUN = ("runs/it", "--engine", "reference")
 STAGES = ("in time", "before the goal fails", "later", "never")
@@ -79,3 +82,89 @@ def test_a_campaign_in_an_external_world_is_refused(found, tmp_path):
     assert refused.stderr == (
         "mrsfi: runs/it: was flown with --side ci; expected mrsfi's own world\n"
     )
+
+
+@pytest.fixture
+def project(found, tmp_path):
+    """Copy of the mission with its campaign."""
+    return shutil.copytree(found, tmp_path / "project")
+
+
+def collective(project):
+    """Return the file with the regions of the goals."""
+    (path,) = (project / "generated").glob(f"*/{COLLECTIVE}")
+    return path
+
+
+def test_written_monitors_fly_and_a_reaction_of_the_team_is_kept(project, approved):
+    before, path = collective(project).read_text(), collective(project)
+
+    mrsfi("monitors", *RUN, "--write", cwd=project)
+    written = path.read_text()
+    edit(path, "commands.set_speed(ci, k, 0.0)", "commands.set_speed(ci, k, 0.5)")
+    edited = path.read_text()
+    mrsfi("monitors", *RUN, "--write", cwd=project)
+
+    approved("".join(unified_diff(before.splitlines(True), written.splitlines(True), n=0)))
+    assert path.read_text() == edited != written
+    assert "0 warnings" in mrsfi("validate", path.parent.name, cwd=project).stdout
+    assert mrsfi("generate", path.parent.name, "--check", cwd=project)
+    digests = {
+        mrsfi_json("simulate", path.parent.name, "--engine", engine, cwd=project)["digest"]
+        for engine in ("reference", "compiled")
+    }
+    assert len(digests) == 1
+
+
+def test_monitors_are_not_written_for_another_mission(project):
+    path = collective(project)
+    edit(project / "models" / path.parent.name / "mission.xmi", 'speed="4.0"', 'speed="4.5"')
+    mrsfi("generate", path.parent.name, cwd=project)
+    before = path.read_text()
+
+    refused = mrsfi("monitors", *RUN, "--fit-seeds", "1", "--write", cwd=project, expected=2)
+
+    assert "differs from the mission of runs/it" in refused.stderr
+    assert path.read_text() == before
+
+
+OWN = """
+from mrsfi_runtime.api import Monitor, Range, State, kernel, monitors
+
+
+@kernel
+def arriving(ci: State, r: int) -> bool:
+    \"\"\"Return whether a robot is at the meeting point, sooner than it can be.\"\"\"
+    robot = ci.robots[r]
+    return (abs(robot.x) < 1.0) & (monitors.ordered(ci, r) > 0.0)
+
+
+MONITORS = (Monitor("arrival", "robots", Range.TICKS, arriving),)
+"""
+
+
+def test_a_project_has_monitors_of_its_own(project):
+    (project / "monitors.py").write_text(OWN)
+
+    printed = mrsfi_process("monitors", *RUN, "--fit-seeds", "2", "--json", cwd=project)
+    listed = json.loads(printed.stdout)
+
+    assert listed["thresholds"]["arrival"] == {"a": 2.0, "b": 2.0}
+    assert any("arrival" in case["alarms"] for case in listed["cases"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"arrival"', '"map"', "found 'map' in MONITORS; expected a tuple of Monitor"),
+        ("    robot = ci", "    if ci.robots[r].x > 0.0:\n        return True\n    robot = ci",
+         "monitors.py:8: ValueError: The truth value of an array"),
+        ("MONITORS", "OTHERS", "found None in MONITORS"),
+    ],
+)  # fmt: skip
+def test_a_defect_of_such_monitors_is_reported_with_its_place(project, old, new, words):
+    (project / "monitors.py").write_text(OWN.replace(old, new))
+
+    refused = mrsfi_process("monitors", *RUN, "--fit-seeds", "1", cwd=project, expected=2)
+
+    assert words in refused.stderr
