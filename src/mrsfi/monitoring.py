@@ -16,13 +16,14 @@ from mrsfi.engines import Given, Tell, silent
 from mrsfi.explaining import flying_again, harvested
 from mrsfi.folders import load_fresh
 from mrsfi_runtime.analysis.tables import Cell, Table
-from mrsfi_runtime.analysis.weaknesses import element_name
+from mrsfi_runtime.analysis.weaknesses import in_percent, monitors_in_words
+from mrsfi_runtime.causes.consequences import STAGES, Coverage
+from mrsfi_runtime.causes.harvest import ADVICE
 from mrsfi_runtime.causes.monitors import (
-    STAGES,
-    Coverage,
     Study,
     Watch,
     cases,
+    coverage,
     formulas,
     n_raised,
 )
@@ -32,6 +33,7 @@ from mrsfi_runtime.files import changing
 from mrsfi_runtime.kernel.monitors import MONITORS, Monitor
 from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
+from mrsfi_runtime.record.database import CampaignFolder, only_writer
 from mrsfi_runtime.record.engine_settings import BOTH, Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import CampaignStore
@@ -41,11 +43,12 @@ from mrsfi_runtime.search.space import SearchSpace
 N_FRESH = 20
 """Mission seeds, after those that fit thresholds, in which false alarms are counted."""
 
-_N_NAMED = 4  # elements in a sentence
-
 
 def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Study:
-    """Study monitors for a campaign, fitted in ``n_fit`` mission seeds from the campaign's on."""
+    """Study monitors for a campaign, fitted in ``n_fit`` mission seeds from the campaign's on.
+
+    The campaign keeps which monitors to add, for its page and its FMEA.
+    """
     with CampaignStore.open(run) as store:
         if (side := store.manifest.engine.side) != BOTH:
             raise UsageError(f"{run}: was flown with --side {side}; expected mrsfi's own world")
@@ -64,12 +67,16 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
         tell(f"monitors   {len(judged)} breaking variants of weaknesses judged")
         single = (each for each in known.outcomes if len(each) == 1 and not broken[each])
         harmless = {each[0].fault: each for each in single}
-        return Study(
+        study = Study(
             watch,
             judged,
             tuple(watch.alarms(each, own.record((), each)) for each in fresh),
             tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
         )
+    if judged:
+        with only_writer(CampaignFolder(run)), CampaignStore.open(run) as store:
+            store.keep(ADVICE, study.advice(store.n_evaluations).text())
+    return study
 
 
 _OWN = Path("monitors.py")
@@ -154,17 +161,11 @@ def sentences(study: Study) -> Iterator[str]:
     if not study.cases:
         yield "No weakness truly breaks a goal."
         return
-    before, steps = Coverage.of(study.cases, ()), study.recommended()
-    for number, (monitor, elements, after) in enumerate(steps, 1):
-        undetected = f"undetected {_percent(before.never)} → {_percent(after.never)}"
-        late = " → ".join(_percent(sum(each[1 : len(STAGES)])) for each in (before, after))
-        named = [element_name(study.watch.mission, each) for each in elements]
-        named[_N_NAMED:] = [f"{len(named) - _N_NAMED} more"] * (len(named) > _N_NAMED)
-        yield f"{number}. {monitor} of {', '.join(named)}: {undetected}, not in time {late}"
-        before = after
-    names = [each.monitor for each in steps]
-    n_false, n_fresh = n_raised(study.fresh, names), len(study.fresh)
-    yield f"False alarms of these: in {n_false} of {n_fresh} fresh mission seeds"
+    mission, advice = study.watch.mission, study.advice(0)
+    for number, step in enumerate(monitors_in_words(mission, advice), 1):
+        yield f"{number}. {step}"
+    names = [each.monitor for each in advice.steps]
+    yield f"False alarms of these: in {advice.n_false} of {advice.n_fresh} fresh mission seeds"
     left = [each for each in study.cases if each.stage(names)]
     yield f"They do not detect in time: {len(left)} of {len(study.cases)} breaking variants"
     for weakness in dict.fromkeys(each.weakness for each in left):
@@ -188,29 +189,25 @@ def tables(study: Study) -> Iterator[Table]:
     rows = list[Sequence[Cell]]()
     for name, group in goals.items():
         if judged := [each for each in study.cases if each.weakness.goal in group]:
-            both = (Coverage.of(judged, ()), Coverage.of(judged, names))
+            both = (coverage(judged, ()), coverage(judged, names))
             rows.append((name, len(judged), *(cell for one in both for cell in _in_words(one))))
     title = "Diagnostic coverage: the share of breaking variants that is detected in time"
     words = ("belief", "class", "with these", "class then")
     yield Table(title, ("goal", "variants", *words), rows, words, ("goal",), is_compact=True)
     rows = []
     for name, threshold in [("none", ""), *_thresholds(study)]:
-        shares = Coverage.of(study.cases, [name])[: len(STAGES)]
+        shares = coverage(study.cases, [name])[: len(STAGES)]
         flights = (study.fresh, study.harmless)
         counts = [f"{n_raised(some, [name])} of {len(some)}" for some in flights]
-        rows.append((name, threshold, *map(_percent, shares), *counts))
+        rows.append((name, threshold, *map(in_percent, shares), *counts))
     title = "Each monitor beside the CI's belief: when variants are detected, and other alarms"
     columns = ("monitor", "alarm above", *STAGES, "false alarms", "harmless faults")
     yield Table(title, columns, rows, ("monitor",), ("alarm above",), is_compact=True)
 
 
-def _percent(share: float) -> str:
-    return "< 1 %" if 0.0 < share < 0.01 else f"{100 * share:.0f} %"
-
-
 def _in_words(coverage: Coverage) -> tuple[str, str]:
-    ends = f"{100 * coverage.low:.0f} to {_percent(coverage.high)}"
-    return f"{_percent(coverage.in_time)} ({ends})", coverage.level
+    ends = f"{100 * coverage.low:.0f} to {in_percent(coverage.high)}"
+    return f"{in_percent(coverage.in_time)} ({ends})", coverage.level
 
 
 def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
@@ -244,7 +241,7 @@ def as_json(study: Study) -> dict[str, Any]:
         judged.append(about | {"stage": STAGES[each.stage(names)]})
     return {
         "thresholds": study.watch.thresholds,
-        "belief": Coverage.of(study.cases, ())._asdict() if study.cases else None,
+        "belief": coverage(study.cases, ())._asdict() if study.cases else None,
         "recommended": [
             each._asdict()
             | {"coverage": each.coverage._asdict()}

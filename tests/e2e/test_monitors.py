@@ -1,5 +1,6 @@
 """Monitors are recommended in words, and their sums recounted from the cases in JSON."""
 
+import csv
 import json
 import math
 import shutil
@@ -10,6 +11,7 @@ import pytest
 
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json, mrsfi_process
 from tests.support.edited import COLLECTIVE
+from tests.support.report_page import data_of
 
 RUN = ("runs/it", "--engine", "reference")
 STAGES = ("in time", "before the goal fails", "later", "never")
@@ -168,3 +170,32 @@ def test_a_defect_of_such_monitors_is_reported_with_its_place(project, old, new,
     refused = mrsfi_process("monitors", *RUN, "--fit-seeds", "1", cwd=project, expected=2)
 
     assert words in refused.stderr
+
+
+def test_the_campaign_keeps_what_to_add_for_its_page_and_its_fmea(project):
+    run = project / "runs" / "it"
+    listed = mrsfi_json("monitors", *RUN, cwd=project)
+    names = [step["monitor"] for step in listed["recommended"]]
+    in_time = defaultdict(list)
+    for case in listed["cases"]:
+        in_time[case["weakness"]].append(stage(case, names) == STAGES[0])
+
+    printed = mrsfi("weaknesses", "runs/it", "--fmea", "fmea.csv", cwd=project).stdout
+    mrsfi("report", "runs/it", cwd=project)
+
+    assert f"Monitor first: {names[0]} of " in " ".join(printed.split())
+    table = data_of(run / "report.html")["first"]["monitors"]["rows"]
+    assert [row[0] for row in table] == names
+    with (project / "fmea.csv").open() as file:
+        rows = {int(row["weakness"]): row for row in csv.DictReader(file)}
+    for number, each in in_time.items():
+        counts = f"in time in {sum(each)} of {len(each)} in the first mission seed"
+        assert rows[number]["detection"].endswith(counts)
+        helps = any(
+            stage(case, names) != stage(case, [])
+            for case in listed["cases"]
+            if case["weakness"] == number
+        )
+        assert bool(rows[number]["recommended action"]) == helps
+    execute(run, "UPDATE meta SET value = replace(value, '[', '[1') WHERE key = 'monitors'")
+    assert "Monitor first" not in mrsfi("weaknesses", "runs/it", cwd=project).stdout

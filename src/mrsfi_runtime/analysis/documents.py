@@ -347,6 +347,11 @@ def failure_modes(
         n_ticks = max(counts[place])
         chance, found = occurrence(pool, weakness.faults), weakness.shown.detection
         likely, worst = 1.0 if chance is None else -chance, found.worst if found else ""
+        action = with_monitors = ""
+        if (watched := weakness.monitored) is not None:
+            action = watched.monitor and f"Add a monitor: {watched.monitor}"
+            in_time = f"{watched.n_in_time} of {watched.n_variants} in the first mission seed"
+            with_monitors = f"; with the recommended monitors in time in {in_time}"
         s = None if shown.column.kind == MEASURES[0] else goal.severity or None
         o = max((int(n) for n, least in rated.items() if least <= -likely), default=None)
         d = ratings.get("detection", {}).get(worst)
@@ -366,9 +371,10 @@ def failure_modes(
             "O": o,
             "D": d,
             "RPN": s * o * d if s and o and d else None,
-            "detection": detection(weakness, units),
+            "detection": detection(weakness, units) + with_monitors,
             "mildest variant": weakness.mildest.sentence if weakness.mildest else "",
             "evidence": evidence(weakness.at_least),
+            "recommended action": action,
             **settled.get(weakness.number, {}),
             "reference": _listed(each.fault.reference for each in faults),
             "integrity level": goal.integrity_level,

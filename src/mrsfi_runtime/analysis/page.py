@@ -131,6 +131,8 @@ def _first_screen(
         "headline": headline,
         "about": " · ".join(about),
         "facts": facts,
+        "monitors": harvest.advice
+        and tables.to_page(weaknesses.monitor_table(mission, harvest.advice)),
         "goals": [_goal(summary, each) for each in summary.verdicts],
         "ways": [
             {

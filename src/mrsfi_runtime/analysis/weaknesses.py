@@ -20,7 +20,14 @@ from typing import Any
 from mrsfi_runtime.analysis.tables import Cell, Table, nearness
 from mrsfi_runtime.causes.cause_set import Column
 from mrsfi_runtime.causes.confirmation import transfers
-from mrsfi_runtime.causes.consequences import Estimate, Risk, confirmed, ladder, risks
+from mrsfi_runtime.causes.consequences import (
+    Advice,
+    Estimate,
+    Risk,
+    confirmed,
+    ladder,
+    risks,
+)
 from mrsfi_runtime.causes.harvest import Harvest, Nearest
 from mrsfi_runtime.causes.mildest import GoalWeakness, least
 from mrsfi_runtime.causes.weakness import MEASURES, Known, faults_of, form
@@ -529,9 +536,10 @@ def facts(
     known: Harvest,
     *others: Harvest,
 ) -> Iterator[str]:
-    """Yield sentences: undetected weaknesses, false alarms, risks, the elements to protect first.
+    """Yield sentences: undetected weaknesses, false alarms, risks, what to protect and to monitor.
 
-    Before the last come the results in other worlds. Risks count what other campaigns found, too.
+    Before the elements to protect come the results in other worlds. Risks count what other
+    campaigns found, too.
     """
     masked = {each.goal for each in known.goal_weaknesses if each.is_undetected}
     undetected = [each.label for each in goals if each.goal in masked]
@@ -548,6 +556,40 @@ def facts(
         yield f"{least}, {_ASSUMED}: {', '.join(shares)}"
     yield from transfers(known.goal_weaknesses)
     yield from _protect_first(mission, pool, known)
+    if known.advice and known.advice.steps:
+        yield f"Monitor first: {'; then '.join(monitors_in_words(mission, known.advice))}"
+
+
+def monitor_table(mission: Mission, advice: Advice) -> Table:
+    """Return a row for each monitor to add: its elements, and shares before and after it."""
+    rows = list[tuple[Cell, ...]]()
+    then = [each.coverage for each in advice.steps]
+    for (monitor, elements, after), before in zip(
+        advice.steps, [advice.before, *then], strict=False
+    ):
+        named = [element_name(mission, each) for each in elements]
+        named[_N_NAMED:] = [f"{len(named) - _N_NAMED} more"] * (len(named) > _N_NAMED)
+        never, late = (
+            f"{in_percent(sum(before[since:4]))} → {in_percent(sum(after[since:4]))}"
+            for since in (3, 1)
+        )
+        rows.append((monitor, ", ".join(named), never, late))
+    title = (
+        "Share of breaking variants that is not detected before and after each is added. False "
+        f"alarms of all: in {advice.n_false} of {advice.n_fresh} mission seeds without faults."
+    )
+    return Table(title, ("monitor", "of", "undetected", "not in time"), rows)
+
+
+def monitors_in_words(mission: Mission, advice: Advice) -> Iterator[str]:
+    """Yield each monitor to add as a sentence."""
+    for monitor, elements, never, late in monitor_table(mission, advice).rows:
+        yield f"{monitor} of {elements}: undetected {never}, not in time {late}"
+
+
+def in_percent(share: float) -> str:
+    """Return a share in whole per cent."""
+    return "< 1 %" if 0.0 < share < 0.01 else f"{100 * share:.0f} %"
 
 
 _N_NAMED = 4  # elements in a sentence

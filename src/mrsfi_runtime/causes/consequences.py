@@ -1,4 +1,4 @@
-"""What follows from weaknesses: how many are missing, how likely goals break, what to protect.
+"""What follows from weaknesses: how many there are, how likely goals break, what to do first.
 
 ``estimate`` says how many weaknesses there are, from campaigns that searched with different seeds.
 Each campaign is a sample. Sets of faults that few of the samples contain show that others are
@@ -14,7 +14,7 @@ for which only what is known counts, and an upper one, for which what is estimat
 element is a robot, sensor, message or obstacle; its faults are those of ``elements_of``. A weakness
 is *closed* when a fault of its set is kept out. Only weaknesses that break a goal in truth count.
 ``cover`` is the greedy algorithm for set cover, and ``closing`` has the flights that confirm the
-result.
+result. ``Advice`` says which monitors to add first; ``causes.monitors`` finds them.
 
 References
 ----------
@@ -22,10 +22,13 @@ A. Chao, "Estimating the population size for capture-recapture data with unequal
 Biometrics 43, 1987: the estimator Chao2, and its log-normal interval. R. K. Colwell, "EstimateS",
 user's guide, appendix B: its form corrected for bias, and the interval if no set is missing.
 
+ISO 26262-5:2018, table 4: targets of diagnostic coverage, low, medium and high.
+
 C. J. Clopper and E. S. Pearson, "The use of confidence or fiducial limits illustrated in the case
 of the binomial", Biometrika 26, 1934: the lower end of a share.
 """
 
+import json
 import math
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
@@ -36,7 +39,7 @@ from typing import Any, NamedTuple, Self, TypeAlias
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, FaultSet, Known, Weakness, form
 from mrsfi_runtime.model.faults import FaultPool, Specification, elements_of
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import Mission, wilson
 
 _Z = 1.96  # standard deviations on both sides of 95 % of a normal distribution
 
@@ -296,3 +299,86 @@ def confirmed(steps: Iterable[Step], known: Known) -> tuple[int, Mapping[int, bo
     flown = [(weakness, rest) for weakness, rest in pairs if rest in known.flown]
     gone = {each.number: each.shown.column not in known.flown[rest] for each, rest in flown}
     return len({rest for _, rest in flown}), gone
+
+
+STAGES = ("in time", "before the goal fails", "later", "never")
+"""When it is detected that a goal is broken, the best first."""
+
+
+class Coverage(NamedTuple):
+    """Shares of the weight of variants by the ``STAGES``, and the 95 % interval of those in time.
+
+    The interval is Wilson's. Its number of trials is Kish's, so that each weighs the same.
+    """
+
+    in_time: float
+    before_failure: float
+    later: float
+    never: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, stages: Sequence[tuple[int, float]]) -> Self:
+        """Return the coverage of at least one variant, each with its stage and its weight."""
+        total = math.fsum(weight for _, weight in stages)
+        n = total**2 / math.fsum(weight**2 for _, weight in stages)
+        shares = [
+            math.fsum(weight for stage, weight in stages if stage == place) / total
+            for place in range(len(STAGES))
+        ]
+        return cls(*(*shares, *wilson(n * shares[0], n)))
+
+    @property
+    def level(self) -> str:
+        """The class of ISO 26262 that the share in time reaches."""
+        levels = ((0.99, "high"), (0.9, "medium"), (0.6, "low"))
+        return next((name for least, name in levels if self.in_time >= least), "none")
+
+
+class Addition(NamedTuple):
+    """A monitor to add to those before, the elements at which it gains, and the coverage then."""
+
+    monitor: str
+    elements: tuple[str, ...]
+    coverage: Coverage
+
+
+class Monitored(NamedTuple):
+    """The first monitor that helps with a weakness, and variants detected in time with all."""
+
+    monitor: str
+    n_in_time: int
+    n_variants: int
+
+
+class Advice(NamedTuple):
+    """The monitors to add, as a record keeps them, and what they do for each weakness.
+
+    ``before`` is the coverage without them, ``watched`` has weaknesses by number. They raise false
+    alarms in ``n_false`` of ``n_fresh`` mission seeds.
+    """
+
+    n_evaluations: int
+    before: Coverage
+    steps: tuple[Addition, ...]
+    watched: Mapping[int, Monitored]
+    n_false: int
+    n_fresh: int
+
+    def text(self) -> str:
+        """Return it as JSON."""
+        return json.dumps(self)
+
+    @classmethod
+    def read(cls, text: str) -> Self:
+        """Return what was kept as a text."""
+        n_evaluations, before, steps, watched, n_false, n_fresh = json.loads(text)
+        return cls(
+            n_evaluations,
+            Coverage(*before),
+            tuple(Addition(name, tuple(some), Coverage(*then)) for name, some, then in steps),
+            {int(number): Monitored(*each) for number, each in watched.items()},
+            n_false,
+            n_fresh,
+        )

@@ -264,8 +264,8 @@ N_SEEDS = 5
 MOST = 1000
 """Flights that a harvest takes at most, however many its search took."""
 
-KEPT = "weaknesses"
-"""Key under which a record keeps weaknesses."""
+KEPT, ADVICE = "weaknesses", "monitors"
+"""Keys under which a record keeps weaknesses, and the monitors to add."""
 
 Progress: TypeAlias = Callable[[str, int, int, Known], None]
 """Receives a unit (flights, then bisections), how many are done, the most there can be, and
@@ -298,7 +298,7 @@ class Harvest:
     of one weakness of each goal, are not counted. ``outcomes`` leaves out failed flights.
     ``yardstick`` is ``None`` before the flight without faults. ``nearest`` has the closest approach
     of each goal that no weakness truly breaks. ``elsewhere`` has the results of weaknesses in other
-    worlds, by number.
+    worlds, by number; ``advice`` has the monitors to add, if they were sought.
     """
 
     known: Known
@@ -309,13 +309,21 @@ class Harvest:
     mildest: tuple[Mildest, ...] = ()
     nearest: Mapping[str, Nearest] = field(default_factory=dict)
     elsewhere: Mapping[int, tuple[Confirmation, ...]] = field(default_factory=dict)
+    advice: consequences.Advice | None = None
 
     @property
     def goal_weaknesses(self) -> tuple[GoalWeakness, ...]:
         """The weaknesses by goal and set of faults, numbered."""
         found = goal_weaknesses(self.weaknesses, self.mildest)
-        there = self.elsewhere.get
-        return tuple(replace(each, elsewhere=there(each.number, ())) for each in found)
+        there, watched = self.elsewhere, self.advice.watched if self.advice else {}
+        return tuple(
+            replace(
+                each,
+                elsewhere=there.get(each.number, ()),
+                monitored=watched.get(each.number),
+            )
+            for each in found
+        )
 
     def with_seeds_of(self, found: Iterable[GoalWeakness]) -> Self:
         """Return it with weaknesses replaced by those that were flown in more mission seeds."""
@@ -336,10 +344,12 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     A search by ``cover`` needs no harvest, but for other mission seeds.
     """
     found, flights = _known_by(space, store), store.flights_elsewhere()
-    if found is None or not flights:
-        return found
-    results = confirmations(space, flights, found.goal_weaknesses)
-    return replace(found, elsewhere=results)
+    if found is None:
+        return None
+    results = confirmations(space, flights, found.goal_weaknesses) if flights else {}
+    advice = store.kept(ADVICE, consequences.Advice.read)
+    is_due = advice is not None and advice.n_evaluations == store.n_evaluations
+    return replace(found, elsewhere=results, advice=advice if is_due else None)
 
 
 def _known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:

@@ -39,6 +39,7 @@ from mrsfi_runtime.search.space import SearchSpace
 
 if TYPE_CHECKING:
     from mrsfi_runtime.causes.confirmation import Confirmation
+    from mrsfi_runtime.causes.consequences import Monitored
 
 N_SEEDS = 3
 """Mission seeds, the campaign's first among them, in which a variant must break the goal."""
@@ -355,7 +356,7 @@ class GoalWeakness:
 
     ``by`` has a ``Weakness`` for each measure by which they break it, in the order of ``MEASURES``;
     ``mildest`` is the mildest variant by the gravest measure, if one was sought. ``elsewhere`` has
-    its results in other worlds.
+    its results in other worlds, ``monitored`` what monitors detect, if they were sought.
     """
 
     number: int
@@ -364,6 +365,7 @@ class GoalWeakness:
     by: tuple[Weakness, ...]
     mildest: Mildest | None = None
     elsewhere: "tuple[Confirmation, ...]" = ()
+    monitored: "Monitored | None" = None
 
     @property
     def shown(self) -> Weakness:

@@ -20,10 +20,6 @@ later than the goal is broken.
 The weight of a variant is the chance to draw it, as in ``weakness.Share``; of several faults, all
 variants weigh the same. So each weakness counts by its share. ``Study.recommended`` adds monitors
 one after the other: next is the one that brings the most weight in time. Begin with ``Watch``.
-
-References
-----------
-ISO 26262-5:2018, table 4: targets of diagnostic coverage, low, medium and high.
 """
 
 import math
@@ -39,6 +35,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.causes.cause_set import Column
+from mrsfi_runtime.causes.consequences import Addition, Advice, Coverage, Monitored
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, form
@@ -48,7 +45,7 @@ from mrsfi_runtime.kernel.monitors import Monitor
 from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor, wilson
+from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.search.space import SearchSpace, drawn_as, draws
 
 Values: TypeAlias = npt.NDArray[Any]
@@ -268,10 +265,6 @@ def threshold(unit: Range, highest: float) -> float:
     return highest + max(_ROUNDING, RESERVE * highest)
 
 
-STAGES = ("in time", "before the goal fails", "later", "never")
-"""When it is detected that a goal is broken, the best first."""
-
-
 class Case(NamedTuple):
     """A variant that truly breaks a goal, from a tick on, and when that is detected.
 
@@ -293,7 +286,7 @@ class Case(NamedTuple):
         return min(self.believed, *map(min, raised), math.inf)
 
     def stage(self, names: Iterable[str]) -> int:
-        """Return the place in ``STAGES`` of the detection."""
+        """Return the place in ``consequences.STAGES`` of the detection."""
         tick = self.detected(names)
         if tick <= self.broken:
             return 0
@@ -349,43 +342,9 @@ def verdict_ticks(flight: Recording, place: int) -> tuple[int, float, float]:
     return int(is_broken.argmax()), failed, believed
 
 
-class Coverage(NamedTuple):
-    """Shares of the weight of cases by the ``STAGES``, and the 95 % interval of those in time.
-
-    The interval is Wilson's. Its number of trials is Kish's, so that each weighs the same.
-    """
-
-    in_time: float
-    before_failure: float
-    later: float
-    never: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, cases: Sequence[Case], names: Sequence[str]) -> Self:
-        """Return the coverage of at least one case by the CI's belief and some monitors."""
-        weights = defaultdict[int, float](float)
-        for each in cases:
-            weights[each.stage(names)] += each.weight
-        total = math.fsum(each.weight for each in cases)
-        n = total**2 / math.fsum(each.weight**2 for each in cases)
-        shares = [weights[stage] / total for stage in range(len(STAGES))]
-        return cls(*(*shares, *wilson(n * shares[0], n)))
-
-    @property
-    def level(self) -> str:
-        """The class of ISO 26262 that the share in time reaches."""
-        levels = ((0.99, "high"), (0.9, "medium"), (0.6, "low"))
-        return next((name for least, name in levels if self.in_time >= least), "none")
-
-
-class Step(NamedTuple):
-    """A monitor to add to those before, the elements at which it gains, and the coverage then."""
-
-    monitor: str
-    elements: tuple[str, ...]
-    coverage: Coverage
+def coverage(cases: Iterable[Case], names: Sequence[str]) -> Coverage:
+    """Return the coverage of at least one case by the CI's belief and some monitors."""
+    return Coverage.of([(each.stage(names), each.weight) for each in cases])
 
 
 @dataclass(frozen=True, slots=True)
@@ -401,9 +360,9 @@ class Study:
     fresh: tuple[Alarms, ...]
     harmless: tuple[Alarms, ...]
 
-    def recommended(self) -> tuple[Step, ...]:
+    def recommended(self) -> tuple[Addition, ...]:
         """Return monitors to add, the one that gains most first, until none gains."""
-        steps, names = list[Step](), list[str]()
+        steps, names = list[Addition](), list[str]()
         while self.cases:
             best = max(self.watch.monitors, key=lambda each: self._reached([*names, each.name]))
             then = [*names, best.name]
@@ -412,9 +371,27 @@ class Study:
                 break
             raised = [each.alarms[best.name] for each in gaining]
             first = {id for each in raised for id in each if each[id] == min(each.values())}
-            steps.append(Step(best.name, tuple(sorted(first)), Coverage.of(self.cases, then)))
+            steps.append(Addition(best.name, tuple(sorted(first)), coverage(self.cases, then)))
             names = then
         return tuple(steps)
+
+    def advice(self, n_evaluations: int) -> Advice:
+        """Return what a record of so many evaluations keeps; there is at least one case."""
+        steps = self.recommended()
+        names, watched = [each.monitor for each in steps], dict[int, Monitored]()
+        for weakness in {each.weakness.number: each.weakness for each in self.cases}.values():
+            own = [each for each in self.cases if each.weakness == weakness]
+            stages = {
+                monitor: sum(each.stage(names[: place + 1]) for each in own)
+                for place, monitor in enumerate(names)
+            }
+            late = sum(each.stage(()) for each in own)
+            gains = [monitor for monitor, then in stages.items() if then < late]
+            n_in_time = sum(each.stage(names) == 0 for each in own)
+            watched[weakness.number] = Monitored("".join(gains[:1]), n_in_time, len(own))
+        n_false = n_raised(self.fresh, names)
+        before = coverage(self.cases, ())
+        return Advice(n_evaluations, before, steps, watched, n_false, len(self.fresh))
 
     def _reached(self, names: Sequence[str]) -> tuple[float, ...]:
         """Return the weight that reaches each stage but the last, then fewest false alarms."""

@@ -16,7 +16,7 @@ class Screen {
     this.next = make("div", { id: "next" });
     this.buttons = new Map();
     this.element = make("div", { id: "weaknesses", class: "screen" },
-      make("div", { class: "left" }, this.goalsOf(), this.matrix ? this.matrixOf() : null),
+      make("div", { class: "left" }, this.goalsOf(), this.matrix ? this.matrixOf() : null, this.monitors ? this.monitorsOf() : null),
       make("div", { class: "right" }, this.panel, view.element, this.next));
   }
 
@@ -65,6 +65,10 @@ class Screen {
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, bdi(fault.label)))))),
         make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, bdi(row.name), row.id === row.name ? null : [" ", make("small", {}, bdi(`(${row.id})`))]), row.cells.map(cell)))))),
       make("p", { class: "note" }, bdi(note))));
+  }
+
+  monitorsOf() {
+    return withTerms(make("section", { id: "monitors" }, make("h2", {}, "Which monitors to add"), ...titled(this.monitors)));
   }
 
   async choose(number, keep) {
