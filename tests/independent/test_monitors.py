@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.causes.monitors import STAGES, Case, Watch, verdict_ticks
+from mrsfi_runtime.causes.consequences import STAGES
+from mrsfi_runtime.causes.monitors import Case, Watch, verdict_ticks
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.kernel.monitors import MONITORS
 from mrsfi_runtime.model.faults import TimedFault
