@@ -197,5 +197,5 @@ def test_the_campaign_keeps_what_to_add_for_its_page_and_its_fmea(project):
             if case["weakness"] == number
         )
         assert bool(rows[number]["recommended action"]) == helps
-    execute(run, "UPDATE meta SET value = replace(value, '[', '[1') WHERE key = 'monitors'")
+    execute(run, "UPDATE meta SET value = json_set(value, '$[0]', 1) WHERE key = 'monitors'")
     assert "Monitor first" not in mrsfi("weaknesses", "runs/it", cwd=project).stdout
