@@ -52,6 +52,7 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from mrsfi_runtime.causes.monitors import Study
     from mrsfi_runtime.causes.weakness import Weakness
     from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -389,6 +390,12 @@ class Campaign:
             settings = again(AS_RECORDED, campaign.store.manifest.engine)
             ((_, found),) = explained(about, some, settings, Workers(), keep)
             return found
+
+    def monitors(self, n_fit: int = 20) -> "Study":
+        """Find the monitors that would have detected the weaknesses, fitted in mission seeds."""
+        from mrsfi.monitoring import monitored  # noqa: PLC0415 - brings what writes code
+
+        return monitored(self.folder, AS_RECORDED, n_fit)
 
     def keep(
         self,

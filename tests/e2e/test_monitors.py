@@ -6,9 +6,13 @@ import math
 import shutil
 from collections import defaultdict
 from difflib import unified_diff
+from operator import itemgetter
 
 import pytest
 
+from mrsfi_runtime.engine.flights import ReferenceEngine
+from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.model.faults import TimedFault
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json, mrsfi_process
 from tests.support.edited import COLLECTIVE
 from tests.support.report_page import data_of
@@ -199,3 +203,37 @@ def test_the_campaign_keeps_what_to_add_for_its_page_and_its_fmea(project):
         assert bool(rows[number]["recommended action"]) == helps
     execute(run, "UPDATE meta SET value = json_set(value, '$[0]', 1) WHERE key = 'monitors'")
     assert "Monitor first" not in mrsfi("weaknesses", "runs/it", cwd=project).stdout
+
+
+def test_written_monitors_react_at_the_tick_of_the_alarm_that_was_found(project):
+    """The default reaction commands speed 0, so flights are the same until a robot should move."""
+    listed = mrsfi_json("monitors", *RUN, cwd=project)
+    names = [step["monitor"] for step in listed["recommended"]]
+    folder = collective(project).parent
+    shutil.copytree(folder, project / "before" / folder.name)
+    mrsfi("monitors", *RUN, "--write", cwd=project)
+    n_reactions = 0
+
+    codes = [load_code(place) for place in (project / "before" / folder.name, folder)]
+    engines = [ReferenceEngine(code, 1) for code in codes]
+    for case in listed["cases"]:
+        variant = tuple(
+            TimedFault(each["fault"], each["start"], each["finish"], tuple(each["values"]))
+            for each in case["variant"]
+        )
+        before, after = (
+            engine.record(variant)["belief"]["commands"]["speed"] for engine in engines
+        )
+        differing = (before != after).any(axis=1)
+        raised = [case["alarms"].get(name, {}) for name in names]
+        ticks = {robot: tick for each in raised for robot, tick in each.items()}
+        if ticks:
+            robot, tick = min(ticks.items(), key=itemgetter(1))
+            assert not differing[:tick].any(), case
+            k = codes[0].mission.robot_index[robot]
+            assert differing[tick] == (before[tick, k] > 0.0), case
+            n_reactions += bool(differing[tick])
+        else:
+            assert not differing.any(), case
+
+    assert n_reactions > 0
