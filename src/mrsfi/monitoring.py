@@ -4,6 +4,7 @@
 """
 
 import math
+import os
 import re
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -73,7 +74,7 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
             tuple(watch.alarms(each, own.record((), each)) for each in fresh),
             tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
         )
-    if judged:
+    if judged and os.access(run, os.W_OK):
         with only_writer(CampaignFolder(run)), CampaignStore.open(run) as store:
             store.keep(ADVICE, study.advice(store.n_evaluations).text())
     return study
@@ -105,6 +106,10 @@ def write(run: Path, study: Study) -> Path:
 
     Monitors that were written before are replaced, a reaction to their alarms is kept.
     """
+    if not study.recommended():
+        raise UsageError(
+            f"{run}: found no monitor to write; expected one that detects more in time"
+        )
     with open_campaign(run) as campaign:
         folders = mission_of(campaign)
     path = folders.generated / "collective_intelligence.py"
@@ -227,10 +232,7 @@ def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
 def as_json(study: Study) -> dict[str, Any]:
     """Return the study as plain values; a tick is null for never."""
     steps = study.recommended()
-    names, by_name = (
-        [each.monitor for each in steps],
-        {each.name: each for each in study.watch.monitors},
-    )
+    names = [each.monitor for each in steps]
     judged = []
     for each in study.cases:
         about = {"weakness": each.weakness.number, "goal": each.weakness.goal}
@@ -245,7 +247,7 @@ def as_json(study: Study) -> dict[str, Any]:
         "recommended": [
             each._asdict()
             | {"coverage": each.coverage._asdict()}
-            | {"formulas": formulas(study.watch, by_name[each.monitor])}
+            | {"formulas": formulas(study.watch, each.monitor)}
             for each in steps
         ],
         "cases": judged,

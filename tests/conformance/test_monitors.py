@@ -47,6 +47,13 @@ def storing(mission):
     return "\n".join([*lines, "monitors.remember(ci)"])
 
 
+SILENT = tuple(
+    TimedFault(fault, 20, 60, values)
+    for fault, values in (("f10", (500.0,)), ("f11", (50.0, 50.0, 0.0)), ("f30", ()))
+)
+"""Robot p1 reports the same energy, position and speed."""
+
+
 @pytest.mark.parametrize(
     ("engine", "n"),
     [
@@ -65,7 +72,7 @@ def test_a_monitor_flown_as_code_of_a_region_has_the_measures_of_the_recorded_fl
     n_measured = dict.fromkeys((each.name for each in MONITORS), 0)
 
     with open_engine(EngineSettings(engine), code, 1) as flying:
-        for drawn in specifications(code, n):
+        for drawn in (*specifications(code, n), SILENT):
             flight = flying.record(drawn)
             heard, memory = Heard(mission, 1, flight), flight["belief"]["goals"]["memory"]
             stored = iter(memory.reshape(len(memory), -1).T.tolist())
@@ -119,13 +126,6 @@ def signals(mission, flight):
 OVER_TICKS = {"math": np, "min": np.minimum, "max": np.maximum}
 
 
-SILENT = tuple(
-    TimedFault(fault, 20, 60, values)
-    for fault, values in (("f10", (500.0,)), ("f11", (50.0, 50.0, 0.0)), ("f30", ()))
-)
-"""Robot p1 reports the same energy, position and speed."""
-
-
 @pytest.mark.parametrize("monitor", MONITORS, ids=[each.name for each in MONITORS])
 def test_rtamt_reads_the_formula_of_a_monitor_as_it_is_meant(monitor):
     code = code_of("tight_margins", 100)
@@ -137,7 +137,9 @@ def test_rtamt_reads_the_formula_of_a_monitor_as_it_is_meant(monitor):
     for flight in flights:
         known = signals(code.mission, flight)
         measured = Heard(code.mission, 1, flight).measured(monitor)
-        for (id, formula), measures in zip(formulas(watch, monitor).items(), measured, strict=True):
+        for (id, formula), measures in zip(
+            formulas(watch, monitor.name).items(), measured, strict=True
+        ):
             named = {name: known[name] for name in known if name in formula}
             rtamt, values = stl(formula, named), []
             for tick in range(len(flight) + 1):

@@ -152,10 +152,12 @@ class _Term:
 
     __hash__ = None  # type: ignore[assignment]
     __eq__, __ne__ = map(_infix, ("(abs({} - {}) <= 1e-09)", "(abs({} - {}) > 1e-09)"))
-    __add__, __sub__, __gt__, __and__ = map(
-        _infix, ("({} + {})", "({} - {})", "({} > {})", "({} and {})")
+    __lt__, __le__, __gt__, __ge__ = (
+        _infix(f"({{}} {sign} {{}})") for sign in ("<", "<=", ">", ">=")
     )
-    __radd__, __rsub__, __rmul__ = map(_infix, ("({1} + {0})", "({1} - {0})", "({1} * {0})"))
+    __add__, __sub__, __truediv__ = (_infix(f"({{}} {sign} {{}})") for sign in "+-/")
+    __radd__, __rsub__, __rmul__ = (_infix(f"({{1}} {sign} {{0}})") for sign in "+-*")
+    __and__, __or__ = map(_infix, ("({} and {})", "({} or {})"))
 
 
 _ON_TERMS = {
@@ -180,8 +182,8 @@ def _named(records: Iterable[Any], elements: Iterable[Robot | Sensor | Obstacle]
     ]
 
 
-def formulas(watch: "Watch", monitor: Monitor) -> dict[str, str]:
-    """Return for each element when there is no alarm, in past-time temporal logic as of RTAMT.
+def formulas(watch: "Watch", name: str) -> dict[str, str]:
+    """Return for each element when a monitor raises no alarm, in temporal logic as of RTAMT.
 
     Signal ``r1_x`` is field ``x`` of element ``r1``, ``r1_commanded_x`` that of its last command,
     ``r1_ordered`` and ``r1_left`` are what ``kernel.monitors`` calls so.
@@ -197,10 +199,11 @@ def formulas(watch: "Watch", monitor: Monitor) -> dict[str, str]:
         switches=_named(state.switches, mission.sensors, "{}_commanded_{}"),
         heard=_named(state.heard, heard, "(prev({}_{}))"),
     )
+    (monitor,) = (each for each in watch.monitors if each.name == name)
     measure, whole = lifted(monitor.measure, _ON_TERMS), "{} <= {!r}"
     if monitor.unit is Range.TICKS:
         whole = "not(historically[0:{1:.0f}]{0})"
-    limits = watch.thresholds[monitor.name].items()
+    limits = watch.thresholds[name].items()
     return {id: whole.format(measure(ci, k), limit) for k, (id, limit) in enumerate(limits)}
 
 
