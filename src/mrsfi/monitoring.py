@@ -31,9 +31,9 @@ from mrsfi_runtime.causes.monitors import (
 from mrsfi_runtime.causes.weakness import timed_as_json
 from mrsfi_runtime.errors import UsageError, counted
 from mrsfi_runtime.files import changing
-from mrsfi_runtime.kernel.monitors import MONITORS, Monitor
 from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
+from mrsfi_runtime.monitors import MONITORS, Monitor
 from mrsfi_runtime.record.database import CampaignFolder, only_writer
 from mrsfi_runtime.record.engine_settings import BOTH, Workers
 from mrsfi_runtime.record.settings import following

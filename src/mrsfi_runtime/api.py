@@ -2,6 +2,7 @@
 # ruff: noqa: F401 - generated code imports these names from here
 """All names that generated code may import."""
 
+from mrsfi_runtime import monitors
 from mrsfi_runtime.cosimulation.lockstep import (
     RobotInterface,
     RobotTopics,
@@ -12,15 +13,7 @@ from mrsfi_runtime.cosimulation.lockstep import (
     initial_state,
     move,
 )
-from mrsfi_runtime.kernel import (
-    commands,
-    forecast,
-    geometry,
-    goal_tasks,
-    guidance,
-    monitors,
-    randomness,
-)
+from mrsfi_runtime.kernel import commands, forecast, geometry, goal_tasks, guidance, randomness
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
@@ -32,7 +25,6 @@ from mrsfi_runtime.kernel.goal_tasks.table import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.injections import OwnFault
-from mrsfi_runtime.kernel.monitors import Monitor
 from mrsfi_runtime.kernel.state import State, kernel
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Event, Fault, FaultPool, Trigger
@@ -55,4 +47,5 @@ from mrsfi_runtime.model.mission import (
     StringProperty,
     polygon,
 )
+from mrsfi_runtime.monitors import Monitor
 from mrsfi_runtime.transport.topics import PubSub

@@ -11,10 +11,10 @@ from mrsfi_runtime.causes.monitors import Heard, Watch, formulas, lifted
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import initial_state
-from mrsfi_runtime.kernel.monitors import MONITORS, left, ordered
 from mrsfi_runtime.kernel.state import N_MEMORY
 from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.monitors import MONITORS, left, ordered
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.edited import COLLECTIVE, edited, indented, write_body
 from tests.support.missing import skip

@@ -8,8 +8,8 @@ import pytest
 from mrsfi_runtime.causes.consequences import STAGES
 from mrsfi_runtime.causes.monitors import Case, Watch, verdict_ticks
 from mrsfi_runtime.engine.opening import open_engine
-from mrsfi_runtime.kernel.monitors import MONITORS
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.monitors import MONITORS
 from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.independent.monitors import detection, first_alarms, measures, thresholds
 from tests.support.world import code_of, specification

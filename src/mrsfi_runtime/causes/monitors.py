@@ -1,10 +1,10 @@
 """What would have caught it: monitors, judged on recorded flights.
 
-A ``Monitor`` of ``kernel.monitors`` measures, at each tick, what the CI receives of an element
-against what it commanded, or against the map and the data sheet in the model. It raises an *alarm*
-while the measure exceeds a threshold. ``Heard`` is a recorded belief as monitors read it, with
-arrays over all ticks in place of numbers: neither the truth nor a forged command. ``formula`` has a
-monitor compute on names in place of numbers.
+A ``Monitor`` measures, at each tick, what the CI receives of an element against what it commanded,
+or against the map and the data sheet in the model (``mrsfi_runtime.monitors``). It raises an
+*alarm* while the measure exceeds a threshold. ``Heard`` is a recorded belief as monitors read it,
+with arrays over all ticks in place of numbers: neither the truth nor a forged command.
+``formulas`` has them compute on names in place of numbers.
 
 Thresholds are fitted, for each element, to flights without faults: the largest measure there, and a
 reserve of ``RESERVE`` of it, at least one tick or sample. So none of these flights raises an alarm.
@@ -41,11 +41,11 @@ from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, form
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.flight import initial_state
-from mrsfi_runtime.kernel.monitors import Monitor
 from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor
+from mrsfi_runtime.monitors import Monitor
 from mrsfi_runtime.search.space import SearchSpace, drawn_as, draws
 
 Values: TypeAlias = npt.NDArray[Any]
@@ -186,7 +186,7 @@ def formulas(watch: "Watch", name: str) -> dict[str, str]:
     """Return for each element when a monitor raises no alarm, in temporal logic as of RTAMT.
 
     Signal ``r1_x`` is field ``x`` of element ``r1``, ``r1_commanded_x`` that of its last command,
-    ``r1_ordered`` and ``r1_left`` are what ``kernel.monitors`` calls so.
+    ``r1_ordered`` and ``r1_left`` are what ``mrsfi_runtime.monitors`` calls so.
     """
     mission, state = watch.mission, initial_state(watch.mission, 0)
     heard: Any = (*mission.robots, *mission.sensors, *mission.obstacles)

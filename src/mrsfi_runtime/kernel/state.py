@@ -289,7 +289,7 @@ class SwitchState:
 
 @dataclass(slots=True)
 class HeardState:
-    """What was last heard of an element, as ``kernel.monitors`` keeps it for regions.
+    """What was last heard of an element, as ``mrsfi_runtime.monitors`` keeps it for regions.
 
     It is the belief of the last tick, before the first one that of the model. ``in_a_row`` are
     for how many ticks something that a region counts has been so, ``alarm`` for how many ticks an
