@@ -86,6 +86,15 @@ def test_a_broken_campaign_ends_with_9(campaign, tmp_path):
     assert "campaign.sqlite" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
 
 
+def test_a_finished_campaign_that_is_resumed_keeps_its_figures(campaign):
+    figures = {path.name for path in (campaign / "figures").glob("figure_*")}
+
+    mrsfi("evolve", "--resume", campaign, cwd=campaign.parents[1])
+
+    assert {path.name for path in (campaign / "figures").glob("figure_*")} == figures != set()
+
+
+
 def test_a_report_for_a_paper_has_its_sentences_tables_and_figures(campaign, tmp_path):
     mrsfi("report", campaign, "--format", "latex", cwd=tmp_path)
 

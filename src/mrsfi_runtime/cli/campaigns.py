@@ -158,7 +158,8 @@ def evolve_command(
                 tell(f"the results so far are kept; print them with: mrsfi report {path}")
                 tell(f"continue with: mrsfi evolve --resume {path}")
             raise
-        report(campaign, ratio, is_json=is_json, draws=False)
+        has_figures = any(campaign.folder.figures.glob("figure_*"))  # of a resumed campaign
+        report(campaign, ratio, is_json=is_json, draws=has_figures)
         if is_nightly:
             require_decided(campaign)
 
