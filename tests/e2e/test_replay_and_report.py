@@ -94,7 +94,6 @@ def test_a_finished_campaign_that_is_resumed_keeps_its_figures(campaign):
     assert {path.name for path in (campaign / "figures").glob("figure_*")} == figures != set()
 
 
-
 def test_a_report_for_a_paper_has_its_sentences_tables_and_figures(campaign, tmp_path):
     mrsfi("report", campaign, "--format", "latex", cwd=tmp_path)
 
