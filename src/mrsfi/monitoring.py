@@ -23,6 +23,7 @@ from mrsfi_runtime.causes.harvest import ADVICE
 from mrsfi_runtime.causes.monitors import (
     Study,
     Watch,
+    breaking,
     cases,
     coverage,
     formulas,
@@ -63,8 +64,9 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
         with errors_by_line(f"{_OWN}: MONITORS"):
             watch = Watch.fitted(mission, (*MONITORS, *own_monitors()), flights)
         tell(f"monitors   {len(fit)} mission seeds without faults fitted the thresholds")
-        space, broken = SearchSpace.of(mission, campaign.pool), known.known.flown
-        judged = tuple(cases(space, known, own.record, partial(watch.alarms, seed)))
+        variants = breaking(SearchSpace.of(mission, campaign.pool), known)
+        broken = known.known.flown
+        judged = tuple(cases(mission, variants, own.record, partial(watch.alarms, seed)))
         tell(f"monitors   {len(judged)} breaking variants of weaknesses judged")
         single = (each for each in known.outcomes if len(each) == 1 and not broken[each])
         harmless = {each[0].fault: each for each in single}

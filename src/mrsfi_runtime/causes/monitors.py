@@ -296,21 +296,33 @@ class Case(NamedTuple):
         return 3 if tick == math.inf else 1 if tick < self.failed else 2
 
 
-def cases(
-    space: SearchSpace, known: Harvest, record: Record, raised: Callable[[Recording, int], Alarms]
-) -> Iterator[Case]:
-    """Fly the tried variants of weaknesses, and yield one for each goal that it truly breaks.
+Breaking: TypeAlias = Mapping[Specification, Sequence[tuple[GoalWeakness, float]]]
+"""The weaknesses of which each variant truly breaks the goal, with its weights."""
 
-    ``raised`` returns the alarms of a flight from a tick on.
-    """
-    mission, broken = space.gate.mission, known.known.flown
-    wanted = defaultdict[Specification, list[tuple[GoalWeakness, float]]](list)
+
+def breaking(space: SearchSpace, known: Harvest) -> Breaking:
+    """Return the tried variants of weaknesses that truly break the goal."""
+    broken = known.known.flown
+    found = defaultdict[Specification, list[tuple[GoalWeakness, float]]](list)
     for weakness in known.goal_weaknesses:
         real = {Column(weakness.goal, kind) for kind in MEASURES[1:]}
         for variant, weight in _weights(space, known, weakness.shown):
             if not real.isdisjoint(broken[form(variant)]):
-                wanted[variant].append((weakness, weight))
-    for variant, some in wanted.items():
+                found[variant].append((weakness, weight))
+    return found
+
+
+def cases(
+    mission: Mission,
+    variants: Breaking,
+    record: Record,
+    raised: Callable[[Recording, int], Alarms],
+) -> Iterator[Case]:
+    """Fly variants, and yield a case for each goal that one truly breaks.
+
+    ``raised`` returns the alarms of a flight from a tick on.
+    """
+    for variant, some in variants.items():
         flight = record(variant)
         since = min((each.first_changed for each in flight.tallies if each.changed), default=0)
         alarms = raised(flight, max(0, since))
