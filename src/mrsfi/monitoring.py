@@ -8,12 +8,13 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from m2t.emit import parse, template_environment
 from mrsfi.campaign_folders import mission_of, open_campaign
-from mrsfi.engines import Given, Tell, silent
+from mrsfi.engines import Given, Tell, now_and_then, silent
 from mrsfi.explaining import flying_again, harvested
 from mrsfi.folders import load_fresh
 from mrsfi_runtime.analysis.tables import Cell, Table
@@ -30,13 +31,16 @@ from mrsfi_runtime.causes.monitors import (
     n_raised,
 )
 from mrsfi_runtime.causes.weakness import timed_as_json
-from mrsfi_runtime.errors import UsageError, counted
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.errors import ReplayMismatch, UsageError, counted
 from mrsfi_runtime.files import changing
 from mrsfi_runtime.kernel.state import is_kernel
 from mrsfi_runtime.model.fault_types import Range, plain_name
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.mission import COUNTED, Outcome
 from mrsfi_runtime.monitors import MONITORS, Monitor
 from mrsfi_runtime.record.database import CampaignFolder, only_writer
-from mrsfi_runtime.record.engine_settings import BOTH, Workers
+from mrsfi_runtime.record.engine_settings import INJECTOR, Workers
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.fitness import errors_by_line, imported
@@ -49,37 +53,71 @@ N_FRESH = 20
 def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Study:
     """Study monitors for a campaign, fitted in ``n_fit`` mission seeds from the campaign's on.
 
-    The campaign keeps which monitors to add, for its page and its FMEA.
+    The campaign keeps which monitors to add, for its page and its FMEA. A flight of the search that
+    differs from its record is a ``ReplayMismatch``.
     """
-    with CampaignStore.open(run) as store:
-        if (side := store.manifest.engine.side) != BOTH:
-            raise UsageError(f"{run}: was flown with --side {side}; expected mrsfi's own world")
     with flying_again(run, engine, Workers(1), tell) as (campaign, _, own):
         seed = campaign.store.settings.mission_seed
         known, mission = harvested(campaign), campaign.mission
         fit, fresh = (
             following(seed, n_fit + N_FRESH)[part] for part in (slice(n_fit), slice(n_fit, None))
         )
-        flights = ((each, own.record((), each)) for each in fit)
-        with errors_by_line(f"{_OWN}: MONITORS"):
-            watch = Watch.fitted(mission, (*MONITORS, *own_monitors()), flights)
-        tell(f"monitors   {len(fit)} mission seeds without faults fitted the thresholds")
         variants = breaking(SearchSpace.of(mission, campaign.pool), known)
         broken = known.known.flown
-        judged = tuple(cases(mission, variants, own.record, partial(watch.alarms, seed)))
-        tell(f"monitors   {len(judged)} breaking variants of weaknesses judged")
         single = (each for each in known.outcomes if len(each) == 1 and not broken[each])
         harmless = {each[0].fault: each for each in single}
+        n_flights = n_fit + N_FRESH + len(variants) + len(harmless)
+        n_begun, tell_of = count(1), now_and_then(tell)
+
+        def record(specification: Specification, each: int = seed) -> Recording:
+            tell_of(partial("monitors   flight {} of {}".format, next(n_begun), n_flights))
+            return own.record(specification, each)
+
+        def again(specification: Specification) -> Recording:
+            flight = record(specification)
+            _require_same(run, specification, known.outcomes[specification], flight)
+            return flight
+
+        tell(f"monitors   {counted(n_flights, 'flights')}, {n_fit + N_FRESH} without faults")
+        with errors_by_line(f"{_OWN}: MONITORS"):
+            flights = ((each, record((), each)) for each in fit)
+            watch = Watch.fitted(mission, (*MONITORS, *own_monitors()), flights)
+        judged = tuple(cases(mission, variants, again, partial(watch.alarms, seed)))
         study = Study(
             watch,
             judged,
-            tuple(watch.alarms(each, own.record((), each)) for each in fresh),
-            tuple(watch.alarms(seed, own.record(each)) for each in harmless.values()),
+            tuple(watch.alarms(each, record((), each)) for each in fresh),
+            tuple(watch.alarms(seed, again(each)) for each in harmless.values()),
         )
     if judged and os.access(run, os.W_OK):
         with only_writer(CampaignFolder(run)), CampaignStore.open(run) as store:
             store.keep(ADVICE, study.advice(store.n_evaluations).text())
     return study
+
+
+def _require_same(
+    run: Path, specification: Specification, recorded: Outcome, flight: Recording
+) -> None:
+    """Compare the counts of a flight with the record."""
+    for name in COUNTED:
+        now, then = tuple(flight[name][-1].tolist()), getattr(recorded, name)
+        if now != then:
+            faults = ", ".join(each.fault for each in specification)
+            raise ReplayMismatch(
+                f"{run}: a flight under {faults} differs from its record: {name} {now}, recorded "
+                f"{then}; expected the same; check whether the external simulation or node, mrsfi, "
+                "or the kind of processor has changed since"
+            )
+
+
+def require_regions(run: Path) -> None:
+    """Refuse a campaign of a node, for which no region of generated code reacts."""
+    with CampaignStore.open(run) as store:
+        if store.manifest.engine.side == INJECTOR:
+            raise UsageError(
+                f"{run}: was flown with a node, and --write adds monitors to generated reactions; "
+                "expected no --write: --json has thresholds and formulas for your node"
+            )
 
 
 _OWN = Path("monitors.py")

@@ -42,6 +42,7 @@ COMMANDS = {
     "weaknesses --seeds 2": ("weaknesses", RUN, "--seeds", "2"),
     "weaknesses --map": ("weaknesses", RUN, "--map", "1", "map.csv"),
     "weaknesses --fmea": ("weaknesses", RUN, "--fmea", "fmea.csv"),
+    "monitors": ("monitors", RUN),
     "keep --seeds 2": ("keep", RUN, "--weakness", "1", "--seeds", "2"),
     "show": ("show", RUN, "1"),
     "check ARCHIVE": ("check", "it.zip"),
@@ -120,7 +121,7 @@ def world(place, url, kind):
 @slow
 def test_the_external_simulation_that_flew_it_flies_it_again(place, url):
     with world(place, url, SAME):
-        require_same(all_ended(place, "weaknesses --map"), 0, "")  # which takes the longest
+        require_same(all_ended(place, "weaknesses --map", "monitors"), 0, "")  # which take long
         page = report_of(place)
         with chdir(place):
             flight = Campaign(RUN).fly(BEST)

@@ -77,19 +77,6 @@ def test_weights_of_a_weakness_sum_up_to_its_share(found):
     assert weights == pytest.approx({number: max(some) for number, some in listed.items()})
 
 
-def test_a_campaign_in_an_external_world_is_refused(found, tmp_path):
-    run = shutil.copytree(found / "runs" / "it", tmp_path / "runs" / "it")
-    bus = """'$.engine', 'rosbridge', '$.bus', json('{"side": "ci", "url": "ws://127.0.0.1:9"}')"""
-    value = f"json_set(value, {bus})"
-    execute(run, f"UPDATE meta SET value = {value} WHERE key = 'manifest'")
-
-    refused = mrsfi("monitors", "runs/it", cwd=tmp_path, expected=2)
-
-    assert refused.stderr == (
-        "mrsfi: runs/it: was flown with --side ci; expected mrsfi's own world\n"
-    )
-
-
 @pytest.fixture
 def project(found, tmp_path):
     """Copy of the mission with its campaign."""

@@ -24,7 +24,7 @@ one after the other: next is the one that brings the most weight in time. Begin 
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain
@@ -41,9 +41,9 @@ from mrsfi_runtime.causes.mildest import GoalWeakness
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness, form
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.kernel.flight import initial_state
-from mrsfi_runtime.kernel.state import is_kernel
-from mrsfi_runtime.model.fault_types import Range, plain_name
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.kernel.state import PROPERTIES, State, is_kernel
+from mrsfi_runtime.model.fault_types import Field, Range, plain_name
+from mrsfi_runtime.model.faults import Specification, Target
 from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.monitors import Monitor
 from mrsfi_runtime.search.space import SearchSpace, drawn_as, draws
@@ -78,29 +78,46 @@ def _over_ticks(measure: Measure) -> Measure:
     return lifted(measure, {"math": np, "min": np.minimum, "max": np.maximum})
 
 
+_ELEMENTS = ("robots", "sensors", "obstacles")
+_REPORTS = {**PROPERTIES, Field.ACTIVATION: ("sensors", ("active",))}
+
+
 class Heard:
     """What the CI has received and commanded in a flight, as monitors read it.
 
-    In place of each number of a ``State`` it has an array over all ticks, except for indices.
+    In place of each number of a ``State`` it has an array over all ticks, except for indices. What
+    a node did not receive stays as in the model.
     """
 
     def __init__(self, mission: Mission, seed: int, flight: Recording) -> None:
         belief, before = flight["belief"], initial_state(mission, seed)
         self.mission, self.n_ticks = before.mission, len(flight)
-        self.robots, self.sensors, self.obstacles = (
-            [*_elements(belief[name])] for name in ("robots", "sensors", "obstacles")
+        now = {name: [*_elements(belief[name])] for name in _ELEMENTS}
+        was = {name: [*_elements(belief[name], getattr(before, name))] for name in _ELEMENTS}
+        for name, k, of_model in _not_received(before, flight.received):
+            vars(now[name][k]).update(of_model)
+            vars(was[name][k]).update(of_model)
+        self.robots, self.sensors, self.obstacles = now.values()
+        self.commands, self.switches = (
+            [*_elements(belief[name], getattr(before, name))] for name in ("commands", "switches")
         )
-        self.commands, self.switches, *heard = (
-            [*_elements(belief[name], getattr(before, name))]
-            for name in ("commands", "switches", "robots", "sensors", "obstacles")
-        )
-        self.heard = [*chain(*heard)]
+        self.heard = [*chain(*was.values())]
 
     def measured(self, monitor: Monitor) -> list[Values]:
         """Return the measure of each element at each tick."""
         measure, places = _over_ticks(monitor.measure), range(len(getattr(self, monitor.elements)))
         found = [np.broadcast_to(measure(self, k), self.n_ticks) for k in places]
         return [*map(_in_a_row, found)] if monitor.unit is Range.TICKS else found
+
+
+def _not_received(
+    before: State, received: Container[Target] | None
+) -> Iterator[tuple[str, int, dict[str, Any]]]:
+    """Yield the list and index of an element, with its fields that are not received."""
+    for affected, (name, columns) in _REPORTS.items():
+        for k, own in enumerate(getattr(before, name)):
+            if received is not None and (affected, k) not in received:
+                yield name, k, {column: getattr(own, column) for column in columns}
 
 
 _INDICES = {"first_sensor", "n_sensors", "gps", "robot"}

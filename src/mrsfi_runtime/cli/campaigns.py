@@ -21,7 +21,6 @@ from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost, counted
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
-    BOTH,
     CI,
     INJECTOR,
     ROSBRIDGE,
@@ -498,7 +497,7 @@ def confirm_command(
     help="Fit thresholds in N mission seeds without faults.",
 )
 @click.option("--write", is_flag=True, help="Write them into regions of the mission's code.")
-@options.engine_options(default=AUTO, sides=(BOTH,))
+@options.engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the result as JSON.")
 def monitors_command(run: Path, n_fit: int, engine: Given, *, write: bool, is_json: bool) -> None:
     """Print which monitors would have caught the weaknesses of RUN in time.
@@ -516,6 +515,8 @@ def monitors_command(run: Path, n_fit: int, engine: Given, *, write: bool, is_js
     """
     from mrsfi import monitoring
 
+    if write:
+        monitoring.require_regions(run)
     study = monitoring.monitored(run, engine, n_fit, tell)
     if write:
         tell(f"written    {monitoring.write(run, study)}")

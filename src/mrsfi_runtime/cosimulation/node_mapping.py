@@ -74,7 +74,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
     "sensor": {
         "samples": Quantity(lambda ci, index: ci.sensors[index].count, Field.COUNT),
-        "active": Quantity(lambda ci, index: ci.sensors[index].active == 1),
+        "active": Quantity(lambda ci, index: ci.sensors[index].active == 1, Field.ACTIVATION),
         "rate": Quantity(lambda ci, index: ci.sensors[index].rate, Field.RATE),
         "cost": Quantity(lambda ci, index: ci.sensors[index].cost, Field.COST),
     },

@@ -24,7 +24,7 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
 from threading import Thread
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import Limits, ServerSettings, TypeTable
@@ -42,10 +42,14 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Outcome, Repetition
 from mrsfi_runtime.record.engine_settings import RESTART, ROS2, EngineSettings
 from mrsfi_runtime.transport.rosbridge import EmbeddedTransport, RosbridgeTransport, errors_as_ours
 from mrsfi_runtime.transport.topics import LocalBus, PrefixedTransport, TopicQos, Transport
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.recording import Recording
 
 _GRACE = 1.0
 """Seconds that a program has to end after a signal."""
@@ -425,6 +429,11 @@ class InjectorEngine(ExternalEngine):
         held = held_commands(self.code.mission, request.pool, request.specification)
         self.node.held = [*held]
         return super()._evaluate(request)
+
+    def _record(self, specification: Specification, seed: int) -> "Recording":
+        recording = super()._record(specification, seed)
+        recording.received = self.node.speech.received
+        return recording
 
     def _culprit(self) -> KeptProcess | None:
         return self._process if self.node.is_to_blame else super()._culprit()

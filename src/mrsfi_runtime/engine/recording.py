@@ -22,7 +22,7 @@ from mrsfi_runtime.files import temporary_files_writable
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.state import COLUMNS, N_MEMORY, State, state_bytes
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import Specification, Target
 
 Records: TypeAlias = npt.NDArray[Any]
 """A structured array."""
@@ -84,12 +84,14 @@ class Recording:
     ``recording["world"]["goals"]["memory"]`` of ``(n_ticks, n_goals, N_MEMORY)``. The names of
     ``Verdicts`` lead to arrays of ``(n_ticks, n_goals)``. An array is read anew each time; a number
     in place of a name asks for that tick. ``dtype`` is the layout of a tick, ``moment_type``;
-    ``tallies`` say what each timed fault did.
+    ``tallies`` say what each timed fault did. ``received`` are the properties in the belief that a
+    node received; ``None`` for all.
     """
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
         self.dtype = dtype
         self.tallies: list[FaultTally] = []
+        self.received: frozenset[Target] | None = None
         self.chunk = max(8, CHUNK // dtype.itemsize)
         self._last: Records = np.zeros(0, dtype)
         self._n_before = 0
