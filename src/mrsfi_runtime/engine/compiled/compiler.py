@@ -10,8 +10,10 @@ cannot be compiled, and the reason in plain words.
 """
 
 import ast
+import importlib
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -61,6 +63,12 @@ from mrsfi_runtime.kernel.guidance import roam_in
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.neighbours import gather
 from mrsfi_runtime.kernel.state import State, is_kernel
+
+_BLAS = "scipy.linalg.cython_blas"
+if _BLAS not in sys.modules:  # numba imports it, slowly, to see whether it is there
+    sys.modules[_BLAS] = ModuleType(_BLAS)
+    importlib.import_module("numba.np.arraymath")
+    del sys.modules[_BLAS]
 
 _KNOWN = tuple(
     get_type_hints(record).keys()
