@@ -26,13 +26,14 @@ from functools import cache, cached_property
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path, PurePath
-from typing import Any, TypeAlias
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 from mrsfi_runtime.files import MARKER, not_a_manifest
 from mrsfi_runtime.model.fault_types import SEMANTICS
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 LINE_LENGTH = 100
 _EXCHANGED_QUOTES = str.maketrans("'\"", "\"'")
@@ -163,8 +164,10 @@ def _flat(value: Expression) -> str | None:
 
 
 @cache
-def template_environment(folder: str = "templates") -> Environment:
+def template_environment(folder: str = "templates") -> "Environment":
     """Return the environment that renders a folder of ``m2t``; an undefined name is an error."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 - slow
+
     environment = Environment(
         loader=PackageLoader("m2t", folder),
         undefined=StrictUndefined,

@@ -73,11 +73,6 @@ def plan(models: Path | LoadedModels, target: Path, *, force: bool = False) -> G
     return plan_files(target, rendered(loaded), sources(loaded), force=force)
 
 
-def stale(models: Path | LoadedModels, target: Path) -> tuple[str, ...]:
-    """Return the files that ``generate`` would write or remove; empty if all are up to date."""
-    return plan(models, target).stale
-
-
 def diff(models: Path, target: Path) -> str:
     """Return the changes by ``generate`` as a unified diff, without the manifest.
 

@@ -12,10 +12,8 @@ from contextlib import contextmanager
 from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
-from m2t.generate import rendered_file
-from m2t.models.load import load_mission_folder
 from mrsfi.engines import Tell, from_here, project, silent
-from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.folders import MissionFolders, find_mission, rendered
 from mrsfi_runtime.analysis.fronts import Columns
 from mrsfi_runtime.causes.harvest import KEPT
 from mrsfi_runtime.causes.mildest import GoalWeakness
@@ -112,9 +110,9 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
     """Open a campaign for reading, without its code, so that a later mrsfi can read it."""
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
-        models = load_mission_folder(folder.model)
-        mission = mission_from_text(rendered_file("mission_loader.py", models))
-        pool = pool_from_text(rendered_file("fault_loader.py", models))
+        texts = rendered(folder.model, "mission_loader.py", "fault_loader.py")
+        mission = mission_from_text(texts["mission_loader.py"])
+        pool = pool_from_text(texts["fault_loader.py"])
         pool = pool.without(store.manifest.engine.node_left_out)
         pool = unprotected(mission, pool, store.settings.protect)
         yield OpenCampaign(folder, store, mission, pool)
@@ -159,8 +157,8 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
     place = from_here((root() / manifest.place).resolve()) if manifest.place else manifest.mission
     folders = find_mission(str(place))
     if manifest.sha256.get(MISSION_XMI) != hashes(folders.models).get(MISSION_XMI):
-        models = load_mission_folder(folders.models)
-        found = mission_from_text(rendered_file("mission_loader.py", models))
+        (text,) = rendered(folders.models, "mission_loader.py").values()
+        found = mission_from_text(text)
         if found.name != campaign.mission.name:
             raise UsageError(
                 f"{folders.models}: found mission '{found.name}'; {campaign.folder.path} searched "

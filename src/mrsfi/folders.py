@@ -2,19 +2,21 @@
 
 Begin with ``find_mission``. ``load_fresh`` loads generated code only if it follows from the models
 and its regions are sound. To find out, code is generated and compared. A mark in the cache says
-that it was so, until a file changes on which it depends. With it, a command starts without the
-libraries that read models, fill templates and check regions.
+that it was so, until a file changes on which it depends. The cache also has the generated texts of
+models that stay as they are (``rendered``). So most commands start without the libraries that check
+regions, or without those that read models and fill templates.
 """
 
 import json
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from time import time
 from typing import TYPE_CHECKING
 
 import m2t
@@ -52,9 +54,10 @@ class MissionFolders:
 
     def require_fresh(self, loaded: "LoadedModels | None" = None) -> None:
         """Refuse generated code that is older than the models, and name the stale files."""
-        from m2t.generate import stale  # noqa: PLC0415 - brings what reads models
+        from m2t.emit import plan_files  # noqa: PLC0415 - slow
 
-        names = stale(loaded or self.models, self.generated)
+        texts = rendered(self.models, models=(lambda: loaded) if loaded else None)
+        names = plan_files(self.generated, texts, {}).stale
         if names and not (self.generated / "mission_loader.py").is_file():
             what = f"{self.generated}: not generated yet"
             raise GenerationError(f"{what}; run `mrsfi generate {self.models}`")
@@ -90,6 +93,47 @@ def _version() -> str:
     about = ((path, path.stat()) for path in files)
     lines = (f"{path} {stat.st_size} {stat.st_mtime_ns}" for path, stat in about)
     return "\n".join((sys.version, *lines))
+
+
+def rendered(
+    path: Path, *names: str, models: "Callable[[], LoadedModels] | None" = None
+) -> Mapping[str, str]:
+    """Return generated files, by default all, of a mission folder or a written specification.
+
+    They are as their templates render them. The cache keeps them beside the hashes of the files
+    that were read; those of a specification only if its mission is one file. Of several, the first
+    is looked for in folders, so that a new file could change the result. A file of the last second
+    may have changed while it was read. ``models`` returns the models, by default those of the
+    folder.
+    """
+    began, sources = time(), sorted(path.glob("*.xmi")) if path.is_dir() else [path]
+
+    def made() -> bytes:
+        from m2t.generate import VISITORS, rendered_file  # noqa: PLC0415 - slow
+        from m2t.models.load import load_mission_folder  # noqa: PLC0415 - slow
+
+        loaded = models() if models else load_mission_folder(path)
+        files = [file.path.resolve() for file in loaded.files]
+        is_kept = (path.is_dir() or len(files) == _N_FILES) and all(
+            each.stat().st_mtime < began - 1.0 for each in files
+        )
+        texts = {name: rendered_file(name, loaded) for name in names or VISITORS}
+        return json.dumps([{str(each): _hash(each) for each in files if is_kept}, texts]).encode()
+
+    def is_current(content: bytes) -> bool:
+        known: dict[str, str] = json.loads(content)[0]
+        return bool(known) and all(_hash(Path(name)) == known[name] for name in known)
+
+    key = fingerprint(each.resolve() for each in sources) + "".join(names)
+    texts: dict[str, str] = json.loads(remembered(key, made, is_current))[1]
+    return texts
+
+
+_N_FILES = 2  # of a specification whose mission is one file
+
+
+def _hash(path: Path) -> str:
+    return sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 def _sources(models: Path, generated: Path) -> set[Path]:

@@ -1,23 +1,17 @@
 """Check missions, and read fault specifications in files.
 
-``read_specification`` reads a file of timed faults. One that was read without an error is kept in
-the cache, as the text of a fault loader, beside the hashes of its files: while these stay as they
-are, it is read without the libraries that read models. ``validate`` checks the models, the regions
-and a flight without faults; its diagnostics are those of ``m2t``.
+``read_specification`` reads a file of timed faults. ``validate`` checks the models, the regions and
+a flight without faults; its diagnostics are those of ``m2t``.
 """
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from hashlib import sha256
 from pathlib import Path
-from time import time
 from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, from_here, silent
-from mrsfi.folders import MissionFolders, find_mission, fingerprint, load_fresh
-from mrsfi_runtime.engine.compiled.machine_code import remembered
+from mrsfi.folders import MissionFolders, find_mission, load_fresh, rendered
 from mrsfi_runtime.engine.compiled.regions import CompilationError, Reached, own_regions
 from mrsfi_runtime.engine.flights import ReferenceEngine, require_effects
 from mrsfi_runtime.errors import (
@@ -37,9 +31,6 @@ if TYPE_CHECKING:
     from m2t.models.fixes import Mending
     from m2t.models.load import Inspection, LoadedModels
     from mrsfi_runtime.analysis.report import SpecificationWriter
-
-
-_N_FILES = 2  # of a specification whose mission is one file
 
 
 def load_models(path: Path) -> "LoadedModels":
@@ -86,7 +77,9 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
     models = cache(lambda: load_models(path))
-    pool = pool_from_text(_fault_loader(path, models))
+    settle(*path.resolve().parents)
+    (text,) = rendered(path, "fault_loader.py", models=models).values()
+    pool = pool_from_text(text)
     try:
         require_effects(code.pool, pool)
         specification = Gate(code.mission, pool, code.pool.by_id).admitted(
@@ -110,37 +103,6 @@ def read_specification(path: Path, code: MissionCode, tell: Tell = silent) -> Wr
     for oddity in late:
         tell(oddity)
     return Written(models, pool, specification, unknown, late)
-
-
-def _fault_loader(path: Path, models: "Callable[[], LoadedModels]") -> str:
-    """Return the text of the fault loader of a specification, from the cache if it is there.
-
-    It is kept if the mission is one file. Of several, the first is looked for in folders, so that a
-    new file could change the result. A file of the last second may have changed while it was read.
-    """
-
-    def made() -> bytes:
-        from m2t.generate import rendered_file  # noqa: PLC0415 - slow
-
-        text = rendered_file("fault_loader.py", models())
-        files = [file.path.resolve() for file in models().files]
-        is_kept = len(files) == _N_FILES and all(
-            each.stat().st_mtime < began - 1.0 for each in files
-        )
-        return json.dumps([{str(each): _hash(each) for each in files if is_kept}, text]).encode()
-
-    def is_current(content: bytes) -> bool:
-        known: dict[str, str] = json.loads(content)[0]
-        return bool(known) and all(_hash(Path(name)) == known[name] for name in known)
-
-    settle(*path.resolve().parents)
-    began = time()
-    text: str = json.loads(remembered(fingerprint([path.resolve()]), made, is_current))[1]
-    return text
-
-
-def _hash(path: Path) -> str:
-    return sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 _LONGEST_FLIGHT = 100_000

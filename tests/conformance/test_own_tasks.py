@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from m2t.generate import generate, stale
+from m2t.generate import generate, plan
 from mrsfi_runtime.causes.chain import Chain, Change, First, chain, chains
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.opening import open_engine
@@ -32,7 +32,7 @@ def generated(tmp_path, own_metamodels):
     target = tmp_path / "generated" / "own_task"
     generate(models, target)
     yield target
-    assert stale(models, target) == ()
+    assert plan(models, target).stale == ()
 
 
 def flown(engine, seen=None):

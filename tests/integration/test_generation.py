@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from m2t.generate import diff, generate, rendered_file, stale
+from m2t.generate import diff, generate, plan, rendered_file
 from m2t.models.load import load_mission_folder
 from mrsfi_runtime.api import (
     AvoidCollision,
@@ -169,7 +169,7 @@ def test_reset_forgets_what_was_received(sides):
 
 
 def test_check_and_diff_write_nothing(models, target):
-    assert stale(models, target) == (*FILES, "manifest.json")
+    assert plan(models, target).stale == (*FILES, "manifest.json")
     assert diff(models, target).startswith("--- /dev/null\n+++ b/mission_loader.py\n")
     assert not target.exists()
 
@@ -177,7 +177,7 @@ def test_check_and_diff_write_nothing(models, target):
     edit(models / "mission.xmi", 'name="LEN" speed="5.0"', 'name="LEN" speed="6.5"')
     before = contents(target)
 
-    assert stale(models, target) == ("mission_loader.py", "manifest.json")
+    assert plan(models, target).stale == ("mission_loader.py", "manifest.json")
     diff(models, target)
     assert contents(target) == before
 
@@ -187,7 +187,7 @@ def test_another_layout_of_a_model_makes_nothing_stale_and_is_remembered(models,
     before = contents(target)
     edit(models / "mission.xmi", "  <robots", "\t<!-- one of three -->\n<robots")
 
-    assert stale(models, target) == ()
+    assert plan(models, target).stale == ()
     assert diff(models, target) == ""
     assert generate(models, target).written == ()
     changed = [name for name, content in contents(target).items() if content != before[name]]

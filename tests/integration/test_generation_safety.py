@@ -4,7 +4,7 @@ from xml.sax.saxutils import quoteattr
 
 import pytest
 
-from m2t.generate import generate, stale
+from m2t.generate import generate, plan
 from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import edit
 from tests.support.models.generation import ROOT, run_module
@@ -122,6 +122,6 @@ def test_hostile_names_are_only_ever_names(models, target, tmp_path, name):
     )
     assert found == (name,) * 9
     assert not list(tmp_path.rglob("owned"))
-    assert stale(hostile, folder) == ()
+    assert plan(hostile, folder).stale == ()
     assert body(folder, "g1.check") == body(target, "g1.check")
     run_module("ruff", "format", "--check", "--config", ROOT / "pyproject.toml", folder)
