@@ -390,9 +390,9 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
             done = f"harvest  {n_done} of at most {n_most} {unit}"
             tell_of(lambda: f"{done}  {_found(known.weaknesses())}  {time_left(rest)}")
 
-    found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
+    n, found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
     if store.n_flights > n_before:
-        tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
+        tell(f"harvest  {counted(n, 'flights')}  {_found(found)}")
 
 
 def _found(weaknesses: Iterable[Weakness]) -> str:

@@ -178,13 +178,11 @@ def _first(
         for found, otherwise, lists in compared
         for name, quantities in lists.items()
     ]
-    ticks = (
-        _first_tick(found[field], otherwise[field])
-        for _, quantities, found, otherwise in pairs
-        for fields in quantities.values()
-        for field in fields
-    )
-    first = min((tick for tick in ticks if tick is not None), default=None)
+    first: int | None = None
+    for _, quantities, found, otherwise in pairs:
+        for field in (each for fields in quantities.values() for each in fields):
+            tick = _first_tick(found[field][:first], otherwise[field][:first])
+            first = first if tick is None else tick
     if first is None:
         return None
     changes = (

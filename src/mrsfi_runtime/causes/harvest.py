@@ -383,15 +383,15 @@ def harvest(
     evaluate_many: EvaluateIn,
     record: Record,
     on_progress: Progress = lambda *_: None,
-) -> Harvest:
-    """Search for all weaknesses, and record each flight.
+) -> tuple[int, tuple[Weakness, ...]]:
+    """Search for all weaknesses, and record each flight; return how many flew, and what was found.
 
-    An interrupted harvest flies only what is missing. Code of the mission that fails without
+    ``known_by`` reads all that is recorded of them. An interrupted harvest flies only what is missing. Code of the mission that fails without
     faults is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
-        return before
+        return before.n_flights, before.weaknesses
     mission, settings = space.gate.mission, store.settings
     prober, n_taken = _recorded(store, evaluate_many), 0
     most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
@@ -437,9 +437,7 @@ def harvest(
     to_protect = consequences.ladder(mission, space.gate.pool, goal_weaknesses(found))
     prober([rest for _, rest in consequences.closing(to_protect)], seeds[0])
     store.keep(KEPT, _Kept(store.n_evaluations, n_taken, known.counts, found, mild).text())
-    ended = known_by(space, store)
-    assert ended is not None
-    return ended
+    return n_taken, found
 
 
 class _Kept(NamedTuple):

@@ -11,7 +11,7 @@ import weakref
 import zlib
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from contextlib import suppress
-from functools import cached_property
+from functools import cache, cached_property
 from tempfile import SpooledTemporaryFile
 from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
@@ -42,6 +42,7 @@ KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("
 """Layout of the fields of records, by their types; each takes words of 8 bytes."""
 
 
+@cache
 def record_type(record: type) -> np.dtype[Any]:
     """Return the layout of a record of integers, floats and arrays of floats."""
     return np.dtype([(name, KINDS[hint]) for name, hint in get_type_hints(record).items()])
