@@ -23,7 +23,7 @@ from m2t.metamodels import load_metamodels, metamodel_folder
 from m2t.models.importing import import_published
 from mrsfi.folders import find_mission
 from mrsfi_bridge.settings import full_name
-from mrsfi_runtime.cosimulation.bus_topics import Completion
+from mrsfi_runtime.cosimulation.bus_lockstep import Completion
 from mrsfi_runtime.errors import TransportTimeout, UsageError
 from mrsfi_runtime.files import whole_folder
 from mrsfi_runtime.generated_code import load_code

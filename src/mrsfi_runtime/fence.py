@@ -20,7 +20,6 @@ from contextlib import ExitStack, contextmanager, suppress
 from ctypes import c_ulong, py_object, pythonapi
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from pathlib import Path
 from threading import RLock, Thread, get_ident
@@ -74,7 +73,7 @@ def _copies(folder: Path, _: tuple[tuple[str, bytes], ...]) -> "_Copies":
     return _Copies(folder)
 
 
-class _Copies(MetaPathFinder):
+class _Copies:
     """Modules that are imported from copies under the names of the originals."""
 
     def __init__(self, folder: Path) -> None:

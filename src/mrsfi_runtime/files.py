@@ -14,10 +14,8 @@ import fcntl
 import json
 import os
 import re
-import shutil
 import stat
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -218,6 +216,8 @@ def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
     if new.exists():
         yield target.name
         if new.is_dir():
+            import shutil  # noqa: PLC0415 - slow
+
             shutil.rmtree(new)
         new.unlink(missing_ok=True)
     with suppress(OSError):
@@ -287,6 +287,8 @@ def temporary_files_writable() -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        import tempfile  # noqa: PLC0415 - slow
+
         raise UsageError(
             f"{tempfile.tempdir or 'TMPDIR'}: mrsfi cannot write temporary files there: "
             f"{error.strerror}; set TMPDIR to a folder with more room"

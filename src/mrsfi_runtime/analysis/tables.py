@@ -19,7 +19,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from datetime import datetime
-from html import escape
 from itertools import chain, zip_longest
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias, TypeGuard
@@ -144,6 +143,7 @@ def to_page(table: Table) -> dict[str, Any]:
 
 def to_html(table: Table) -> str:
     """Return a table with its title as HTML; cells are escaped."""
+    from html import escape  # noqa: PLC0415 - slow
 
     def line(tag: str, cells: Sequence[Cell]) -> str:
         return "".join(f"<{tag}>{escape(printable(in_words(cell)))}</{tag}>" for cell in cells)

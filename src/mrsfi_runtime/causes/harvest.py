@@ -386,8 +386,8 @@ def harvest(
 ) -> tuple[int, tuple[Weakness, ...]]:
     """Search for all weaknesses, and record each flight; return how many flew, and what was found.
 
-    ``known_by`` reads all that is recorded of them. An interrupted harvest flies only what is missing. Code of the mission that fails without
-    faults is an ``EvaluationError``.
+    ``known_by`` reads all that is recorded of them. An interrupted harvest flies only what is
+    missing. Code of the mission that fails without faults is an ``EvaluationError``.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:

@@ -3,7 +3,8 @@
 A ``BusLockstep`` flies and judges runs for the collective intelligence (CI), with any
 simulation behind the topics. A ``SimulationHost`` serves a generated simulation, run after run.
 Each side takes its step when the last message of the other side has arrived, in the thread of the
-transport's callbacks. The main thread checks time-outs (``Completion``).
+transport's callbacks. A ``Completion`` passes progress and errors of a run to the main thread,
+which checks time-outs.
 
 Invariant: each run has a number, and messages of other runs are ignored. A side that
 cannot continue sends the other side the reason.
@@ -17,9 +18,11 @@ Source paper, section III-F.
 
 import secrets
 from collections.abc import Callable
+from concurrent.futures import Future, InvalidStateError, wait
 from contextlib import suppress
 from functools import partial
 from time import monotonic, sleep
+from typing import Any
 
 from mrsfi_runtime.cosimulation.bus_topics import (
     CLOCK,
@@ -31,7 +34,6 @@ from mrsfi_runtime.cosimulation.bus_topics import (
     SETUP,
     STOP,
     TICK,
-    Completion,
     CountedTopics,
     Go,
     Patience,
@@ -70,6 +72,41 @@ from mrsfi_runtime.transport.topics import (
     seconds_of,
     time_of,
 )
+
+
+class Completion(Future[Any]):
+    """Work of one thread for which another waits; it advances by steps, and ends once."""
+
+    _n_steps = 0
+
+    def advance(self) -> None:
+        """Note a step."""
+        self._n_steps += 1
+
+    def end(self, result: object = None) -> None:
+        """Note the end, and the result."""
+        with suppress(InvalidStateError):
+            self.set_result(result)
+
+    def fail(self, error: Exception) -> None:
+        """Note an error."""
+        with suppress(InvalidStateError):
+            self.set_exception(error)
+
+    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> Any:
+        """Wait for the end; return the result, or raise the error.
+
+        ``overdue`` gets the seconds since the last step; an error that it returns is raised.
+        """
+        n_steps, since = self._n_steps, monotonic()
+        while not wait([self], 0.1).done:
+            if n_steps != self._n_steps:
+                n_steps, since = self._n_steps, monotonic()
+                continue
+            error = overdue(monotonic() - since)
+            if error is not None:
+                raise error
+        return self.result()
 
 
 class BusLockstep:

@@ -11,15 +11,12 @@ commands. ``CountedTopics`` compares these numbers with the messages that arrive
 
 Begin with ``CountedTopics``. If both sides support it, ``BundlingTransport`` sends the messages of
 a tick as one, for speed: a JSON list of ``[topic, message]`` pairs in the order of publication.
-``Completion`` passes progress and errors of a run from the thread of the callbacks to the main
-thread. A ``Pace`` decides when an external node has answered a tick.
+A ``Pace`` decides when an external node has answered a tick.
 """
 
 import json
 import sys
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future, InvalidStateError, wait
-from contextlib import suppress
 from dataclasses import dataclass
 from time import monotonic
 from typing import Any, Final, NamedTuple, Protocol, TypeVar
@@ -354,41 +351,6 @@ class Patience:
 
     tick: float = 10.0
     handshake: float = 30.0
-
-
-class Completion(Future[Any]):
-    """Work of one thread for which another waits; it advances by steps, and ends once."""
-
-    _n_steps = 0
-
-    def advance(self) -> None:
-        """Note a step."""
-        self._n_steps += 1
-
-    def end(self, result: object = None) -> None:
-        """Note the end, and the result."""
-        with suppress(InvalidStateError):
-            self.set_result(result)
-
-    def fail(self, error: Exception) -> None:
-        """Note an error."""
-        with suppress(InvalidStateError):
-            self.set_exception(error)
-
-    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> Any:
-        """Wait for the end; return the result, or raise the error.
-
-        ``overdue`` gets the seconds since the last step; an error that it returns is raised.
-        """
-        n_steps, since = self._n_steps, monotonic()
-        while not wait([self], 0.1).done:
-            if n_steps != self._n_steps:
-                n_steps, since = self._n_steps, monotonic()
-                continue
-            error = overdue(monotonic() - since)
-            if error is not None:
-                raise error
-        return self.result()
 
 
 class Process(Protocol):

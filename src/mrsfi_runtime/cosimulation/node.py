@@ -17,13 +17,13 @@ from functools import partial
 from time import monotonic, sleep
 from typing import Any, Final
 
+from mrsfi_runtime.cosimulation.bus_lockstep import Completion
 from mrsfi_runtime.cosimulation.bus_topics import (
     ANSWER,
     BARRIER,
     CLOCK,
     SETUP,
     TICK,
-    Completion,
     Pace,
     Patience,
     Process,

@@ -10,10 +10,8 @@ import atexit
 import ctypes
 import fcntl
 import json
-import logging
 import os
 import platform
-import shutil
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -22,7 +20,6 @@ from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
 import mrsfi_runtime
@@ -76,6 +73,10 @@ def _distrusted(folder: Path) -> str:
 
 def temporary(folder: Path, why: str) -> Path:
     """Return a temporary folder for this process and its children, in place of another."""
+    import logging  # noqa: PLC0415 - slow, like all here
+    import shutil  # noqa: PLC0415
+    from tempfile import mkdtemp  # noqa: PLC0415
+
     try:
         own = mkdtemp(prefix="mrsfi_")
     except OSError as error:
@@ -134,6 +135,8 @@ def sealed(key: str, content: bytes) -> bytes:
 def _make_room(new: Path) -> None:
     """Remove the oldest entries to make room for one; processes have loaded those they use."""
     if not new.exists():
+        import shutil  # noqa: PLC0415 - slow
+
         known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob(f"*/{FILE}")]
         for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
             shutil.rmtree(entry, ignore_errors=True)
