@@ -12,10 +12,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from benchmarks.measuring import drawn, seconds
+from mrsfi.engines import evaluator
 from mrsfi_runtime.engine.cluster import Cluster, ClusterPool
-from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.record.engine_settings import COMPILED, LOCAL, REFERENCE, EngineSettings
+from mrsfi_runtime.record.engine_settings import COMPILED, LOCAL, REFERENCE, EngineSettings, Workers
 
 MISSION = Path("generated/uuv_sampling")
 ENGINES = (
@@ -29,11 +30,12 @@ ENGINES = (
 """Label, engine, workers, whether a local cluster has them, and specifications of a round."""
 
 
-def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> WorkerPool | ClusterPool:
+def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> Evaluator:
     """Return what evaluates, until the stack is closed."""
     settings = EngineSettings(name)
     if not on_dask:
-        return stack.enter_context(WorkerPool(load_code(MISSION), 1, workers, settings))
+        evaluating = evaluator(load_code(MISSION), 1, settings, Workers(workers))
+        return stack.enter_context(evaluating)
     return ClusterPool(
         stack.enter_context(Cluster(LOCAL, workers)), load_code(MISSION), 1, settings
     )

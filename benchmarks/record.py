@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks.measuring import Aims, seconds
 from mrsfi_runtime.analysis.fronts import Columns
-from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.database import CampaignFolder
@@ -37,7 +37,7 @@ def write(folder: Path, n_evaluations: int) -> float:
     code = load_code(MISSION)
     with (
         CampaignStore.create(folder, settings, Manifest()) as store,
-        WorkerPool(load_code(MISSION), settings.mission_seed, 1, EngineSettings(COMPILED)) as pool,
+        open_engine(EngineSettings(COMPILED), load_code(MISSION), settings.mission_seed) as pool,
     ):
         evaluate = pool.evaluate_many
         return seconds(lambda: run_campaign(settings, code.mission, code.pool, evaluate, store))

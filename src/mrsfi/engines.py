@@ -38,6 +38,7 @@ from mrsfi_runtime.record.engine_settings import (
     BOTH,
     BUILT_IN,
     CI,
+    COMPILED,
     INJECTOR,
     OF_ANY_ENGINE,
     ON_A_BUS,
@@ -237,8 +238,10 @@ def own_engine(
     evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
 ) -> "Iterator[Engine]":
     """Yield an engine in this process: that of an evaluator, or else a new one like it."""
-    if evaluator.engine is not None:
-        yield evaluator.engine
+    from mrsfi_runtime.engine.flights import Engine  # noqa: PLC0415 - not for --help
+
+    if isinstance(evaluator, Engine):
+        yield evaluator
         return
     with open_engine(settings, code, seed) as engine:
         yield engine
@@ -264,9 +267,14 @@ def evaluator(
     if workers.dask is None:
         n_workers = workers.count(engine)
         on_reached(counted(n_workers, "workers"))
-        from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
+        engine = named(engine, code, seed, tell)
+        if n_workers == 1 or engine.name == COMPILED:  # one process, with threads if compiled
+            with open_engine(engine, code, seed, n_workers) as own:
+                yield own
+            return
+        from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - brings processes
 
-        with WorkerPool(code, seed, n_workers, named(engine, code, seed, tell)) as pool:
+        with WorkerPool(code, seed, n_workers, engine) as pool:
             yield pool
         return
     from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: PLC0415 - optional

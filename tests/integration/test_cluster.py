@@ -6,7 +6,7 @@ from shutil import copytree
 
 import pytest
 
-from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification
@@ -46,7 +46,7 @@ def drawn() -> list[Specification]:
 @pytest.fixture(scope="module")
 def expected(specifications: Sequence[Specification]) -> list[object]:
     """What the same specifications come to in this process."""
-    with WorkerPool(load_code(GENERATED), 1) as pool:
+    with ReferenceEngine(load_code(GENERATED), 1) as pool:
         return list(pool.evaluate_many(specifications))
 
 
@@ -75,7 +75,7 @@ def test_a_worker_gets_the_code_once_and_is_left_as_it_was(two_workers, specific
 
 
 def test_mission_seeds_are_kept_apart(two_workers, specifications):
-    with Cluster(two_workers.address) as cluster, WorkerPool(load_code(GENERATED), 2) as other:
+    with Cluster(two_workers.address) as cluster, ReferenceEngine(load_code(GENERATED), 2) as other:
         pools = [ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE) for seed in (1, 2)]
 
         first, second = (list(pool.evaluate_many(specifications[:4])) for pool in pools)
@@ -89,7 +89,7 @@ def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
     body = "    return 1 // (99 - ci.mission.tick) > 9\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
 
-    with WorkerPool(load_code(folder), 1) as here:
+    with ReferenceEngine(load_code(folder), 1) as here:
         expected = list(here.evaluate_many(specifications[:2]))
     with Cluster(two_workers.address) as cluster:
         pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)

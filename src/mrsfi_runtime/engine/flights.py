@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 class Evaluator(ABC):
     """Evaluates fault specifications of one mission; as a context manager it closes itself."""
 
-    engine: "Engine | None" = None
-    """The engine in this process that evaluates; ``None`` if other processes evaluate."""
     n_workers = 1
 
     def __enter__(self) -> Self:

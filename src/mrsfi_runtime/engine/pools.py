@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent import futures  # which imports processes when they are used
 from contextlib import contextmanager
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
@@ -22,14 +22,11 @@ from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated
-from mrsfi_runtime.record.engine_settings import COMPILED, EngineSettings
+from mrsfi_runtime.record.engine_settings import EngineSettings
 
 
 class WorkerPool(Evaluator):
-    """Worker processes that each load the generated code once, or threads of compiled code.
-
-    One worker is this process. An engine that cannot open is reported before any worker starts.
-    """
+    """Worker processes that each load the generated code once."""
 
     def __init__(
         self,
@@ -39,35 +36,27 @@ class WorkerPool(Evaluator):
         settings: EngineSettings | None = None,
     ) -> None:
         settings = EngineSettings() if settings is None else settings
-        is_here = n_workers == 1 or settings.name == COMPILED
-        self.engine = open_engine(settings, code, seed, n_workers) if is_here else None
         self._seed = seed
         self._open_engine = partial(
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
         )
         self.n_workers = n_workers
-        self._executor = cache(
-            lambda: futures.ProcessPoolExecutor(n_workers, get_context("spawn"), start_worker)
-        )
+        spawning = get_context("spawn")
+        self._executor = futures.ProcessPoolExecutor(n_workers, spawning, start_worker)
 
     def close(self) -> None:
         """Stop the workers; evaluations that they have not begun are dropped."""
-        if self.engine is not None:
-            self.engine.close()
-        else:
-            self._executor().shutdown(wait=True, cancel_futures=True)
+        self._executor.shutdown(wait=True, cancel_futures=True)
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
         """Evaluate specifications from now on; the results come in the same order."""
         seed = self._seed if seed is None else seed
-        if self.engine is not None:
-            return self.engine.evaluate_many(specifications, seed)
         evaluate = partial(_evaluate, self._open_engine, seed)
         size = max(1, -(-len(specifications) // (4 * self.n_workers)))
         with _worker_lost(), starting_workers():
-            return _results(self._executor().map(evaluate, specifications, chunksize=size))
+            return _results(self._executor.map(evaluate, specifications, chunksize=size))
 
 
 def _results(results: Iterator[Evaluated]) -> Iterator[Evaluated]:

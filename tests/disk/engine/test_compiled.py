@@ -225,7 +225,7 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
     user = given.stat().st_uid + owner
     monkeypatch.setattr(os, "getuid", lambda: user)
     made = mkdtemp(dir=tmp_path)
-    monkeypatch.setattr(machine_code, "mkdtemp", lambda **_: made)
+    monkeypatch.setattr("tempfile.mkdtemp", lambda **_: made)
 
     found = cache_folder()
 

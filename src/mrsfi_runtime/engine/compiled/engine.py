@@ -287,7 +287,7 @@ class CompiledEngine(Engine):
         self._reference = ReferenceEngine(code, seed)
         self._gate = Gate(code.mission, code.pool)
         self._shapes = FaultShapes(code.mission, code.pool)
-        self._n_threads = n_threads
+        self.n_workers = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code)
         self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
@@ -379,7 +379,7 @@ class CompiledEngine(Engine):
         n = len(specifications)
         specifications = [self._gate.admitted(each) for each in specifications]
         batch = self._batch(specifications, self.code.pool)
-        size = -(-n // self._n_threads)
+        size = -(-n // self.n_workers)
         spans = [(first, min(first + size, n)) for first in range(0, n, size)]
         fresh = self._fresh(seed)  # once, and not on every thread
 
