@@ -12,7 +12,7 @@ An object with a directory also keeps the arrays that it points to.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import astuple, dataclass, fields, replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property, lru_cache, partial
 from itertools import accumulate, chain, starmap
 from struct import Struct
 from typing import Any, get_args, get_origin, get_type_hints
@@ -201,11 +201,16 @@ def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.
         if entry.inner:
             yield from _parts(entry.inner, getattr(record, name), place)
         elif entry.kind == "record":
-            yield place, (entry.layout, [astuple(getattr(record, name))])
+            yield place, (entry.layout, [_row(entry.layout, getattr(record, name))])
         elif entry.kind == "list" and hasattr(record, name):
             listed = getattr(record, name)
             is_plain = entry.layout.names is None
-            yield place, (entry.layout, listed if is_plain else [astuple(each) for each in listed])
+            row = partial(_row, entry.layout)
+            yield place, (entry.layout, listed if is_plain else [*map(row, listed)])
+
+
+def _row(layout: np.dtype[Any], record: Any) -> tuple[Any, ...]:
+    return tuple(getattr(record, name) for name in layout.names or ())
 
 
 def sample_table(state: State) -> npt.NDArray[np.uint8]:
