@@ -342,12 +342,13 @@ def document(content: Mapping[str, Any]) -> str:
     scripts = "\n".join(map(_asset, names))
     shown = {**content, "terms": meanings()}
     data = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    safe = data.translate({ord(each): f"\\u{ord(each):04x}" for each in "<>&\u2028\u2029"})
+    for each in "<>&\u2028\u2029":  # not with str.translate, which takes 70 ms
+        data = data.replace(each, f"\\u{ord(each):04x}")
     parts = {
         "policy": f"default-src 'none'; script-src '{_hash(scripts)}'; style-src "
         f"'{_hash(styles)}'; base-uri 'none'; form-action 'none'",
         "styles": f"<style>{styles}</style>",
-        "data": f'<script type="application/json" id="data">{safe}</script>',
+        "data": f'<script type="application/json" id="data">{data}</script>',
         "scripts": f"<script>{scripts}</script>",
     }
     return re.sub(r"\{\{(\w+)}}", lambda found: parts[found[1]], _asset("page.html"))
