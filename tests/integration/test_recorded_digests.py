@@ -41,10 +41,9 @@ def test_a_campaign_finds_what_it_found_at_first(tmp_path, case):
         span = 0, len(specifications)
         frame = Frame(engine._fresh(settings.mission_seed), engine._fly_many.calls, batch, span)
         assert engine._fly(frame, *span) == []
-        for k in range(len(specifications)):
+        for k, outcome in enumerate(batch.outcomes(engine.measured)):
             read_recorded(world, batch.results["world"][k])
             read_recorded(belief, batch.results["belief"][k])
-            outcome = batch.outcome(k, engine.measured)
             yield replace(outcome, digest=outcome_digest(outcome, world, belief))
 
     with (

@@ -146,6 +146,9 @@ Specification: TypeAlias = tuple[TimedFault, ...]
 """A fault specification: the timed faults of one run, no two conflicting ones overlapping."""
 
 
+_NONE = TimedFault("", -1, -1)
+
+
 def numbered(faults: Iterable[str]) -> tuple[str, ...]:
     """Return a name for each timed fault, by pool faults: ``f9.1``, ``f9.2`` for two of ``f9``."""
     numbers: dict[str, count[int]] = defaultdict(lambda: count(1))
@@ -443,7 +446,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     """Admits fault specifications to one mission and pool, and caches what it checks.
 
     By ID of a fault it has the type, the number of values if only that is checked, and the keys
-    that no other fault may touch at the same time: the fault, and its targets. Faults of a written
+    that no other fault may touch at the same time: its targets, or itself. Faults of a written
     specification may be copies of ``originals``, by ID.
     """
 
@@ -458,7 +461,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
         fault = self.pool[fault_id]
         itself = f"{original(fault_id, self._originals)}: {fault.words}"
-        keys: tuple[Target | str, ...] = (itself, *touched(self.mission, fault))
+        keys: tuple[Target | str, ...] = touched(self.mission, fault) or (itself,)
         parameters = fault.kind.parameters
         is_random = fault.kind.mode is Mode.RANDOM and bool(parameters)
         is_any = not is_random and not any(each.is_integer for each in parameters)
@@ -477,18 +480,16 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             wanted = "timed faults, in a list or tuple"
             raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
         found = asked if all(map(_is_plain, asked)) else tuple(map(plain, asked))
-        for timed in found:
-            fault, _, _, values, trigger = timed
-            kind, n_values, _ = self[fault]
+        newest: dict[Target | str, TimedFault] = {}
+        for timed in sorted(found, key=itemgetter(1)):  # by start
+            fault, start, _, values, trigger = timed
+            kind, n_values, keys = self[fault]
             if len(values) != n_values:
                 fitting(kind, timed)
             if trigger:
                 self._require_trigger(timed)
-        newest: dict[Target | str, TimedFault] = {}
-        for timed in sorted(found, key=itemgetter(1)):  # by start
-            start = timed[1]
-            for key in self[timed[0]][2]:
-                if key in newest and newest[key][2] >= start:
+            for key in keys:
+                if newest.get(key, _NONE)[2] >= start:
                     raise self._overlap(newest[key], timed)
                 newest[key] = timed
         return found

@@ -356,7 +356,7 @@ class CompiledEngine(Engine):
                 read_recorded(world, moment["world"])
                 read_recorded(belief, moment["belief"])
                 observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
-        return batch.outcome(0, self.measured)
+        return batch.outcomes(self.measured)[0]
 
     def _record(self, specification: Specification, seed: int) -> Recording:
         self.require_same()
@@ -388,8 +388,8 @@ class CompiledEngine(Engine):
 
         again = {k for failed in self._threads.map(fly, spans) for k in failed}
         return [
-            self._reference.attempt(each, seed) if k in again else batch.outcome(k, self.measured)
-            for k, each in enumerate(specifications)
+            self._reference.attempt(specifications[k], seed) if k in again else outcome
+            for k, outcome in enumerate(batch.outcomes(self.measured))
         ]
 
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:

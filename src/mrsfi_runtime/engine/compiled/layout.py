@@ -13,7 +13,7 @@ An object with a directory also keeps the arrays that it points to.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import astuple, dataclass, fields, replace
 from functools import cache, cached_property, lru_cache, partial
-from itertools import accumulate, chain, starmap
+from itertools import accumulate, chain, pairwise, starmap
 from struct import Struct
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -288,13 +288,12 @@ class Batch:
         own = [one.own for one in plans]
         self._own = self._listed("own", _records(OWN, own), own)
         self._own[ALLOWED] = [allowed(row) for one in plans for row in one.own] or 0
-        n_faults = sum(one.n_faults for one in plans)
-        tallies: Records = np.zeros(n_faults, record_type(FaultTally))
+        sizes = [one.n_faults for one in plans]
+        tallies: Records = np.zeros(sum(sizes), record_type(FaultTally))
         tallies[:] = astuple(FaultTally())
-        self._tallies = self._listed("tallies", tallies, [range(one.n_faults) for one in plans])
+        self._tallies = self._listed("tallies", tallies, map(range, sizes))
         self._triggers = self._triggered(plans) if any(one.triggers for one in plans) else ()
-        ends = accumulate(one.n_faults for one in plans)
-        self._tallied = [(end - one.n_faults, end) for end, one in zip(ends, plans, strict=True)]
+        self._tallied = [*starmap(slice, pairwise(accumulate(sizes, initial=0)))]
         self.results: Records = np.zeros(len(plans), result_type)
 
     def _listed(self, name: str, records: Records, lists: Iterable[Sized]) -> Records:
@@ -328,36 +327,34 @@ class Batch:
     def verdicts(self) -> Words:
         """The directories of the verdicts, which are part of the results."""
         fields: Any = self.results.dtype.fields
-        rows = self.results.ctypes.data + np.arange(len(self.results)) * self.results.itemsize
-        found = np.zeros((len(self.results), n_entries(Verdicts), 2), np.int64)
+        rows = _addresses(self.results)
+        found = np.zeros((len(rows), n_entries(Verdicts), 2), np.int64)
         for name, entry in entries(Verdicts).items():
             found[:, entry.place, 0] = rows + fields[name][1]
             found[:, entry.place, 1] = fields[name][0].itemsize // 8
         return found
 
-    def outcome(self, k: int, measured: Sequence[bool]) -> Outcome:
-        """Return the outcome of one specification; goals that are ``measured`` have a margin."""
-        of_goals, of_faults, beside, states = self._columns
-        first, last = self._tallied[k]
-        counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
-        margin, nearest, *detection = (column[k] for column in beside)
-        margins = zip(margin, nearest, measured, strict=True)
-        return digested(counts, margins, zip(*detection, strict=True), *(s[k] for s in states))
+    def outcomes(self, measured: Sequence[bool]) -> list[Outcome]:
+        """Return the outcome of each specification; goals that are ``measured`` have a margin."""
+        results, world = self.results, self.results["world"]
+        named = (results[name] for name in (*COUNTED, "margin", "nearest", "broken", "undetected"))
+        columns = [each.tolist() for each in (*named, world["goals"]["count"])]
+        applied, changed = (self._tallies[name].tolist() for name in ("applied", "changed"))
+        states = zip(packed(world), packed(results["belief"]), strict=True)
+        rows = zip(*columns, self._tallied, states, strict=True)
+        return [
+            digested(
+                (*counts, samples, applied[faults], changed[faults]),
+                zip(margin, nearest, measured, strict=True),
+                zip(broken, undetected, strict=True),
+                *both,
+            )
+            for *counts, margin, nearest, broken, undetected, samples, faults, both in rows
+        ]
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return the tally of each fault of one specification."""
-        first, last = self._tallied[k]
-        return [FaultTally(*row) for row in self._tallies[first:last].tolist()]
-
-    @cached_property
-    def _columns(self) -> tuple[list[Any], ...]:
-        """Counts of goals and of faults, values outside the digest, and the last states."""
-        world = self.results["world"]
-        goals = [*(self.results[name] for name in COUNTED), world["goals"]["count"]]
-        faults = [self._tallies["applied"], self._tallies["changed"]]
-        beside = [self.results[name] for name in ("margin", "nearest", "broken", "undetected")]
-        lists = ([column.tolist() for column in some] for some in (goals, faults, beside))
-        return *lists, [packed(world), packed(self.results["belief"])]
+        return [FaultTally(*row) for row in self._tallies[self._tallied[k]].tolist()]
 
 
 _IN_ROW = "".join("d" if kind is float else "q" for kind in get_args(InjectionRow))
@@ -387,8 +384,8 @@ class Frame:
     ) -> None:
         n = fresh.n_changing
         self._fresh = fresh
-        self._states = [fresh.words.copy() for _ in range(3)]
-        directories = [fresh.directory(words, calls) for words in self._states]
+        self._states = np.array([fresh.words] * 3)
+        directories = np.array([fresh.directory(words, calls) for words in self._states])
         plans, held = batch.plans(*span)
         self._at = np.array([0, 0, len(fresh.samples)], np.int64)
         self._n_moments = np.zeros(1, np.int64)
@@ -431,8 +428,8 @@ class Frame:
     def has_written_to_tables(self) -> bool:
         """Whether a flight has changed a table, which none may change."""
         n = self._fresh.n_changing
-        return any(not np.array_equal(words[n:], self._fresh.words[n:]) for words in self._states)
+        return bool((self._states[:, n:] != self._fresh.words[n:]).any())
 
 
-def _addresses(rows: Sequence[Words] | Words) -> Words:
-    return np.array([row.ctypes.data for row in rows], np.int64)
+def _addresses(rows: npt.NDArray[Any]) -> Words:
+    return np.arange(len(rows), dtype=np.int64) * rows.strides[0] + rows.ctypes.data
