@@ -361,10 +361,9 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
         sensor.cost = sensor.nominal_cost
     if ci.map.is_wrong + ci.map.was_wrong > 0:
         for k in range(len(ci.obstacles)):
-            wake = ci.wakes[len(ci.robots) + k]
-            wake.x, wake.y = ci.obstacles[k].x, ci.obstacles[k].y
-    for obstacle in ci.obstacles:
-        obstacle.x, obstacle.y = obstacle.model_x, obstacle.model_y
+            wake, obstacle = ci.wakes[len(ci.robots) + k], ci.obstacles[k]
+            wake.x, wake.y = obstacle.x, obstacle.y
+            obstacle.x, obstacle.y = obstacle.model_x, obstacle.model_y
     ci.map.was_wrong = ci.map.is_wrong
     ci.map.is_wrong = 0
     withhold(ci, plan)
