@@ -391,7 +391,7 @@ def _is_plain(timed: TimedFault) -> bool:
     if type(values) is not tuple:
         return False
     for value in values:
-        if type(value) is not float or not -MOST <= value <= MOST:
+        if type(value) is not float or not abs(value) <= MOST:
             return False
     return 0 <= start <= finish <= LAST
 
