@@ -30,6 +30,7 @@ from mrsfi_runtime.kernel.forecast import ticks_left
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN
 from mrsfi_runtime.kernel.goal_tasks.table import (
+    AVOID,
     LASTING,
     is_forecast,
     is_missed,
@@ -486,12 +487,16 @@ def count(verdicts: Verdicts, world: State) -> None:
 def measure(verdicts: Verdicts, world: State, goal: int) -> None:
     """Record a goal's margin if it is the least so far; of a violated goal, only below 0.
 
-    The last tick is always checked, unless no violation can be nearer.
+    The last tick is always checked, unless no violation can be nearer. Of AvoidCollision, no margin
+    is below 0 without a violation.
     """
     tick, task = world.mission.tick, world.goals[goal].task
     least = NO_MARGIN if verdicts.due[goal] == 0 else verdicts.margin[goal]
+    is_lasting = len(world.grace) > 0 and world.grace[goal].first >= 0
+    if task == AVOID and least <= 0.0 and verdicts.is_true[goal] == 0 and not is_lasting:
+        return
     left, wait = margin(world, goal, task, least)
-    if len(world.grace) > 0 and world.grace[goal].first >= 0:
+    if is_lasting:
         left, wait = lasting(world, world.grace[goal], left), 1
     is_nearer = left < least and (left < 0.0 or verdicts.true[goal] == verdicts.is_true[goal])
     if is_nearer or verdicts.due[goal] == 0:

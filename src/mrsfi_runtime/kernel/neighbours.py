@@ -313,7 +313,9 @@ def cell_at(view: State, x: float, y: float) -> int:
 
 @kernel
 def is_listed(view: State, goal: GoalState, index: int) -> bool:
-    """Return whether an obstacle is among those of a goal."""
+    """Return whether an obstacle is among those of a goal, which mostly are all, in order."""
+    if index < goal.n_hazards and view.hazards[goal.first_hazard + index] == index:
+        return True
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
         if view.hazards[h] == index:
             return True

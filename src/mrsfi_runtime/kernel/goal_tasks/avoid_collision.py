@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.geometry import inside, well_inside
-from mrsfi_runtime.kernel.goal_tasks.common import NO_MARGIN, patience, top_speed
+from mrsfi_runtime.kernel.goal_tasks.common import patience
 from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
     FEW,
@@ -42,7 +42,10 @@ from mrsfi_runtime.model.polygons import off_polygon, off_segment, off_way, squa
 LOOK_AHEAD = 10  # ticks for which a collision is foreseen
 
 HORIZON = 8
-"""Ticks for which the margin need not be computed anew, if all obstacles are far enough away."""
+"""Ticks for which the margin need not be computed anew, if nothing is near enough.
+
+Of more than ``FEW`` members, some mostly are: their margin is computed at each tick.
+"""
 
 CALM, LONGEST, AWAKE = 5, 24, 16
 """Ticks for which a member is calm at least and at most, and awake at least."""
@@ -301,11 +304,10 @@ def gap_between(view: State, goal: GoalState, index: int, other: int, limit: flo
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return the least gap between two discs, and when one can be below ``least``."""
-    goal = world.goals[g]
-    speed = top_speed(world, goal)
-    spare = max(least, 0.0)
-    to_obstacle = gap_to_obstacles(world, g, spare + HORIZON * speed)
-    to_robot = gap_between_robots(world, g, spare + 0.5 * HORIZON * speed)
+    speed, spare = world.longest[g], max(least, 0.0)
+    ahead = HORIZON if world.goals[g].n_members <= FEW else 0
+    to_obstacle = gap_to_obstacles(world, g, spare + ahead * speed)
+    to_robot = gap_between_robots(world, g, spare + 2.0 * ahead * speed)
     left = min(to_obstacle, to_robot)
     if left <= least:
         return left, 1
@@ -335,12 +337,11 @@ def gap_to_obstacles(world: State, g: int, limit: float) -> float:
 
 @kernel
 def gap_between_robots(world: State, g: int, limit: float) -> float:
-    """Return the least gap between two robots; of more than ``FEW`` robots, at most ``limit``."""
-    goal = world.goals[g]
+    """Return the least gap between two robots, or ``limit``."""
+    goal, least = world.goals[g], limit
     last = goal.first_member + goal.n_members
     if goal.n_members > FEW:
         return gap_between_neighbours(world, g, limit)
-    least = NO_MARGIN
     for m in range(goal.first_member, last):
         for n in range(m + 1, last):
             index, other = world.members[m].robot, world.members[n].robot
@@ -354,19 +355,12 @@ def gap_between_neighbours(view: State, g: int, limit: float) -> float:
 
     No two robots beyond ``apart`` have a gap below 0 where they are.
     """
-    goal, apart, least = view.goals[g], view.apart[g], limit
-    square = 0.0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        robot, wake = view.robots[view.members[m].robot], view.wakes[view.members[m].robot]
-        if not jumps(wake, robot.x, robot.y):
-            dx, dy = robot.x - wake.x, robot.y - wake.y
-            square = max(square, dx * dx + dy * dy)
-    longest = math.sqrt(square)
-    chart(view, goal, apart + 2.0 * view.longest[g])
+    goal, least = view.goals[g], limit
+    apart = view.apart[g] + 2.0 * view.longest[g]
+    chart(view, goal, apart + view.longest[g])  # for most margins, too
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
-        reach = apart + least + 2.0 * longest
-        for k in range(gather(view, goal, index, reach)):
+        for k in range(gather(view, goal, index, apart + least)):
             least = gap_between(view, goal, index, view.lookup.nearby[k], least)
     return least
 

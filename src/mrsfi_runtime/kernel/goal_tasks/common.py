@@ -96,15 +96,6 @@ def grace_of(view: State, g: int) -> int:
 
 
 @kernel
-def top_speed(view: State, goal: GoalState) -> float:
-    """Return the distance that any member of a goal can move in a tick."""
-    most = 0.0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        most = max(most, view.robots[view.members[m].robot].max_speed)
-    return most
-
-
-@kernel
 def next_area(view: State, m: int) -> AreaState:
     """Return the area, or point with tolerance, that a member is to be in next."""
     return view.areas[view.routes[m].first_area + view.members[m].waypoint]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.geometry import distance
-from mrsfi_runtime.kernel.goal_tasks.common import patience, top_speed
+from mrsfi_runtime.kernel.goal_tasks.common import patience
 from mrsfi_runtime.kernel.state import State, excess, kernel
 from mrsfi_runtime.model.mission import GoalTask
 
@@ -48,7 +48,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     left = goal.tolerance - most
     if left <= least:
         return left, 1
-    return left, patience(left, least, 2.0 * top_speed(world, goal))
+    return left, patience(left, least, 2.0 * world.longest[g])
 
 
 @kernel

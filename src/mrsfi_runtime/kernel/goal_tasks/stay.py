@@ -12,7 +12,6 @@ from mrsfi_runtime.kernel.goal_tasks.common import (
     patience,
     roam_area,
     too_many,
-    top_speed,
 )
 from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.mission import Area, GoalTask
@@ -68,5 +67,5 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
             robot = world.robots[member.robot]
             wait = min(wait, patience(-depth(world, m), 0.0, robot.max_speed))
     if left < NO_MARGIN:
-        wait = min(wait, patience(left, min(left, least), top_speed(world, goal)))
+        wait = min(wait, patience(left, min(left, least), world.longest[g]))
     return left, wait

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.geometry import distance, inside, well_inside
-from mrsfi_runtime.kernel.goal_tasks.common import kth_best, patience, too_many, top_speed
+from mrsfi_runtime.kernel.goal_tasks.common import kth_best, patience, too_many
 from mrsfi_runtime.kernel.guidance import leeway, pace
 from mrsfi_runtime.kernel.state import GoalState, State, kernel
 from mrsfi_runtime.model.mission import GoalTask
@@ -39,7 +39,7 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
     left = decisive(world, g)
     if left <= least:
         return left, 1
-    return left, patience(left, least, top_speed(world, world.goals[g]))
+    return left, patience(left, least, world.longest[g])
 
 
 @kernel

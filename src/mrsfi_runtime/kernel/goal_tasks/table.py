@@ -63,6 +63,7 @@ def number(task: GoalTask) -> int:
     return TASKS.index(type(task)) if type(task) in TASKS else OWN_TASK
 
 
+AVOID = TASKS.index(avoid_collision.AvoidCollision)
 ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
 SAMPLES = TASKS.index(gather_samples.GatherSamples)
 TRACK = TASKS.index(track.Track)
