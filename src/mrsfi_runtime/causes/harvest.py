@@ -413,7 +413,7 @@ def harvest(
         yardstick = weakness.yardstick_of(mission, fault_free, seeds[0])
         known.learn((), yardstick.broken(fault_free))
         probing = _probing(space, store, known, yardstick, most)
-        while turn := probing.turn()[: _affordable(known, most - n_taken, most)]:
+        while turn := _affordable(probing.turn(), known, most - n_taken, most):
             for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
                 known.learn(each, yardstick.broken(flown))
     weaknesses = known.weaknesses()
@@ -522,15 +522,18 @@ def _nearest(
     return found
 
 
-def _affordable(known: Known, left: int, most: int) -> int:
-    """Return how many flights may be next, if their findings are to be flown in other seeds.
+def _affordable(
+    turn: Sequence[Specification], known: Known, left: int, most: int
+) -> Sequence[Specification]:
+    """Return the flights of a turn that may be next, if findings are to be flown in other seeds.
 
     These have half of all flights at most, because few flights should still find something.
     """
-    n_others = N_SEEDS - 1
-    witnesses = weakness.flown_with(known.weaknesses(are_weighted=False))
-    spare = left - min(most // 2, n_others * (len(witnesses) + _N_PAIR))
-    return max(0, spare) // N_SEEDS
+    reserved, n_others = most // 2, N_SEEDS - 1
+    if left - reserved < N_SEEDS * len(turn):
+        witnesses = weakness.flown_with(known.weaknesses(are_weighted=False))
+        reserved = min(reserved, n_others * (len(witnesses) + _N_PAIR))
+    return turn[: max(0, left - reserved) // N_SEEDS]
 
 
 def _probing(
