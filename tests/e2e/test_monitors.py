@@ -15,7 +15,9 @@ from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json, mrsfi_process
 from tests.support.edited import COLLECTIVE
+from tests.support.pages import blocks
 from tests.support.report_page import data_of
+from tests.support.tree import ROOT
 
 RUN = ("runs/it", "--engine", "reference")
 STAGES = ("in time", "before the goal fails", "later", "never")
@@ -121,19 +123,9 @@ def test_monitors_are_not_written_for_another_mission(project):
     assert path.read_text() == before
 
 
-OWN = """
-from mrsfi_runtime.api import Monitor, Range, State, kernel, monitors
-
-
-@kernel
-def arriving(ci: State, r: int) -> bool:
-    \"\"\"Return whether a robot is at the meeting point, sooner than it can be.\"\"\"
-    robot = ci.robots[r]
-    return (abs(robot.x) < 1.0) & (monitors.ordered(ci, r) > 0.0)
-
-
-MONITORS = (Monitor("arrival", "robots", Range.TICKS, arriving),)
-"""
+PAGE = ROOT / "docs" / "monitors.md"
+(OWN,) = ("\n".join(each.lines) for each in blocks(PAGE.read_text()) if each.kind == "python")
+"""The file monitors.py of the page."""
 
 
 def test_a_project_has_monitors_of_its_own(project):
@@ -142,16 +134,16 @@ def test_a_project_has_monitors_of_its_own(project):
     printed = mrsfi_process("monitors", *RUN, "--fit-seeds", "2", "--json", cwd=project)
     listed = json.loads(printed.stdout)
 
-    assert listed["thresholds"]["arrival"] == {"a": 2.0, "b": 2.0}
-    assert any("arrival" in case["alarms"] for case in listed["cases"])
+    assert listed["thresholds"]["lag"] == pytest.approx({"a": 1e-6, "b": 1e-6})
+    assert any("lag" in case["alarms"] for case in listed["cases"])
 
 
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('"arrival"', '"map"', "found 'map' in MONITORS; expected a tuple of Monitor"),
-        ("    robot = ci", "    if ci.robots[r].x > 0.0:\n        return True\n    robot = ci",
-         "monitors.py:8: ValueError: The truth value of an array"),
+        ('"lag"', '"map"', "found 'map' in MONITORS; expected a tuple of Monitor"),
+        ("    return max(", "    if ci.robots[r].x > 0.0:\n        return 0.0\n    return max(",
+         "monitors.py:7: ValueError: The truth value of an array"),
         ("MONITORS", "OTHERS", "found None in MONITORS"),
     ],
 )  # fmt: skip

@@ -42,6 +42,7 @@ ELSEWHERE = {
     "docs/epsilon.md": "tests/interop/test_configurations.py",
     "docs/extending.md": "tests/integration/test_documentation.py",
     "docs/faults.md": "tests/recipes/performed.py",
+    "docs/monitors.md": "tests/e2e/test_monitors.py",
     "docs/nightly.md": "tests/e2e/test_decide.py",
     "docs/node.md": "tests/unit/cosimulation/test_node_mapping.py",
     "docs/projects.md": "tests/e2e/test_project.py",

@@ -46,6 +46,7 @@ from mrsfi_runtime.kernel.state import (
     SensorState,
     State,
     SwitchState,
+    excess,
 )
 from mrsfi_runtime.model.fault_types import FaultType
 from mrsfi_runtime.model.mission import Mission
@@ -370,7 +371,8 @@ def take_true_values(world: State, index: int, topic: Heard) -> None:
     wake.x, wake.y, wake.reach = robot.x, robot.y, math.inf
     robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
     step = distance(wake.x, wake.y, robot.x, robot.y)
-    world.longest = tuple(max(each, step) for each in world.longest)
+    if excess(step, robot.max_speed) > 0.0:  # which only an external simulation does
+        world.longest = tuple(max(each, step) for each in world.longest)
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]
         count, active = values[5 + 2 * offset : 7 + 2 * offset]
