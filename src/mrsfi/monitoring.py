@@ -88,10 +88,11 @@ def monitored(run: Path, engine: Given, n_fit: int, tell: Tell = silent) -> Stud
             judged,
             tuple(watch.alarms(each, record((), each)) for each in fresh),
             tuple(watch.alarms(seed, again(each)) for each in harmless.values()),
+            campaign.store.n_evaluations,
         )
     if judged and os.access(run, os.W_OK):
         with only_writer(CampaignFolder(run)), CampaignStore.open(run) as store:
-            store.keep(ADVICE, study.advice(store.n_evaluations).text())
+            store.keep(ADVICE, study.advice.text())
     return study
 
 
@@ -146,7 +147,7 @@ def write(run: Path, study: Study) -> Path:
 
     Monitors that were written before are replaced, a reaction to their alarms is kept.
     """
-    if not study.recommended():
+    if not study.recommended:
         raise UsageError(
             f"{run}: found no monitor to write; expected one that detects more in time"
         )
@@ -166,7 +167,7 @@ _BLOCK = re.compile(r"# Monitors, as `mrsfi.*?# End of the monitors\.\n", re.DOT
 
 def _with_monitors(path: Path, study: Study) -> str:
     """Return the text of a collective intelligence with the recommended monitors."""
-    names = {each.monitor for each in study.recommended()}
+    names = {each.monitor for each in study.recommended}
     monitors = [each for each in study.watch.monitors if each.name in names]
     file = parse(path.read_text(encoding="utf-8"), str(path))
     bodies = {id: region.body for id, region in file.regions.items()}
@@ -186,9 +187,10 @@ def _with_monitors(path: Path, study: Study) -> str:
     template = template_environment().get_template("monitors.py.j2")
     written = template.render(monitors=context, written=re.findall(r"def (\w+)", helpers))
     bodies["helpers"] = written + helpers
-    first = next(id for id in bodies if id.endswith(".react"))
-    added = {first: ["    check_monitors(ci)\n"]}
-    added["imports"] = ["from mrsfi_runtime.api import monitors\n"]
+    call, reactions = "    check_monitors(ci)\n", [id for id in bodies if id.endswith(".react")]
+    for id in reactions:  # another goal may have been the first before
+        bodies[id] = bodies[id].replace(call, "")
+    added = {reactions[0]: [call], "imports": ["from mrsfi_runtime.api import monitors\n"]}
     for each in monitors:
         if each not in MONITORS:
             module, name = each.measure.__module__, each.measure.__name__
@@ -206,7 +208,7 @@ def sentences(study: Study) -> Iterator[str]:
     if not study.cases:
         yield "No weakness truly breaks a goal."
         return
-    mission, advice = study.watch.mission, study.advice(0)
+    mission, advice = study.watch.mission, study.advice
     for number, step in enumerate(monitors_in_words(mission, advice), 1):
         yield f"{number}. {step}"
     names = [each.monitor for each in advice.steps]
@@ -226,7 +228,7 @@ def sentences(study: Study) -> Iterator[str]:
 
 def tables(study: Study) -> Iterator[Table]:
     """Yield the coverage of each goal and requirement, and a row for each monitor."""
-    mission, names = study.watch.mission, [each.monitor for each in study.recommended()]
+    mission, names = study.watch.mission, [each.monitor for each in study.recommended]
     goals = {mission.label_of(goal.id): {goal.id} for goal in mission.goals}
     for each in mission.requirements:
         some = (goal.id for goal in mission.goals if each.id in goal.requirements)
@@ -271,7 +273,7 @@ def _thresholds(study: Study) -> Iterator[tuple[str, str]]:
 
 def as_json(study: Study) -> dict[str, Any]:
     """Return the study as plain values; a tick is null for never."""
-    steps = study.recommended()
+    steps = study.recommended
     names = [each.monitor for each in steps]
     judged = []
     for each in study.cases:

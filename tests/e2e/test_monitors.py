@@ -102,6 +102,11 @@ def test_written_monitors_fly_and_a_reaction_of_the_team_is_kept(project, approv
 
     approved("".join(unified_diff(before.splitlines(True), written.splitlines(True), n=0)))
     assert path.read_text() == edited != written
+    moved = edited.replace("    check_monitors(ci)\n", "")  # as if another goal had been the first
+    last = moved.rindex("    # protected region", 0, moved.rindex(".react end"))
+    path.write_text(f"{moved[:last]}    check_monitors(ci)\n{moved[last:]}")
+    mrsfi("monitors", *RUN, "--write", cwd=project)
+    assert path.read_text() == edited
     assert "0 warnings" in mrsfi("validate", path.parent.name, cwd=project).stdout
     assert mrsfi("generate", path.parent.name, "--check", cwd=project)
     digests = {

@@ -26,7 +26,7 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from itertools import chain
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, NamedTuple, Self, TypeAlias
@@ -379,21 +379,23 @@ def coverage(cases: Iterable[Case], names: Sequence[str]) -> Coverage:
     return Coverage.of([(each.stage(names), each.weight) for each in cases])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Study:
     """Monitors with their thresholds, the cases in which they were judged, and other flights.
 
     ``fresh`` has the alarms of flights without faults that fitted nothing, ``harmless`` those of
-    flights of single faults that broke nothing.
+    flights of single faults that broke nothing. ``n_evaluations`` are those of the campaign.
     """
 
     watch: Watch
     cases: tuple[Case, ...]
     fresh: tuple[Alarms, ...]
     harmless: tuple[Alarms, ...]
+    n_evaluations: int
 
+    @cached_property
     def recommended(self) -> tuple[Addition, ...]:
-        """Return monitors to add, the one that gains most first, until none gains."""
+        """Monitors to add, the one that gains most first, until none gains."""
         steps, names = list[Addition](), list[str]()
         while self.cases:
             best = max(self.watch.monitors, key=lambda each: self._reached([*names, each.name]))
@@ -407,9 +409,10 @@ class Study:
             names = then
         return tuple(steps)
 
-    def advice(self, n_evaluations: int) -> Advice:
-        """Return what a record of so many evaluations keeps; there is at least one case."""
-        steps = self.recommended()
+    @cached_property
+    def advice(self) -> Advice:
+        """What the campaign's record keeps; there is at least one case."""
+        steps = self.recommended
         names, watched = [each.monitor for each in steps], dict[int, Monitored]()
         for weakness in {each.weakness.number: each.weakness for each in self.cases}.values():
             own = [each for each in self.cases if each.weakness == weakness]
@@ -423,7 +426,7 @@ class Study:
             watched[weakness.number] = Monitored("".join(gains[:1]), n_in_time, len(own))
         n_false = n_raised(self.fresh, names)
         before = coverage(self.cases, ())
-        return Advice(n_evaluations, before, steps, watched, n_false, len(self.fresh))
+        return Advice(self.n_evaluations, before, steps, watched, n_false, len(self.fresh))
 
     def _reached(self, names: Sequence[str]) -> tuple[float, ...]:
         """Return the weight that reaches each stage but the last, then fewest false alarms."""
