@@ -337,6 +337,7 @@ def _why(error: Exception) -> str:
 
 
 set_option("", "-disable-loop-idiom-all")  # code for ``NEAR`` cannot call memset
+set_option("", "-min-jump-table-entries=100")  # jumps by task or property are rarely foreseen
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
 lend_runtime()
 _REGISTERED: dict[FunctionType, str] = {}
