@@ -33,13 +33,14 @@ def progress(view: State, g: int) -> None:
     goal = view.goals[g]
     sensor = view.sensors[goal.sensor]
     robot = view.robots[sensor.robot]
-    new = sensor.count - goal.seen
+    new = max(sensor.count - goal.seen, 0)
     goal.seen = sensor.count
-    if new <= 0 or not in_area(view, next_area(view, goal.first_member), robot.x, robot.y):
+    if not in_area(view, next_area(view, goal.first_member), robot.x, robot.y):
         return
     if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
         goal.count += new
-        goal.sampled_x, goal.sampled_y = robot.x, robot.y
+        goal.sampled_x = robot.x if new > 0 else goal.sampled_x
+        goal.sampled_y = robot.y if new > 0 else goal.sampled_y
 
 
 @kernel
