@@ -135,9 +135,10 @@ def believe(
     ci: State, plan: Plan, injection: InjectionState, before: Belief, value: Belief
 ) -> None:
     """Set the believed value of an injection's property, and count whether it changed."""
-    target = injection.target
+    target, tick = injection.target, ci.mission.tick
     a, b, _ = value
     if injection.affected == POSITION:
+        ci.mission.displaced = tick + 1
         robot = ci.robots[target]
         robot.x, robot.y, robot.z = value
     elif injection.affected == OBSTACLE:
@@ -154,7 +155,9 @@ def believe(
         ci.sensors[target].cost = a
     else:
         ci.sensors[target].rate = a
-    note(plan, injection, ci.mission.tick, a != before[0] or b != before[1])
+    if injection.affected != POSITION:
+        ci.mission.misled = tick + 1
+    note(plan, injection, tick, a != before[0] or b != before[1])
 
 
 @kernel
@@ -328,6 +331,8 @@ def send(world: State, inbox: State) -> None:
         if reports_position(world, index):
             sent.x, sent.y = reported_place(world, index)
             sent.z = robot.z
+        else:
+            inbox.mission.displaced = world.mission.tick + 1
         sent.speed = robot.speed
         sent.energy = robot.energy
     for index in range(len(world.sensors)):
@@ -345,6 +350,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     and costs) are reset to the model's values, so that no effect outlives its window.
     """
     remember(ci, plan)
+    ci.mission.displaced = max(ci.mission.displaced, inbox.mission.displaced)
     for index in range(len(ci.robots)):
         robot, wake = ci.robots[index], ci.wakes[index]
         sent = inbox.robots[index]

@@ -50,7 +50,11 @@ def no_memory() -> MutableSequence[float]:
 
 @dataclass(slots=True)
 class MissionState:
-    """The mission: ticks are ``0 … duration - 1``; the area is a disc."""
+    """The mission: ticks are ``0 … duration - 1``; the area is a disc.
+
+    ``displaced`` is the last tick at which a robot's position may be false in belief, or may have
+    jumped since the tick before, ``misled`` that at which anything else may; in truth nothing does.
+    """
 
     seed: int
     tick: int
@@ -58,6 +62,8 @@ class MissionState:
     x: float
     y: float
     radius: float
+    displaced: int = -1
+    misled: int = -1
 
 
 @dataclass(slots=True)
@@ -389,8 +395,9 @@ class State:
     goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
     waypoints each member has surely passed; ``calm``, empty unless its use is allowed, the tick
     before which no member of an AvoidCollision goal has to be looked at, or, negative, before which
-    it stays awake; ``heard``, an entry per robot, sensor and obstacle, empty where no code of a
-    team runs. ``lookup`` is scratch space.
+    it stays awake; ``quiet`` likewise, for each goal the tick before which it is surely kept, and
+    nothing has to react for it, unless the belief is misled; ``heard``, an entry per robot, sensor
+    and obstacle, empty where no code of a team runs. ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -424,6 +431,7 @@ class State:
     aims: list[int] = field(default_factory=list)
     latest: list[float] = field(default_factory=list)
     calm: list[int] = field(default_factory=list)
+    quiet: list[int] = field(default_factory=list)
     heard: list[HeardState] = field(default_factory=list)
 
 

@@ -296,7 +296,8 @@ class CompiledEngine(Engine):
         """Return a mission's state; only code of a team reads what was heard, or wakes the calm."""
         state = initial_state(self.code.mission, seed)
         if not self._fly_many.is_guarded:
-            state.calm, state.heard = [0] * len(state.members), []
+            state.calm, state.quiet = [0] * len(state.members), [0] * len(state.goals)
+            state.heard = []
         return laid_out(state)
 
     def close(self) -> None:

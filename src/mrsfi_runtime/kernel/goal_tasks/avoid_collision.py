@@ -15,8 +15,16 @@ import math
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
-from mrsfi_runtime.kernel.geometry import inside, well_inside
-from mrsfi_runtime.kernel.goal_tasks.common import patience
+from mrsfi_runtime.kernel.geometry import well_inside
+from mrsfi_runtime.kernel.goal_tasks.common import (
+    AWAKE,
+    CALM,
+    NEVER,
+    is_quiet,
+    jumps,
+    needs_reaction,
+    patience,
+)
 from mrsfi_runtime.kernel.guidance import berth, leeway, pace
 from mrsfi_runtime.kernel.neighbours import (
     FEW,
@@ -32,7 +40,6 @@ from mrsfi_runtime.kernel.state import (
     AreaState,
     GoalState,
     State,
-    WakeState,
     excess,
     kernel,
 )
@@ -47,8 +54,7 @@ HORIZON = 8
 Of more than ``FEW`` members, some mostly are: their margin is computed at each tick.
 """
 
-CALM, LONGEST, AWAKE = 5, 24, 16
-"""Ticks for which a member is calm at least and at most, and awake at least."""
+LONGEST = 24  # ticks for which a member is calm at most
 
 CANDIDATE_STEP = 15  # degrees between the candidate headings of an evading robot
 
@@ -65,9 +71,11 @@ class AvoidCollision(GoalTask):
 @kernel
 def violated(view: State, g: int) -> bool:
     """Return whether two discs were too near among a goal's robots and obstacles."""
+    if view.map.is_wrong == 0 and is_quiet(view, g):
+        return False
     if len(view.calm) > 0:
         rouse(view, g)
-        if not is_anyone_awake(view, g):
+        if view.quiet[g] > view.mission.tick:
             return False
     return hits_obstacle(view, g) or hits_robot(view, g)
 
@@ -79,33 +87,29 @@ def is_calm(view: State, m: int) -> bool:
 
 
 @kernel
-def is_anyone_awake(view: State, g: int) -> bool:
-    """Return whether a member of a goal is not calm."""
-    goal = view.goals[g]
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        if not is_calm(view, m):
-            return True
-    return False
-
-
-@kernel
 def rouse(view: State, g: int) -> None:
-    """Decide which of up to ``FEW`` members are calm in this tick; called once in each tick.
+    """Decide which of up to ``FEW`` members are calm in this tick, and until when all are.
 
     A member is looked at when its time is over, or when its position jumps.
     """
-    goal = view.goals[g]
+    goal, tick = view.goals[g], view.mission.tick
     if goal.n_members > FEW:
         return
+    may_jump = view.mission.displaced >= tick
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]
-        if abs(view.calm[m]) <= view.mission.tick or jumps(view.wakes[index], robot.x, robot.y):
+        has_jumped = may_jump and jumps(view.wakes[index], robot.x, robot.y)
+        if has_jumped or abs(view.calm[m]) <= tick:
             look(view, goal, m)
     if view.map.is_wrong == 1:
         for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
             if is_displaced(view, view.hazards[h]):
                 rouse_near(view, goal, view.hazards[h])
+    until = NEVER
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        until = min(until, view.calm[m])
+    view.quiet[g] = until
 
 
 @kernel
@@ -259,12 +263,6 @@ def gap_on_way(
 
 
 @kernel
-def jumps(wake: WakeState, x: float, y: float) -> bool:
-    """Return whether a robot or an obstacle is farther from where it was than it can have moved."""
-    return not inside(x, y, wake.x, wake.y, wake.reach)
-
-
-@kernel
 def hits_robot(view: State, g: int) -> bool:
     """Return whether two discs of a goal's robots were too near to each other."""
     goal = view.goals[g]
@@ -372,7 +370,7 @@ def react(ci: State, g: int) -> None:
     One that evaded in the tick before is also judged by the heading that a later goal was denied
     then, as that goal would lead it back.
     """
-    if not is_anyone_awake(ci, g):
+    if not needs_reaction(ci, g):
         return
     goal = ci.goals[g]
     farthest = foreseen(ci, goal)

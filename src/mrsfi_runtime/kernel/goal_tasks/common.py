@@ -19,15 +19,17 @@ import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
-from mrsfi_runtime.kernel.geometry import depth_in_area, in_area
+from mrsfi_runtime.kernel.geometry import depth_in_area, in_area, inside
 from mrsfi_runtime.kernel.guidance import roam_in
-from mrsfi_runtime.kernel.state import AreaState, GoalState, State, kernel
+from mrsfi_runtime.kernel.state import AreaState, GoalState, State, WakeState, kernel
 
 NO_MARGIN: Final = math.inf
 """Margin of a goal while it is undefined, such as before a robot first enters its area."""
 
 NEVER: Final = 1 << 40  # a tick that no mission reaches
 
+CALM, AWAKE = 5, 16
+"""Ticks for which a member is calm at least, or a goal quiet; and for which it is not, at least."""
 
 MemberRule: TypeAlias = Callable[[State, GoalState, int], bool]
 """Return whether a member of a goal, by its index in ``State.members``, breaks a rule."""
@@ -87,6 +89,33 @@ def patience(left: float, least: float, speed: float) -> int:
     if spare <= speed:
         return 1
     return NEVER if spare >= NEVER * speed else int(spare / speed)
+
+
+@kernel
+def is_quiet(view: State, g: int) -> bool:
+    """Return whether a goal is quiet, unless a member has jumped in belief."""
+    tick, goal = view.mission.tick, view.goals[g]
+    if len(view.quiet) == 0 or view.quiet[g] <= tick:
+        return False
+    if view.mission.displaced >= tick:
+        for m in range(goal.first_member, goal.first_member + goal.n_members):
+            robot = view.robots[view.members[m].robot]
+            if jumps(view.wakes[view.members[m].robot], robot.x, robot.y):
+                view.quiet[g] = -(tick + AWAKE)
+                return False
+    return True
+
+
+@kernel
+def jumps(wake: WakeState, x: float, y: float) -> bool:
+    """Return whether a robot or an obstacle is farther from where it was than it can have moved."""
+    return not inside(x, y, wake.x, wake.y, wake.reach)
+
+
+@kernel
+def needs_reaction(ci: State, g: int) -> bool:
+    """Return whether something may have to react for a goal, which has been checked before."""
+    return len(ci.quiet) == 0 or ci.quiet[g] <= ci.mission.tick
 
 
 @kernel

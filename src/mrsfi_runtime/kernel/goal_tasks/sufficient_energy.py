@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.forecast import endurance, energy_reserve, sensor_power, ticks_left
-from mrsfi_runtime.kernel.goal_tasks.common import NEVER, NO_MARGIN, kth_best, too_many
+from mrsfi_runtime.kernel.goal_tasks.common import AWAKE, NEVER, NO_MARGIN, kth_best, too_many
 from mrsfi_runtime.kernel.state import RESERVE, GoalState, State, kernel
 from mrsfi_runtime.model.fault_types import Range
 from mrsfi_runtime.model.mission import GoalTask
@@ -36,9 +36,32 @@ def lacks(view: State, goal: GoalState, m: int) -> bool:
     return energy_reserve(view, view.members[m].robot) < 0.0 or has_none(view, goal, m)
 
 
-violated = too_many(lacks)
+are_short = too_many(lacks)
 is_exhausted = too_many(has_none)
 decisive = kth_best(energy)
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether fewer members than required have the energy that the forecast needs."""
+    tick = view.mission.tick
+    if len(view.quiet) > 0 and view.mission.misled < tick:
+        if view.quiet[g] > tick:
+            return False
+        if abs(view.quiet[g]) <= tick:
+            view.quiet[g] = NEVER if is_secure(view, g) else -(tick + AWAKE)
+    return are_short(view, g)
+
+
+@kernel
+def is_secure(view: State, g: int) -> bool:
+    """Return whether the energy of every member lasts to the end, whatever the robots do."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = view.members[m].robot
+        if view.robots[index].energy <= 0.0 or endurance(view, index) <= ticks_left(view) + 1:
+            return False
+    return True
 
 
 @kernel
