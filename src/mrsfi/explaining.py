@@ -44,7 +44,6 @@ from mrsfi_runtime.analysis.report import (
     Shown,
     SpecificationWriter,
     draw_weakness,
-    specification_rows,
     write_report,
 )
 from mrsfi_runtime.analysis.summary import Drawing, Summary, drawn
@@ -140,12 +139,11 @@ class Explainer:
             if not places:
                 continue
             path = self.folder / f"{subject.name}-{kind}.xmi"
-            rows = specification_rows(self.code.pool, specification)
             identifier = f"{subject.name}_{kind}".replace("-", "_")
             names = [subject.faults[place].name for place in places]
             with writable(path, "name another folder with --out"):
                 self.folder.mkdir(parents=True, exist_ok=True)
-                self.write(rows, path, identifier, names)
+                self.write(self.code.pool, specification, path, identifier, names)
             paths[what] = path
         return paths
 

@@ -29,7 +29,7 @@ from mrsfi_runtime.model.mission import starvation
 
 if TYPE_CHECKING:
     from m2t.models.fixes import Mending
-    from m2t.models.load import Inspection, LoadedModels
+    from m2t.models.load import Inspection, LoadedModels, SpecificationRow
     from mrsfi_runtime.analysis.report import SpecificationWriter
 
 
@@ -49,9 +49,17 @@ def specification_writer(
     from m2t.models import load  # noqa: PLC0415 - slow
 
     models = cache(lambda: load_models(source) if isinstance(source, Path) else source())
-    return lambda rows, path, identifier, names: load.write_specification(
-        models(), rows, path, identifier=identifier, names=names, write=put
+    return lambda pool, timed, path, identifier, names: load.write_specification(
+        models(), rows_of(pool, timed), path, identifier=identifier, names=names, write=put
     )
+
+
+def rows_of(pool: FaultPool, specification: Specification) -> "list[SpecificationRow]":
+    """Return the rows of a fault specification, with values by the names of their parameters."""
+    return [
+        (fault, start, finish, pool[fault].kind.named(values), trigger)
+        for fault, start, finish, values, trigger in specification
+    ]
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.files import changing, writable
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import FaultPool, Specification, numbered, original
+from mrsfi_runtime.model.faults import FaultPool, Specification, original
 from mrsfi_runtime.model.mission import Outcome
 from mrsfi_runtime.record.decisions import (
     Cause,
@@ -134,7 +134,6 @@ def keep(
     """
     from mrsfi.campaign_folders import mission_of  # noqa: PLC0415 - not for a check, as below
     from mrsfi.explaining import flying_again, harvested, weakness_of  # noqa: PLC0415
-    from mrsfi_runtime.analysis.report import specification_rows  # noqa: PLC0415
     from mrsfi_runtime.analysis.weaknesses import evidence  # noqa: PLC0415
 
     path = campaign.folder.path
@@ -169,12 +168,8 @@ def keep(
     elif limits is None:
         regression = replace(regression, limits=_most([counts]))
     contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
-    specification_writer(folders.models, contents.__setitem__)(
-        specification_rows(campaign.pool, specification),
-        regression.specification,
-        "kept",
-        numbered(timed.fault for timed in specification),
-    )
+    write = specification_writer(folders.models, contents.__setitem__)
+    write(campaign.pool, specification, regression.specification, "kept", None)
     with changing(folders.models) as change:
         _require_new(regression, folders)
         change.replace(contents)

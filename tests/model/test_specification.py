@@ -14,7 +14,7 @@ from m2t.models.load import (
     load_specification,
     write_specification,
 )
-from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi.loading import rows_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import pool_from_text
@@ -94,8 +94,7 @@ def test_what_waits_is_written_with_its_triggers_and_flies_as_in_the_pool(tmp_pa
     ]
     path = _target(tmp_path)
 
-    rows = specification_rows(pool, tuple(timed))
-    write_specification(folder, rows, path, identifier="s")
+    write_specification(folder, rows_of(pool, tuple(timed)), path, identifier="s")
 
     assert inspect_folder(folder).diagnostics == ()
     assert pool_from_text(rendered_file("fault_loader.py", load_mission_folder(folder))) == pool

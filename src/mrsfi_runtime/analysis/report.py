@@ -5,7 +5,7 @@
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -37,7 +37,7 @@ from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.mildest import GoalWeakness, gravity, least
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import MrsfiError, RecordError, UsageError
-from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
+from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.observers import named_faults
@@ -60,13 +60,10 @@ def flown_of(
     return Flown(title, faults, flight, others, weakness.goal, since), tuple(effects)
 
 
-SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float], str]
-"""Fault ID, start, finish, values by parameter name, and the trigger's ID or an empty text."""
-
 SpecificationWriter: TypeAlias = Callable[
-    [Sequence[SpecificationRow], Path, str, Sequence[str]], None
+    [FaultPool, Specification, Path, str, Sequence[str] | None], None
 ]
-"""Writes rows as a fault specification to a path, with its identifier and the faults' names."""
+"""Writes timed faults of a pool to a path, with an identifier and names, if not ``numbered``."""
 
 
 class Shown(NamedTuple):
@@ -276,16 +273,6 @@ def _writing(folder: Path, what: str) -> Iterator[None]:
         ) from error
 
 
-def specification_rows(
-    pool: FaultPool, specification: Specification
-) -> tuple[SpecificationRow, ...]:
-    """Return a specification with its values by name."""
-    return tuple(
-        (fault, start, finish, pool[fault].kind.named(values), trigger)
-        for fault, start, finish, values, trigger in specification
-    )
-
-
 def _write_specifications(
     layout: CampaignFolder, summary: Summary, write: SpecificationWriter
 ) -> None:
@@ -300,8 +287,7 @@ def _write_specifications(
         for weakness in {*summary.weaknesses, *least(summary.weaknesses)}
     ]
     for path, name, specification in (*top, *witnesses):
-        rows = specification_rows(summary.pool, specification)
-        write(rows, path, name, numbered(row[0] for row in rows))
+        write(summary.pool, specification, path, name, None)
 
 
 def _write_tables(layout: CampaignFolder, shown: Iterable[Illustration]) -> None:

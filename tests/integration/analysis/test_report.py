@@ -1,11 +1,12 @@
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from mrsfi.loading import rows_of
 from mrsfi_runtime.analysis.documents import report_text
 from mrsfi_runtime.analysis.page import campaign_page
 from mrsfi_runtime.analysis.summary import (
@@ -15,7 +16,7 @@ from mrsfi_runtime.analysis.summary import (
 )
 from mrsfi_runtime.analysis.tables import fault_table
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.record.engine_settings import Manifest
 from mrsfi_runtime.record.observers import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -40,13 +41,10 @@ FOCUS = CampaignSettings(fitness="focused", goals=("g1", "g3"))
 
 
 def write(
-    rows: Sequence[tuple[str, int, int, Mapping[str, float]]],
-    path: Path,
-    name: str,
-    names: Sequence[str],
+    pool: FaultPool, timed: Specification, path: Path, name: str, names: Sequence[str] | None
 ) -> None:
     """Stand in for the writer of XMI, which lives in another room."""
-    path.write_text(json.dumps([name, rows]))
+    path.write_text(json.dumps([name, rows_of(pool, timed)]))
 
 
 def stems(folder: Path, suffix: str) -> list[str]:
