@@ -46,7 +46,7 @@ from mrsfi_runtime.fence import IMPORTED
 from mrsfi_runtime.files import whole_file, writable
 from mrsfi_runtime.record.database import CampaignFolder, no_writer
 from mrsfi_runtime.record.engine_settings import REFERENCE, Workers
-from mrsfi_runtime.record.settings import KEEP, Regression
+from mrsfi_runtime.record.settings import KEEP, CampaignSettings, Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, Measure
 
 if TYPE_CHECKING:
@@ -54,7 +54,6 @@ if TYPE_CHECKING:
 
     from mrsfi_runtime.causes.monitors import Study
     from mrsfi_runtime.causes.weakness import Weakness
-    from mrsfi_runtime.record.settings import CampaignSettings
 
 
 _LISTED, _INSTRUCTIONS = "SHA256SUMS", "REPRODUCE.md"

@@ -18,7 +18,7 @@ from mrsfi.folders import MissionFolders, campaign_file, find_mission, load_fres
 from mrsfi.generating import generate, rename
 from mrsfi.loading import read_specification
 from mrsfi_runtime.engine.opening import open_engine, tried
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import Diagnostic, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Gate, Specification, TimedFault, timed_fault
 from mrsfi_runtime.project_file import choose_metamodels
 from mrsfi_runtime.record.engine_settings import AUTO, REFERENCE, EngineSettings, Workers
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from mrsfi.campaign import Campaign
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
-    from mrsfi_runtime.errors import Diagnostic
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Evaluated
     from mrsfi_runtime.model.mission import Mission as Model
@@ -105,7 +104,7 @@ class Mission:
         """The faults that could occur in it."""
         return self.code.pool
 
-    def validate(self, tell: Tell = silent) -> "tuple[Diagnostic, ...]":
+    def validate(self, tell: Tell = silent) -> tuple[Diagnostic, ...]:
         """Return the defects of models and code, as ``mrsfi validate`` does.
 
         Parameters

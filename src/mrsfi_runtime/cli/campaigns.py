@@ -6,7 +6,7 @@ so that ``mrsfi --help`` loads no toolchain. One process at a time writes a camp
 
 import datetime as dt
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,6 @@ from mrsfi_runtime.record.engine_settings import (
 from mrsfi_runtime.record.settings import ALGORITHM_NAMES, COVERING, MINIMISING, VIOLATIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from contextlib import AbstractContextManager
 
     from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign

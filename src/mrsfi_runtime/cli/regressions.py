@@ -7,7 +7,7 @@ First come the outputs of a check: tables, JSON, JUnit's XML and annotations for
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from datetime import date
+from datetime import date, datetime
 from functools import partial
 from os.path import normpath
 from pathlib import Path
@@ -23,8 +23,6 @@ from mrsfi_runtime.record.decisions import KINDS
 from mrsfi_runtime.record.engine_settings import AUTO, Workers
 
 if TYPE_CHECKING:
-    from datetime import datetime
-
     from mrsfi.regressions import Checked
     from mrsfi_runtime.record.settings import Regression
 
@@ -293,7 +291,7 @@ def _print_change(before: "Regression", new: "Regression") -> None:
 @click.option("--because", required=True, metavar="TEXT", help="The reason.")
 @click.option("--by", required=True, metavar="NAME", help="Who decides.")
 @click.option("--until", type=click.DateTime(["%Y-%m-%d"]), metavar="DATE", help="Last valid day.")
-def decide_command(run: Path, number: int, until: "datetime | None", **given: Any) -> None:
+def decide_command(run: Path, number: int, until: datetime | None, **given: Any) -> None:
     """Decide on weakness N of RUN: it is accepted, to be mitigated, or a duplicate.
 
     N is its number in mrsfi weaknesses. The decision is a file in models/NAME/decisions/ that names
