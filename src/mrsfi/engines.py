@@ -22,7 +22,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
 from time import monotonic
@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mrsfi_runtime.cosimulation.bus_topics import ANSWER, BARRIER
 from mrsfi_runtime.engine.opening import named, open_engine
 from mrsfi_runtime.errors import ReplayMismatch, UsageError, counted
-from mrsfi_runtime.project_file import SETTINGS, project_metamodels, root, settings
+from mrsfi_runtime.project_file import SETTINGS, root, settings
 from mrsfi_runtime.record.engine_settings import (
     AUTO,
     BOTH,
@@ -62,14 +62,13 @@ if TYPE_CHECKING:
 class Project:
     """The folders of a project, each as short as a user would write it.
 
-    ``metamodels`` is ``None`` if the project has none of its own. ``ros`` is the ROS version of its
-    rosbridge server, ``node`` the table of its external node, ``fmea`` the team's numbers.
+    ``ros`` is the ROS version of its rosbridge server, ``node`` the table of its external node,
+    ``fmea`` the team's numbers.
     """
 
     models: Path
     generated: Path
     runs: Path
-    metamodels: Path | None
     ros: int
     node: Mapping[str, Any] | None
     fmea: Mapping[str, Mapping[str, Any]]
@@ -82,13 +81,13 @@ def project() -> Project:
     """
     file = root() / SETTINGS
     given, node, fmea = settings(file) if file.is_file() else ({}, None, {})
-    ros, own = given.get("ros", 1), project_metamodels()
+    ros = given.get("ros", 1)
     if type(ros) is not int or ros not in ROS_VERSIONS:
         raise UsageError(f"{file}: found ros = {ros!r}; expected 1 or 2")
     models, generated, runs = (
         from_here(file.parent / given.get(name, name)) for name in ("models", "generated", "runs")
     )
-    return Project(models, generated, runs, own and from_here(own), ros, node, fmea)
+    return Project(models, generated, runs, ros, node, fmea)
 
 
 def from_here(path: Path) -> Path:
@@ -233,18 +232,15 @@ def _files_beside(command: str) -> tuple[str, ...]:
     )
 
 
-@contextmanager
 def own_engine(
     evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
-) -> "Iterator[Engine]":
-    """Yield an engine in this process: that of an evaluator, or else a new one like it."""
+) -> "AbstractContextManager[Engine]":
+    """Return an engine in this process to enter: that of an evaluator, or a new one like it."""
     from mrsfi_runtime.engine.flights import Engine  # noqa: PLC0415 - not for --help
 
     if isinstance(evaluator, Engine):
-        yield evaluator
-        return
-    with open_engine(settings, code, seed) as engine:
-        yield engine
+        return nullcontext(evaluator)
+    return open_engine(settings, code, seed)
 
 
 @contextmanager

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from m2t.models.load import load_mission_folder, load_specification, write_specification
-from mrsfi.engines import project
+from mrsfi.engines import Project, project
+from mrsfi_runtime.project_file import project_metamodels
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, attribute, copy_metamodels
 from tests.support.tree import ROOT
@@ -69,12 +70,12 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
     page = (ROOT / "docs" / "projects.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (place / "mrsfi.toml").write_text("[project]\n", encoding="utf-8")
-    left_out = project()
+    left_out = project(), project_metamodels()
     (place / "mrsfi.toml").write_text(shown, encoding="utf-8")
 
-    assert project() == left_out
-    known = {field.name for field in fields(left_out)} - {"node", "fmea"}
-    assert set(tomllib.loads(shown)["project"]) == known
+    assert (project(), project_metamodels()) == left_out
+    known = {field.name for field in fields(Project)} - {"node", "fmea"}
+    assert set(tomllib.loads(shown)["project"]) == {*known, "metamodels"}
 
 
 @pytest.mark.parametrize(
