@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -272,18 +272,14 @@ class Drawing:
     module: str = "plots"
 
 
-FigureFiles: TypeAlias = Mapping[str, bytes]
-"""Contents of the files of a figure, by suffix."""
-
-
 def save(drawing: Drawing, stem: Path) -> None:
     """Draw a figure into files, whose path has no suffix."""
     for suffix, content in drawn(drawing).items():
         stem.with_suffix(suffix).write_bytes(content)
 
 
-def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> FigureFiles:
-    """Draw a figure in this process, for files of some suffixes."""
+def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> dict[str, bytes]:
+    """Draw a figure; return its files by their suffixes."""
     from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - matplotlib takes its time
 
     module = import_module(f"{__package__}.{drawing.module}")

@@ -287,15 +287,10 @@ class GoalVerdict:
         return _WORDS[self.state]
 
     @property
-    def sentence(self) -> str:
-        """All but the evidence, in one or two sentences."""
-        return f"{self.label} {self.words}{self.because}"
-
-    @property
     def in_full(self) -> str:
-        """The sentence, and what the goal stands for."""
-        stakes = f"{self.stakes[:1].upper()}{self.stakes[1:]}"
-        return f"{self.sentence}. {stakes}" if stakes else self.sentence
+        """All but the evidence in sentences: the verdict, and what the goal stands for."""
+        verdict = f"{self.label} {self.words}{self.because}"
+        return f"{verdict}. {self.stakes[:1].upper()}{self.stakes[1:]}" if self.stakes else verdict
 
     @property
     def because(self) -> str:
@@ -310,13 +305,9 @@ class GoalVerdict:
         if self.weakness is None:
             return (self.bound, *near)
         number = f"weakness {self.weakness.number}", " and ".join(self.weakness.faults)
-        depth, others = ((each,) if each else () for each in (self.depth, self.others))
-        return (*number, *depth, *self.strength, *others, self.bound, *near)
-
-    @property
-    def others(self) -> str:
-        """The number of other weaknesses in words; empty if none."""
-        return counted(self.n_others, "other weaknesses") if self.n_others else ""
+        others = counted(self.n_others, "other weaknesses") if self.n_others else ""
+        facts = (*number, self.depth, *self.strength, others, self.bound, *near)
+        return tuple(filter(None, facts))
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:

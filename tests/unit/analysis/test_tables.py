@@ -427,7 +427,7 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
 
     told = verdicts(CODE.mission, CODE.pool, known)
 
-    (said,) = (each.sentence for each in told if each.goal == "g3")
+    (said,) = (each.in_full for each in told if each.goal == "g3")
     approved(said)
     bounds = {each.bound for each in told}
     (bound,) = bounds  # nothing was drawn
@@ -442,7 +442,7 @@ def test_of_two_goals_in_the_same_state_the_more_severe_one_comes_first():
     told = verdicts(replace(CODE.mission, goals=goals), CODE.pool, known)
 
     assert [(each.goal, each.severity) for each in told[:3]] == [("g6", 9), ("g3", 2), ("g1", 0)]
-    assert told[0].in_full == f"{told[0].sentence}. Severity 9 of 10"
+    assert told[0].in_full == f"{told[0].label} {told[0].words}. Severity 9 of 10"
 
 
 def verdict(goal, state, *faults):
