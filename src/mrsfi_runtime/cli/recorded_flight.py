@@ -103,11 +103,10 @@ def print_flight(
         print_json({**head, **beside, **listed})
         return
     print_table(tables.goal_table(title, mission, outcome))
-    if near := tables.nearest_in_words(mission, outcome):
-        print_words(near)
-        print_words("")
-    if late := tables.late_in_words(mission, outcome):
-        print_words(f"{late}\n")
+    for words in (tables.nearest_in_words, tables.late_in_words):
+        if text := words(mission, outcome):
+            print_words(text)
+            print_words("")
     if faults:
         print_table(tables.fault_table("Faults", faults, outcome))
 
