@@ -7,7 +7,6 @@ from typing import Any
 
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, installed_metamodels, metamodel_folder
 from m2t.models.difference import difference as difference  # noqa: PLC0414 - for importers, as below
-from m2t.models.importing import Imported as Imported  # noqa: PLC0414
 from m2t.models.importing import Note as Note  # noqa: PLC0414
 from m2t.models.importing import import_published as import_published  # noqa: PLC0414
 from m2t.models.load import FAULTS_XMI, edited, load_mission_folder
