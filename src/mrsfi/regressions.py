@@ -159,14 +159,13 @@ def keep(
     goals = campaign.mission.goal_ids
     counts = regression.counts(goals, known.outcomes[specification], "--max")  # refuses other goals
     _require_new(regression, folders)
-    others = regression.mission_seeds[1:]
-    if limits is None and others:
-        with flying_again(path, engine, Workers(1), silent) as (_, __, own):
-            flown = [own.evaluate(specification, seed) for seed in others]
-        counted = [counts, *(regression.counts(goals, each) for each in flown)]
+    if limits is None:
+        counted, others = [counts], regression.mission_seeds[1:]
+        if others:
+            with flying_again(path, engine, Workers(1), silent) as (_, __, own):
+                flown = (own.evaluate(specification, seed) for seed in others)
+                counted += [regression.counts(goals, each) for each in flown]
         regression = replace(regression, limits=_most(counted))
-    elif limits is None:
-        regression = replace(regression, limits=_most([counts]))
     contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
     write = specification_writer(folders.models, contents.__setitem__)
     write(campaign.pool, specification, regression.specification, "kept", None)
