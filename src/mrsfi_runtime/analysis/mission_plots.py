@@ -88,7 +88,7 @@ def flight_map(story: Story) -> Figure:
             style: dict[str, Any] = {"color": colour, "alpha": 0.45, "lw": 0, "zorder": 1.8}
             axes.scatter(spots[:, 0], spots[:, 1], 5, rasterized=is_many, **style)
             x, y = story.true[-1, k]
-            _disc(axes, (x, y), robot.radius, colour, INK, 0.9, 2.5)
+            _draw(axes, (x, y), robot.radius, fc=colour, ec=INK, lw=0.9, zorder=2.5)
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id}, true")
@@ -119,8 +119,7 @@ def flight_gif(story: Story) -> bytes:
         _draw_mission(axes, story.mission, _colours(story.mission))
         window, unit = window_around(story.mission, story.true), story.mission.distance_unit
         _set_window(axes, window, fill(story.title, 70), unit)
-    n_ticks, n_robots, _ = story.true.shape
-    colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
+    n_ticks, colours = len(story.true), [*_colours(story.mission).values()]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
     trail = 20 * max(1, n_ticks // _N_FRAMES)  # length of a robot's trail, in ticks
@@ -248,25 +247,26 @@ def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
 def _draw_mission(
     axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_small: bool = False
 ) -> None:
-    _disc(axes, _of(mission.area.center), mission.area.radius, "#f1f6fa", BLUE, 1.4, 0)
+    area = mission.area
+    _draw(axes, _of(area.center), area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
         area, spot = disc.area, _of(disc.area.center)
-        shape = _shape(spot, area.radius, area.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
-        axes.add_patch(shape)
-        _disc(axes, spot, area.radius, "none", colour, 1.2, 1.1, area.offsets)
+        _draw(axes, spot, area.radius, area.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
+        _draw(axes, spot, area.radius, area.offsets, fc="none", ec=colour, lw=1.2, zorder=1.1)
     for goal in _with_paths(mission):
         path = [_of(point) for point in goal.terms.path]
         colour = colours.get(goal.members[0], SOFT)
         axes.plot(*zip(*path, strict=True), color=colour, **_TRAJECTORY, zorder=1.5)
     for obstacle in mission.obstacles:
         area = obstacle.area
-        _disc(axes, _of(area.center), area.radius, ROCK, INK, 0.8, 2, area.offsets)
+        _draw(axes, _of(area.center), area.radius, area.offsets, fc=ROCK, ec=INK, lw=0.8, zorder=2)
     size, edge = (14, 0.2) if is_small else (95, 0.8)
     for robot in mission.robots:
-        _disc(axes, _of(robot.position), robot.radius, colours[robot.id], PAPER, edge, 2.5)
+        style: dict[str, Any] = {"fc": colours[robot.id], "ec": PAPER, "lw": edge, "zorder": 2.5}
+        _draw(axes, _of(robot.position), robot.radius, **style)
     xs, ys = zip(*(_of(robot.position) for robot in mission.robots), strict=True)
-    style: dict[str, Any] = {"marker": "^", "color": [*colours.values()], "ec": PAPER}
+    style = {"marker": "^", "color": [*colours.values()], "ec": PAPER}
     axes.scatter(xs, ys, s=size, lw=edge, zorder=3, **style)
 
 
@@ -296,24 +296,10 @@ def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[
     return labels
 
 
-def _disc(
-    axes: Axes,
-    spot: Place,
-    radius: float,
-    face: str,
-    edge: str,
-    width: float,
-    order: float,
-    offsets: Offsets = (),
-) -> None:
-    shape = _shape(spot, radius, offsets, fc=face, ec=edge, lw=width, zorder=order)
-    axes.add_artist(shape)  # without looking for limits: the window has them
-
-
-def _shape(spot: Place, radius: float, offsets: Offsets, **style: Any) -> Patch:
-    """Return a disc, or a polygon."""
+def _draw(axes: Axes, spot: Place, radius: float, offsets: Offsets = (), **style: Any) -> None:
+    """Draw a disc, or a polygon, without looking for limits: the window has them."""
     corners = [(spot[0] + dx, spot[1] + dy) for dx, dy in offsets]
-    return Polygon(corners, **style) if corners else Circle(spot, radius, **style)
+    axes.add_artist(Polygon(corners, **style) if corners else Circle(spot, radius, **style))
 
 
 def _with_paths(mission: Mission) -> list[Goal]:
