@@ -15,11 +15,6 @@ class Term(NamedTuple):
     example: str
     neighbour: str
 
-    @property
-    def anchor(self) -> str:
-        """The place of the term on the page of the documentation."""
-        return self.name.replace(" ", "-")
-
 
 TERMS = (
     Term(
