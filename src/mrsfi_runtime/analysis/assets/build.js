@@ -62,7 +62,6 @@ let nTables = 0; // each table is a landmark with its own name
 
 function table(header, rows, attributes) {
   const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
-  
   const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? bdi(value) : value instanceof Node ? value : number(value));
   return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": `table ${(nTables += 1)}` },
     make("table", attributes || {},

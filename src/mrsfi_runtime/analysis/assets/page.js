@@ -6,23 +6,20 @@ function flownOf(shown) {
     make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)));
 }
 
-function chart(place, { title, x, y, lines, points }) {
-  const ink = colour("ink"), grid = colour("grid");
-  const series = lines.map(([label, shade, , dash]) => ({ label, stroke: shade, width: points ? 0 : 1.6, dash, points: { show: Boolean(points), size: 6, fill: shade } }));
-  const axis = (label) => ({ label, stroke: ink, grid: { stroke: grid } });
+function chart(place, { title, x, y, xs, lines, points }) {
+  const stroke = colour("ink"), grid = { stroke: colour("grid") };
+  const series = lines.map(({ label }, k) => ({ label, stroke: palette[k], width: points ? 0 : 1.6, points: { show: Boolean(points), size: 6, fill: palette[k] } }));
   return new uPlot({ title, width: Math.max(240, Math.min(560, document.body.clientWidth - 40)), height: 260, scales: { x: { time: false } }, legend: { live: false },
-    axes: [axis(x), { ...axis(y), size: 64 }], series: [{ label: x }, ...series] }, [lines.xs, ...lines.map(([, , values]) => values)], place);
+    axes: [{ label: x, stroke, grid }, { label: y, stroke, grid, size: 64 }], series: [{ label: x }, ...series] }, [xs, ...lines.map(({ values }) => values)], place);
 }
 
 function searchOf(search) {
   const place = make("div", { class: "side" });
   const element = make("section", { id: "search" }, make("h2", {}, "Search"), make("p", {}, bdi(search.said)), place);
   requestAnimationFrame(() => search.charts.forEach((each) => {
-    const lines = each.lines.map((line, k) => [line.label, palette[k], line.values]);
-    lines.xs = each.xs;
     const box = make("div");
     place.append(box);
-    chart(box, { ...each, lines });
+    chart(box, each);
   }));
   return element;
 }

@@ -21,7 +21,6 @@ class Screen {
   }
 
   header() {
-    
     return withTerms(make("div", { class: "head" },
       make("div", {}, make("h1", {}, bdi(this.headline)), make("p", { class: "note" }, bdi(this.about))),
       make("ul", {}, this.facts.map((fact) => make("li", {}, bdi(fact))))));
