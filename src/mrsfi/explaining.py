@@ -27,25 +27,11 @@ from mrsfi.campaign_folders import (
     require_same,
     tried_again,
 )
-from mrsfi.engines import (
-    AS_RECORDED,
-    Given,
-    Tell,
-    again,
-    flying,
-    now_and_then,
-    project,
-    silent,
-)
+from mrsfi.engines import AS_RECORDED, Given, Tell, again, flying, now_and_then, project, silent
 from mrsfi.folders import MissionFolders, load_fresh
 from mrsfi.loading import read_specification, specification_writer
 from mrsfi_runtime.analysis import documents
-from mrsfi_runtime.analysis.report import (
-    Shown,
-    SpecificationWriter,
-    draw_weakness,
-    write_report,
-)
+from mrsfi_runtime.analysis.report import Shown, SpecificationWriter, draw_weakness, write_report
 from mrsfi_runtime.analysis.summary import Drawing, Summary, drawn
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import State, verdicts

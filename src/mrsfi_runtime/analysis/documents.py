@@ -30,18 +30,7 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.summary import Illustration, Summary
-from mrsfi_runtime.analysis.tables import (
-    NONE,
-    Cell,
-    Table,
-    Trend,
-    TypePattern,
-    as_csv,
-    as_xlsx,
-    in_words,
-    plain,
-    to_markdown,
-)
+from mrsfi_runtime.analysis.tables import NONE, Cell, Table, Trend, TypePattern, plain
 from mrsfi_runtime.analysis.weaknesses import (
     broken_by,
     detection,
@@ -420,7 +409,7 @@ def fmea(mission: str, modes: Iterable[Mapping[str, Cell]]) -> Table:
 
 
 def _as_markdown(table: Table) -> bytes:
-    return f"# {plain(table.title)}\n\n{to_markdown(table)}\n".encode()
+    return f"# {plain(table.title)}\n\n{tables.to_markdown(table)}\n".encode()
 
 
 def _as_latex(table: Table) -> bytes:
@@ -430,15 +419,15 @@ def _as_latex(table: Table) -> bytes:
         title = in_latex(f"Weakness {number}")
         parts.append(f"\\subsection*{{{title}}}\n\\begin{{description}}")
         named = zip(HEADS[1:], cells, strict=True)
-        parts += [f"\\item[{name}] {in_latex(in_words(cell))}" for name, cell in named]
+        parts += [f"\\item[{name}] {in_latex(tables.in_words(cell))}" for name, cell in named]
         parts.append("\\end{description}")
     return "\n".join((*parts, "\\end{document}\n")).encode()
 
 
 FMEA = MappingProxyType(
     {
-        ".csv": lambda table: as_csv(table.lines),
-        ".xlsx": as_xlsx,
+        ".csv": lambda table: tables.as_csv(table.lines),
+        ".xlsx": tables.as_xlsx,
         ".md": _as_markdown,
         ".tex": _as_latex,
     }

@@ -14,12 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.options import (
-    file_option,
-    generated_option,
-    mission_argument,
-    print_metamodels,
-)
+from mrsfi_runtime.cli import options
 from mrsfi_runtime.cli.terminal import print_changes, print_json, tell
 from mrsfi_runtime.errors import EvaluationError, GenerationError, ModelError, UsageError, counted
 
@@ -217,9 +212,9 @@ def _names(_: click.Context, __: click.Parameter, words: tuple[str, ...]) -> dic
 
 
 @click.command(name="rename")
-@mission_argument
+@options.mission_argument
 @click.argument("names", metavar="OLD=NEW...", nargs=-1, required=True, callback=_names)
-@generated_option
+@options.generated_option
 @click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
 def rename_command(
     mission: str, names: Mapping[str, str], generated: Path | None, diff: bool
@@ -243,7 +238,7 @@ def rename_command(
     from mrsfi.folders import find_mission
     from mrsfi.generating import rename, renaming
 
-    print_metamodels()
+    options.print_metamodels()
     renamed = (renaming if diff else rename)(find_mission(mission, generated), names)
     if diff:
         print_changes(renamed.respelt, renamed.difference)
@@ -255,8 +250,8 @@ def rename_command(
 
 
 @click.command(name="validate")
-@mission_argument
-@generated_option
+@options.mission_argument
+@options.generated_option
 @click.option("--json", "is_json", is_flag=True, help="Print the diagnostics as JSON.")
 @click.option(
     "--fix", "is_fix", is_flag=True, help="Repair what has one remedy; show a diff first."
@@ -304,7 +299,7 @@ def validate_command(
         raise UsageError("--fix shows a diff and --json does not; give one of them")
     if is_agreed and not is_fix:
         raise UsageError("--yes agrees to what --fix would change; give both")
-    print_metamodels()
+    options.print_metamodels()
     if is_fix:
         _fix(mission, generated, is_agreed=is_agreed)
     found = validate(mission, generated, tell)
@@ -353,8 +348,8 @@ def _print_lines(found: "Validated", n_found: int, n_warnings: int) -> None:
 
 
 @click.command(name="generate")
-@mission_argument
-@generated_option
+@options.mission_argument
+@options.generated_option
 @click.option("--check", is_flag=True, help="Write nothing; exit code 4 if a file is stale.")
 @click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
 @click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
@@ -380,7 +375,7 @@ def generate_command(
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
         raise click.UsageError("--check, --diff and --force exclude each other")
-    print_metamodels()
+    options.print_metamodels()
     if check:
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")
@@ -408,7 +403,7 @@ def _write(folders: "MissionFolders", *, force: bool) -> None:
 @click.argument("target", metavar="MISSION|CAMPAIGN")
 @click.option("--text", metavar="NAME", default="ReqIF.Text", help="Name of the value with a text.")
 @click.option("--id", metavar="NAME", default="ReqIF.ForeignID", help="Name of the one with an ID.")
-@file_option("--output", "Where FILE is written with the results of CAMPAIGN.")
+@options.file_option("--output", "Where FILE is written with the results of CAMPAIGN.")
 def requirements_command(file: Path, target: str, text: str, id: str, output: Path | None) -> None:
     """Read the requirements of FILE, in ReqIF, into the model of MISSION, or write their results.
 
