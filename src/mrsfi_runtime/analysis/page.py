@@ -12,11 +12,12 @@ import json
 import re
 import shlex
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.resources import files
 from itertools import groupby, islice
+from pathlib import Path
 from typing import Any
 
 from mrsfi_runtime.analysis import story, tables, weaknesses
@@ -32,6 +33,7 @@ from mrsfi_runtime.errors import counted
 from mrsfi_runtime.glossary import TERMS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import Mission, Outcome
+from mrsfi_runtime.record.database import CampaignFolder
 from mrsfi_runtime.record.observers import NamedFault, named_faults
 from mrsfi_runtime.record.store import CampaignStore
 
@@ -65,21 +67,14 @@ MOST_BYTES = 2_900_000
 """Size of a page up to which it has the flights of less grave weaknesses."""
 
 
-def campaign_page(
-    summary: Summary,
-    store: CampaignStore,
-    next_of: Callable[[GoalWeakness], Mapping[str, Sequence[str]]],
-) -> dict[str, Any]:
-    """Return the page's content for a campaign, without flights.
-
-    ``next_of`` returns labelled commands.
-    """
+def campaign_page(summary: Summary, store: CampaignStore) -> dict[str, Any]:
+    """Return the page's content for a campaign, without flights."""
     caution = f"Caution: {summary.unrepeated}. " if summary.unrepeated else ""
     picked = summary.pick and f" The specification {summary.pick.in_words(summary.measure)}."
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.name}",
         "mission": story.mission_content(summary.mission),
-        "first": _first_screen(summary, next_of),
+        "first": _first_screen(summary),
         "search": {
             "said": f"{caution}{trend_in_words(summary.trend)}{picked or ''}".replace("`", ""),
             "charts": list(_charts(summary)),
@@ -112,9 +107,7 @@ def _evaluations(summary: Summary, store: CampaignStore) -> dict[str, Any]:
     }
 
 
-def _first_screen(
-    summary: Summary, next_of: Callable[[GoalWeakness], Mapping[str, Sequence[str]]]
-) -> dict[str, Any] | None:
+def _first_screen(summary: Summary) -> dict[str, Any] | None:
     harvest, mission, pool = summary.harvest, summary.mission, summary.pool
     if harvest is None:
         return None
@@ -146,12 +139,36 @@ def _first_screen(
                 "status": _status(summary, weakness),
                 "share": weakness.shown.share,
                 "joint": len(weakness.faults) > 1,
-                "next": [(what, shlex.join(words)) for what, words in next_of(weakness).items()],
+                "next": [(what, shlex.join(words)) for what, words in _next(summary, weakness)],
             }
             for weakness in summary.weaknesses
         ],
         "matrix": _matrix(summary, harvest) if summary.weaknesses else None,
     }
+
+
+def _next(summary: Summary, weakness: GoalWeakness) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield labelled commands that continue with a weakness."""
+    run, number = str(summary.folder), str(weakness.number)
+    simulate, reason = command_of(summary, weakness), ("--because", "REASON", "--by", "NAME")
+    shown = "its mildest variant" if weakness.mildest else "it"
+    yield f"Draw {shown}", ("mrsfi", "show", run, number)
+    yield "Simulate it again", (*simulate, "--html", f"weakness-{number}.html")
+    yield "Keep it as a test", ("mrsfi", "keep", run, "--weakness", number)
+    yield "Decide on it", ("mrsfi", "decide", run, number, "accept", *reason)
+    yield "Check after a fix", ("mrsfi", "check", summary.place)
+
+
+def command_of(summary: Summary, weakness: GoalWeakness) -> Sequence[str]:
+    """Return the command that simulates a weakness again."""
+    path, seed = str(witness_of(summary, weakness)), str(summary.settings.mission_seed)
+    return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
+
+
+def witness_of(summary: Summary, weakness: GoalWeakness) -> Path:
+    """Return the file of the variant of a weakness that is shown."""
+    kind = "-mildest" if weakness.is_mildest else ""
+    return CampaignFolder(summary.folder).weaknesses / f"{weakness.number:02d}{kind}.xmi"
 
 
 def _class_of(weakness: GoalWeakness) -> str:

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -18,8 +18,10 @@ from mrsfi_runtime.analysis.page import (
     MOST_BYTES,
     PageEntry,
     campaign_page,
+    command_of,
     document,
     entry_content,
+    witness_of,
 )
 from mrsfi_runtime.analysis.story import Flown
 from mrsfi_runtime.analysis.summary import (
@@ -137,12 +139,12 @@ def write_report(  # noqa: PLR0913 - most have a default
                     layout.latex.write_text(report_latex(summary, shown), encoding="utf-8")
             show(summary)
             with _writing(folder, "page"):
-                page = campaign_page(summary, store, partial(_next, layout, summary))
+                page = campaign_page(summary, store)
             with _writing(folder, "flights"):
                 engine = store.manifest.engine
                 is_ours = not engine.is_foreign  # others may fly for minutes
                 n_left = MOST_BYTES - len(document(page)) if is_ours else 0
-                page |= _flights(layout, summary, fly, n_left)
+                page |= _flights(summary, fly, n_left)
             with _writing(folder, "page"):
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
@@ -199,9 +201,7 @@ def _flown(
         return str(error), ()
 
 
-def _flights(
-    layout: CampaignFolder, summary: Summary, record: Record, n_left: int
-) -> dict[str, Any]:
+def _flights(summary: Summary, record: Record, n_left: int) -> dict[str, Any]:
     """Return the flights of weaknesses by number, as long as some of ``n_left`` bytes are left.
 
     The main weakness of each goal has one in any case. The others come by how grave they are.
@@ -229,37 +229,12 @@ def _flights(
             faults=named_faults(mission, summary.pool, weakness.shown.witness),
             sentences=sentences,
             outcome=summary.outcome(weakness),
-            command=_command(layout, summary, weakness),
-            xmi=_witness(layout, weakness).read_text(encoding="utf-8"),
+            command=command_of(summary, weakness),
+            xmi=witness_of(summary, weakness).read_text(encoding="utf-8"),
         )
         shown[weakness.number] = story.packed(entry_content(mission, entry, flown, stride))
         n_left -= len(shown[weakness.number])
     return {"shown": shown, "fault_free": fault_free}
-
-
-def _command(layout: CampaignFolder, summary: Summary, weakness: GoalWeakness) -> Sequence[str]:
-    path, seed = str(_witness(layout, weakness)), str(summary.settings.mission_seed)
-    return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
-
-
-def _next(
-    layout: CampaignFolder, summary: Summary, weakness: GoalWeakness
-) -> dict[str, Sequence[str]]:
-    run, number = str(layout.path), str(weakness.number)
-    command, reason = _command(layout, summary, weakness), ("--because", "REASON", "--by", "NAME")
-    shown = "its mildest variant" if weakness.mildest else "it"
-    return {
-        f"Draw {shown}": ("mrsfi", "show", run, number),
-        "Simulate it again": (*command, "--html", f"weakness-{number}.html"),
-        "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
-        "Decide on it": ("mrsfi", "decide", run, number, "accept", *reason),
-        "Check after a fix": ("mrsfi", "check", summary.place),
-    }
-
-
-def _witness(layout: CampaignFolder, weakness: GoalWeakness) -> Path:
-    kind = "-mildest" if weakness.is_mildest else ""
-    return layout.weaknesses / f"{weakness.number:02d}{kind}.xmi"
 
 
 @contextmanager
@@ -283,7 +258,7 @@ def _write_specifications(
         for rank, each in enumerate(summary.top, start=1)
     ]
     witnesses = [
-        (_witness(layout, weakness), f"weakness_{weakness.number}", weakness.shown.witness)
+        (witness_of(summary, weakness), f"weakness_{weakness.number}", weakness.shown.witness)
         for weakness in {*summary.weaknesses, *least(summary.weaknesses)}
     ]
     for path, name, specification in (*top, *witnesses):

@@ -196,7 +196,7 @@ def test_the_report_warns_that_popular_is_not_guilty_and_tests_no_trend(focused)
 def test_report_and_page_say_which_ratio_was_wanted_and_which_there_is(focused, ratio):
     with CampaignStore.open(focused) as store:
         summary, _ = summarise(focused, store, CODE.mission, CODE.pool, ratio)
-        page = campaign_page(summary, store, lambda _: {})
+        page = campaign_page(summary, store)
     assert summary.pick is not None
     (first, second) = (summary.pick.point.violations[front] for front in (1, 0))
 
