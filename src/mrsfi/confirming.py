@@ -103,19 +103,6 @@ def world_of(settings: EngineSettings) -> str:
     return f"{settings.world or without_token(str(settings.url))}{prefix}"
 
 
-class _Firsts:
-    """Observer that notes the first tick from which on each goal, by each measure, is broken."""
-
-    def __init__(self, yardstick: Yardstick | None) -> None:
-        self._yardstick = yardstick
-        self.since: dict[tuple[str, str], int] = {}
-
-    def __call__(self, world: State, _: State, verdicts: Verdicts) -> None:
-        """Look at a tick."""
-        for column in self._yardstick.over(verdicts) if self._yardstick else ():
-            self.since.setdefault(column, world.mission.tick)
-
-
 Begin: TypeAlias = Callable[[Specification], "Future[FlightElsewhere]"]
 """Begins a flight in another world, in a thread."""
 
@@ -127,20 +114,25 @@ def _flying(
     """Yield a function that begins flights, and one of the engines that fly."""
     free, seed = SimpleQueue[Engine](), campaign.store.settings.mission_seed
 
-    def fly(specification: Specification, firsts: _Firsts) -> FlightElsewhere:
-        engine, began = free.get(), monotonic()
+    def fly(specification: Specification, yardstick: Yardstick | None) -> FlightElsewhere:
+        engine, began, since = free.get(), monotonic(), dict[tuple[str, str], int]()
+
+        def note(world: State, _: State, verdicts: Verdicts) -> None:
+            for column in yardstick.over(verdicts) if yardstick else ():
+                since.setdefault(column, world.mission.tick)
+
         try:
-            found = engine.attempt(specification, observer=firsts)
+            found = engine.attempt(specification, observer=note)
         finally:
             free.put(engine)
         flown = RecordedFlight(seed, specification, found)
-        return FlightElsewhere(study.world, flown, firsts.since, monotonic() - began)
+        return FlightElsewhere(study.world, flown, since, monotonic() - began)
 
     with ThreadPoolExecutor(n_workers) as pool, ExitStack() as opened:
         for _ in range(n_workers):
             engine = opened.enter_context(open_engine(settings, campaign.code, seed))
             free.put(engine)
-        yield lambda each: pool.submit(fly, each, _Firsts(study.yardstick)), engine
+        yield lambda each: pool.submit(fly, each, study.yardstick), engine
 
 
 def _require_same_world(run: Path, study: Elsewhere, engine: Engine) -> None:
