@@ -32,7 +32,7 @@ from mrsfi.folders import MissionFolders, load_fresh
 from mrsfi.loading import read_specification, specification_writer
 from mrsfi_runtime.analysis import documents
 from mrsfi_runtime.analysis.report import Shown, SpecificationWriter, draw_weakness, write_report
-from mrsfi_runtime.analysis.summary import Drawing, Summary, drawn
+from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import State, verdicts
 from mrsfi_runtime.causes import mildest as shrinking
@@ -438,8 +438,10 @@ def map_of(
     tried = shrinking.tried_map(deviation, weakness.shown, evaluator.evaluate_many, seed)
     if suffix == ".csv":
         return as_csv([shrinking.Tried._fields, *tried])
+    from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
+
     title = f"{campaign.mission.label_of(weakness.goal)} under {' and '.join(weakness.faults)}"
-    return drawn(Drawing("tried_map", (title, tried)))[suffix]
+    return plots.rendered(plots.tried_map(title, tried), [suffix])[suffix]
 
 
 def fmea_of(

@@ -23,8 +23,6 @@ from typing import Any, NamedTuple
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, deciding, open_campaign
 from mrsfi.engines import Given, Tell, silent
 from mrsfi.explaining import flying_again, harvested, same_flights
-from mrsfi_runtime.analysis.summary import Drawing
-from mrsfi_runtime.analysis.summary import drawn as as_files
 from mrsfi_runtime.analysis.tables import Cell, Table, to_page
 from mrsfi_runtime.analysis.weaknesses import cause_in_words
 from mrsfi_runtime.causes.consequences import Estimate, estimate
@@ -301,10 +299,12 @@ def _of(count: tuple[int, Estimate | None]) -> str:
 
 def drawn(history: History, suffix: str) -> bytes:
     """Return a figure of how many weaknesses of each goal each campaign found."""
+    from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
+
     labels = ["\n".join((run.path.name, *run.manifest.made)) for run in history.runs]
     counts = {goal: [n for n, _ in some] for goal, some in history.goals.items()}
-    figure = Drawing("found_weaknesses", (f"Weaknesses of {history.mission}", labels, counts))
-    return as_files(figure)[suffix]
+    figure = plots.found_weaknesses(f"Weaknesses of {history.mission}", labels, counts)
+    return plots.rendered(figure, [suffix])[suffix]
 
 
 def course_table(history: History, courses: Iterable[Course]) -> Table:

@@ -5,11 +5,11 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import pytest
 
-from mrsfi_runtime.analysis import summary
+from mrsfi_runtime.analysis.summary import Illustration
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 from tests.support.rendezvous import searched, write_rendezvous
@@ -25,9 +25,18 @@ def undrawn() -> Iterator[None]:
     Only while a module runs, as workers go to and fro between the rooms. Processes of their own
     draw figures, unless ``UNDRAWN`` is on their path.
     """
-    empty = {".png": b"", ".svg": b""}
+
+    drawn: Any = Illustration.save
+
+    def save(illustration: Illustration, folder: Path, *suffixes: str) -> None:
+        if suffixes:  # for a paper
+            drawn(illustration, folder, *suffixes)
+            return
+        for suffix in (".png", ".svg"):
+            (folder / f"{illustration.name}{suffix}").write_bytes(b"")
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(summary, "drawn", lambda _: empty)
+        patch.setattr(Illustration, "save", save)
         yield
 
 

@@ -24,16 +24,7 @@ from mrsfi_runtime.analysis.page import (
     witness_of,
 )
 from mrsfi_runtime.analysis.story import Flown
-from mrsfi_runtime.analysis.summary import (
-    Drawing,
-    Illustration,
-    Summary,
-    as_json,
-    drawn,
-    illustrate,
-    save,
-    summarise,
-)
+from mrsfi_runtime.analysis.summary import Illustration, Summary, as_json, illustrate, summarise
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain, sentence
 from mrsfi_runtime.causes.mildest import GoalWeakness, gravity, least
@@ -150,10 +141,9 @@ def write_report(  # noqa: PLR0913 - most have a default
         finally:
             with _writing(folder, "figures"):
                 for each in shown if draws else ():
-                    save(each.drawing, layout.figures / each.name)
+                    each.save(layout.figures)
                 for each in shown if latex else ():
-                    path = layout.figures / f"{each.name}.pdf"
-                    path.write_bytes(drawn(each.drawing, (".pdf",))[".pdf"])
+                    each.save(layout.figures, (".pdf",))
     return summary
 
 
@@ -170,8 +160,10 @@ def draw_weakness(
     illustrations = [
         Illustration(
             f"weakness_{weakness.number:02d}_{what}",
-            Drawing(f"flight_{what}", (scene,), "mission_plots"),
             table(scene),
+            f"flight_{what}",
+            (scene,),
+            "mission_plots",
         )
         for what, table in (("timeline", story.timeline_table), ("map", story.places_table))
     ]
@@ -184,7 +176,7 @@ def draw_weakness(
                 folder.mkdir(exist_ok=True)
             _write_tables(layout, illustrations)
             for each in illustrations:
-                save(each.drawing, layout.figures / each.name)
+                each.save(layout.figures)
     described = (weaknesses.broken_by(weakness, mission.units), *sentences)
     return Shown(weakness, flown.title, described, files[: len(illustrations)])
 

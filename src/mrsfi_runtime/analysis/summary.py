@@ -1,8 +1,8 @@
 """Summarise a campaign as one value, and list and draw its figures.
 
 ``summarise`` collects the results of a campaign, ``as_json`` returns them for scripts.
-``illustrate``, at the end, lists the figures for which the campaign has numbers. A ``Drawing``
-names a function of ``plots`` or ``mission_plots`` and its arguments.
+``illustrate``, at the end, lists the figures for which the campaign has numbers. An
+``Illustration`` names a function of ``plots`` or ``mission_plots`` and its arguments.
 
 References
 ----------
@@ -263,35 +263,25 @@ def _front(front: Front) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True, slots=True)
-class Drawing:
-    """A figure to draw: a function of a module of ``analysis``, and its arguments."""
+class Illustration(NamedTuple):
+    """A figure and its table, whose title is the caption; ``name`` is the stem of their files.
 
+    A function of a module of ``analysis`` draws it from the arguments.
+    """
+
+    name: str
+    table: Table
     function: str
     arguments: tuple[Any, ...]
     module: str = "plots"
 
+    def save(self, folder: Path, suffixes: Sequence[str] = (".png", ".svg")) -> None:
+        """Draw it into files in a folder."""
+        from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - takes its time
 
-def save(drawing: Drawing, stem: Path) -> None:
-    """Draw a figure into files, whose path has no suffix."""
-    for suffix, content in drawn(drawing).items():
-        stem.with_suffix(suffix).write_bytes(content)
-
-
-def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> dict[str, bytes]:
-    """Draw a figure; return its files by their suffixes."""
-    from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - matplotlib takes its time
-
-    module = import_module(f"{__package__}.{drawing.module}")
-    return rendered(getattr(module, drawing.function)(*drawing.arguments), suffixes)
-
-
-class Illustration(NamedTuple):
-    """A figure and its table, whose title is the caption; ``name`` is the stem of their files."""
-
-    name: str
-    drawing: Drawing
-    table: Table
+        draw = getattr(import_module(f"{__package__}.{self.module}"), self.function)
+        for suffix, content in rendered(draw(*self.arguments), suffixes).items():
+            (folder / f"{self.name}{suffix}").write_bytes(content)
 
 
 def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iterator[Illustration]:
@@ -300,14 +290,13 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
     A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7; they differ only in the
     fitness. Figures 10 and 11 show the first two goals of its front, whatever else it minimises.
     """
-    table = tables.map_table("Mission map", summary.mission)
-    drawing = Drawing("mission_map", (summary.mission,), "mission_plots")
-    yield Illustration("figure_05_mission_map", drawing, table)
+    table, drawn = tables.map_table("Mission map", summary.mission), (summary.mission,)
+    yield Illustration("figure_05_mission_map", table, "mission_map", drawn, "mission_plots")
     if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:
-        drawing = Drawing("harm_front", (summary.harm, summary.measure))
-        yield Illustration("figure_harm", drawing, tables.harm_table(summary.harm, summary.measure))
+        harm = summary.harm, summary.measure
+        yield Illustration("figure_harm", tables.harm_table(*harm), "harm_front", harm)
     if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
         yield from _fronts(summary, summary.front.goals[:2], columns, store)
     for name, found, where, patterns in (
@@ -316,8 +305,8 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
     ):
         if found:
             table = tables.pattern_table(f"Fault types in the {len(found)} {where}", patterns)
-            drawing = Drawing("fault_types", (patterns, table.title))
-            yield Illustration(f"figure_12_{name}", drawing, table)
+            arguments = patterns, table.title
+            yield Illustration(f"figure_12_{name}", table, "fault_types", arguments)
 
 
 def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
@@ -344,8 +333,9 @@ def _fitness(summary: Summary) -> Iterator[Illustration]:
         title = f"{what.capitalize()} fitness of each generation"
         yield Illustration(
             f"figure_{number:02d}_{what}_fitness",
-            Drawing(f"{what}_fitness", (summary.trend, label)),
             Table(title, ("generation", *names), rows),
+            f"{what}_fitness",
+            (summary.trend, label),
         )
 
 
@@ -364,8 +354,9 @@ def _fronts(
         title = f"Pareto points of some generations {over}"
         yield Illustration(
             "figure_10_front_by_generation",
-            Drawing("generation_fronts", (by_generation,)),
             Table(title, ("generation", "evaluation", *goals), rows),
+            "generation_fronts",
+            (by_generation,),
         )
     front = fronts.find_front(measure, columns, goals)
     cloud, n_left_out = fronts.thinned(columns.of(goals))
@@ -373,8 +364,9 @@ def _fronts(
     title = f"All non-dominated specifications {over}{drawn}"
     yield Illustration(
         "figure_11_front",
-        Drawing("whole_front", (front, cloud, _shown_pick(summary, front), n_left_out)),
         replace(tables.front_table(front), title=title),
+        "whole_front",
+        (front, cloud, _shown_pick(summary, front), n_left_out),
     )
 
 
