@@ -58,12 +58,11 @@ def fly_recorded(
     tallies = [FaultTally() for _ in specification]
     with ExitStack() as opened:
         observers = [*_observers(opened, engine, files, faults, tallies)]
-        drawn = [
-            (opened.enter_context(whole_file(path)), draw)
-            for path, draw in ((files.html, _page), (files.gif, _animation))
-            if path is not None
-        ]
-        if drawn:
+        page, animation = (
+            None if path is None else opened.enter_context(whole_file(path))
+            for path in (files.html, files.gif)
+        )
+        if page or animation:
             from mrsfi_runtime.engine.recording import Recorder  # brings numpy
 
             recorder = Recorder(initial_state(mission, engine.seed))
@@ -76,10 +75,14 @@ def fly_recorded(
 
         observer = observe if observers else None
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
-        if drawn:
+        if page:
+            page.write(_page(engine, faults, subject, outcome, recorder.recording(tallies)))
+        if animation:
+            from mrsfi_runtime.analysis.mission_plots import flight_gif
+            from mrsfi_runtime.analysis.story import story_of
+
             recording = recorder.recording(tallies)
-            for stream, draw in drawn:
-                stream.write(draw(engine, faults, subject, outcome, recording))
+            animation.write(flight_gif(story_of(subject.title, mission, faults, recording)))
     for path in files.wanted:
         tell(f"written    {path}")
     return outcome
@@ -163,16 +166,3 @@ def _page(
         "digest": outcome.digest,
     }
     return document(flight_page(mission, told, recording, facts.items())).encode()
-
-
-def _animation(
-    engine: Engine,
-    faults: Sequence[NamedFault],
-    subject: Subject,
-    _: Outcome,
-    recording: "Recording",
-) -> bytes:
-    from mrsfi_runtime.analysis.mission_plots import flight_gif
-    from mrsfi_runtime.analysis.story import story_of
-
-    return flight_gif(story_of(subject.title, engine.code.mission, faults, recording))
