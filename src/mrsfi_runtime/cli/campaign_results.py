@@ -397,12 +397,10 @@ def explanation_as_json(shown: Shown, found: Explanation | None) -> dict[str, An
     cause = found.cause
     rows = {place: row for row, place in enumerate(cause.places)}
     shares = found.attribution.shares
+    files = {what: str(path) for what, path in shown.paths.items()}
 
     def named(places: Iterable[int]) -> list[str]:
         return [shown.faults[place].name for place in places]
-
-    def file(what: str) -> str | None:
-        return str(shown.paths[what]) if what in shown.paths else None
 
     return about | {
         "columns": [column._asdict() for column in cause.columns],
@@ -411,16 +409,16 @@ def explanation_as_json(shown: Shown, found: Explanation | None) -> dict[str, An
         "cause_set": {
             "faults": named(cause.places),
             "counts": list(cause.kept),
-            "file": file(CAUSE_SET),
+            "file": files.get(CAUSE_SET),
             "shuffled": [named(places) for places in found.minima],
         },
         "simplest": {
             "faults": [{"id": each.name, **each.as_json()} for each in shown.simplest(found)],
             "counts": list(found.simplest_counts),
-            "file": file(SIMPLEST),
+            "file": files.get(SIMPLEST),
         },
         "goals": [
-            {"goal": each.goal, "faults": named(each.places), "file": file(of_goal(each.goal))}
+            {"goal": each.goal, "faults": named(each.places), "file": files.get(of_goal(each.goal))}
             for each in found.goals
         ],
         "faults": [
