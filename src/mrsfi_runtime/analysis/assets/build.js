@@ -1,8 +1,6 @@
 "use strict";
 // Elements of the page. Text of a model stays text: no markup is parsed anywhere.
 
-const svgSpace = "http://www.w3.org/2000/svg";
-
 function make(tag, attributes, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes || {})) {
