@@ -29,7 +29,6 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     COUNTED,
     RESULTS,
-    Coordinates,
     Goal,
     Margin,
     Mission,
@@ -436,7 +435,7 @@ def map_table(title: str, mission: Mission) -> Table:
     """Return the areas, robots and obstacles of a mission with their places, in distance units."""
     area, obstacles = mission.area, mission.obstacles
     discs = [(each.label, each.goal.name, each.area) for each in mission.goal_discs]
-    places: list[tuple[str, str, str, Coordinates, float]] = [
+    places = [
         ("mission area", area.id, mission.name, area.center, area.radius),
         *(("robot", each.id, each.name, each.position, each.radius) for each in mission.robots),
         *(("obstacle", each.id, "", each.area.center, each.area.radius) for each in obstacles),

@@ -18,17 +18,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
-from mrsfi_runtime.analysis.plots import (
-    AGES,
-    INK,
-    PAPER,
-    SERIES,
-    SOFT,
-    drawing,
-    legend_below,
-    rendered,
-    whole_numbers,
-)
+from mrsfi_runtime.analysis import plots
+from mrsfi_runtime.analysis.plots import AGES, INK, PAPER, SERIES, SOFT
 from mrsfi_runtime.analysis.tables import Cell, Table, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
@@ -55,13 +46,13 @@ def results(comparison: Comparison) -> Figure:
     """Draw best fitness and hypervolume of each run, with median and quartiles."""
     titles = {"fitness": "Best fitness", "hypervolume": "Hypervolume"}
     shown = [m for m in comparison.criteria if m.name in titles]
-    with drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
+    with plots.drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
         for number, criterion in enumerate(shown):
             axes = figure.add_subplot(1, len(shown), number + 1, title=titles[criterion.name])
             _draw_runs(axes, comparison, criterion)
             labels = [] if number else comparison.algorithms
             axes.set_yticks(range(len(comparison.algorithms)), labels=labels)
-        legend_below(figure, handles=axes.get_legend_handles_labels()[0][:2])
+        plots.legend_below(figure, handles=axes.get_legend_handles_labels()[0][:2])
     return figure
 
 
@@ -84,10 +75,10 @@ def course(comparison: Comparison) -> Figure:
     n_evaluations = max(run.n_evaluations for run in comparison.runs)
     step = max(1, n_evaluations // 200)
     places = [*range(1, n_evaluations, step), n_evaluations]
-    with drawing((8.4, 4.8)) as figure:
+    with plots.drawing((8.4, 4.8)) as figure:
         axes = figure.add_subplot(xlabel="evaluations", ylabel="best fitness so far")
         axes.set_title("Best fitness so far: median and quartiles of the runs")
-        axes.xaxis.set_major_locator(whole_numbers())
+        axes.xaxis.set_major_locator(plots.whole_numbers())
         axes.margins(x=0.02)
         for row, name in enumerate(comparison.algorithms):
             runs = comparison.of(name)
@@ -96,7 +87,7 @@ def course(comparison: Comparison) -> Figure:
             axes.fill_between(places, lower, upper, color=_colour(row), alpha=0.16, lw=0)
             medians = [at.median for at in found]
             axes.plot(places, medians, color=_colour(row), lw=1.8, label=name)
-        legend_below(figure)
+        plots.legend_below(figure)
     return figure
 
 
@@ -107,7 +98,7 @@ def goals(comparison: Comparison) -> Figure:
     """
     shown = [m for m in comparison.criteria if m.name.startswith("at_once")]
     edge = 2.0 * max(run.n_evaluations for run in comparison.runs)
-    with drawing((8.4, 4.8)) as figure:
+    with plots.drawing((8.4, 4.8)) as figure:
         axes = figure.add_subplot(
             title="Evaluations to break several goals by one specification",
             xlabel="goals broken at once",
@@ -127,9 +118,9 @@ def goals(comparison: Comparison) -> Figure:
             drawn: dict[str, Any] = {"color": _colour(row), "label": name}
             axes.scatter(places, medians, s=40, ec=PAPER, lw=0.7, zorder=3, **drawn)
         axes.set_ylim(0.8, edge * 1.15)
-        axes.xaxis.set_major_locator(whole_numbers())
+        axes.xaxis.set_major_locator(plots.whole_numbers())
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        legend_below(figure)
+        plots.legend_below(figure)
     return figure
 
 
@@ -146,7 +137,7 @@ def heat_maps(comparison: Comparison, sweep: Sweep) -> Figure:
     every = [value for rows in medians.values() for row in rows for value in row]
     colours = LinearSegmentedColormap.from_list("low to high", AGES)
     scale: dict[str, Any] = {"vmin": min(every), "vmax": max(every), "cmap": colours}
-    with drawing(_size(len(pairs))) as figure:
+    with plots.drawing(_size(len(pairs))) as figure:
         for axes, pair in zip(_panels(figure, len(pairs)), pairs, strict=True):
             drawn = axes.pcolormesh(medians[pair], edgecolors=PAPER, lw=1.5, **scale)
             for y, row in enumerate(medians[pair]):
@@ -171,7 +162,7 @@ def interactions(comparison: Comparison, sweep: Sweep) -> Figure:
     keys = tuple(sweep.values)
     pairs: list[tuple[str, ...]] = [*combinations(keys, 2)] or [keys]
     papers = comparison.quartiles["fitness"][sweep.papers].median
-    with drawing(_size(len(pairs))) as figure:
+    with plots.drawing(_size(len(pairs))) as figure:
         for axes, (x, *others) in zip(_panels(figure, len(pairs)), pairs, strict=True):
             lines = [{key: value} for key in others for value in sweep.values[key]] or [{}]
             for row, fixed in enumerate(lines):
@@ -234,7 +225,7 @@ class ComparisonFolder(CampaignFolder):
                 write_atomically(self.path / f"{name}.csv", as_csv(table(comparison).lines))
             self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
-                for suffix, drawn in rendered(figure).items():
+                for suffix, drawn in plots.rendered(figure).items():
                     write_atomically(self.figures / f"{name}{suffix}", drawn)
             write_atomically(self.summary, text.encode())
         except OSError as error:
