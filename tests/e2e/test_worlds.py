@@ -124,7 +124,7 @@ def test_late_ticks_are_counted(small):
     printed = mrsfi("simulate", NAME, *world(f"{LATE}3", "--late", "40%"), cwd=small).stdout
 
     assert found["late"] == DURATION // 3
-    assert f"Commands came too late in {DURATION // 3} of {DURATION} ticks" in printed
+    assert f"Commands came too late in {DURATION // 3} of {DURATION} ticks\n" in printed
 
 
 @slow
