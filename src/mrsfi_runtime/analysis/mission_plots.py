@@ -4,7 +4,7 @@
 the helpers that they share follow. Style and rendering are those of ``plots``.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,6 +30,9 @@ from mrsfi_runtime.model.mission import Coordinates, Goal, Mission, Offsets
 
 Place: TypeAlias = tuple[float, float]
 
+Label: TypeAlias = tuple[str, Place, float, Mapping[str, Any]]
+"""Words, the place that they name, how many points they are above it, and their style."""
+
 _MANY_OBSTACLES = 40  # above this number, obstacles have no labels
 _MANY_LABELS = 200  # above this number, the map of a mission has none
 _MOST_LABELS = 12  # on the map of a flight
@@ -44,8 +47,8 @@ def mission_map(mission: Mission) -> Figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
         colours = _colours(mission)
         near = figure.add_subplot(grid[:, 0])
-        _draw_mission(near, mission, colours)
-        labels = _readable(_labelled(near, mission, colours))
+        labels = _draw_mission(near, mission, colours)
+        shown = _labelled(near, labels if len(labels) <= _MANY_LABELS else ())
         x, y, half = working_window(mission)
         title = f"Mission {mission.name}: working area"
         _set_window(near, (x, y, half), title, mission.distance_unit)
@@ -65,7 +68,7 @@ def mission_map(mission: Mission) -> Figure:
         key = figure.add_subplot(grid[1, 1])
         key.set_axis_off()
         key.legend(handles=_map_legend(mission, colours), loc="upper left", borderaxespad=0)
-    _parted(figure, labels)
+    _parted(figure, shown)
     return figure
 
 
@@ -76,8 +79,7 @@ def flight_map(story: Story) -> Figure:
     mission, colours = story.mission, _colours(story.mission)
     with plots.drawing((8.2, 8.6)) as figure:
         axes = figure.add_subplot()
-        _draw_mission(axes, mission, colours)
-        labels = _foremost(_labelled(axes, mission, colours), story)
+        labels = _foremost(_labelled(axes, _draw_mission(axes, mission, colours)), story)
         *centre, half = window = window_around(mission, story.true)
         _set_window(axes, window, story.title, mission.distance_unit)
         is_outside = (abs(story.believed - centre) > half).any(axis=-1)
@@ -224,15 +226,6 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
             other.set_visible(False)
 
 
-def _readable(labels: Sequence[Annotation]) -> Sequence[Annotation]:
-    """Keep all labels, or none if they are too many to be read."""
-    if len(labels) <= _MANY_LABELS:
-        return labels
-    for label in labels:
-        label.remove()
-    return ()
-
-
 def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
     """Keep a readable number of labels: of robots that faults affect, other robots, goals."""
     struck = story.struck
@@ -246,54 +239,46 @@ def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
 
 def _draw_mission(
     axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_small: bool = False
-) -> None:
-    area = mission.area
+) -> list[Label]:
+    """Draw areas, paths, obstacles and starts; return their labels, in this order."""
+    area, labels = mission.area, list[Label]()
     _draw(axes, _of(area.center), area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
     for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
-        area, spot = disc.area, _of(disc.area.center)
-        _draw(axes, spot, area.radius, area.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
-        _draw(axes, spot, area.radius, area.offsets, fc="none", ec=colour, lw=1.2, zorder=1.1)
+        area, (x, y) = disc.area, _of(disc.area.center)
+        _draw(axes, (x, y), area.radius, area.offsets, fc=colour, alpha=0.14, lw=0, zorder=1)
+        _draw(axes, (x, y), area.radius, area.offsets, fc="none", ec=colour, lw=1.2, zorder=1.1)
+        high = max((dy for _, dy in area.offsets), default=area.radius)
+        labels.append((f"{disc.label} {disc.goal.name}", (x, y + high), 5, {"color": colour}))
     for goal in _with_paths(mission):
         path = [_of(point) for point in goal.terms.path]
         colour = colours.get(goal.members[0], SOFT)
         axes.plot(*zip(*path, strict=True), color=colour, **_TRAJECTORY, zorder=1.5)
+        for point in goal.terms.trajectory[:1]:
+            labels.append((f"{goal.id} {goal.name}", _of(point), 7, {"color": colour}))
     for obstacle in mission.obstacles:
-        area = obstacle.area
-        _draw(axes, _of(area.center), area.radius, area.offsets, fc=ROCK, ec=INK, lw=0.8, zorder=2)
+        area, (x, y) = obstacle.area, _of(obstacle.area.center)
+        _draw(axes, (x, y), area.radius, area.offsets, fc=ROCK, ec=INK, lw=0.8, zorder=2)
+        if len(mission.obstacles) <= _MANY_OBSTACLES:
+            low = min((dy for _, dy in area.offsets), default=-area.radius)
+            labels.append((obstacle.id, (x, y + low), -13, {"color": SOFT}))
     size, edge = (14, 0.2) if is_small else (95, 0.8)
     for robot in mission.robots:
         style: dict[str, Any] = {"fc": colours[robot.id], "ec": PAPER, "lw": edge, "zorder": 2.5}
-        _draw(axes, _of(robot.position), robot.radius, **style)
+        spot = _of(robot.position)
+        _draw(axes, spot, robot.radius, **style)
+        labels.append((robot.name or robot.id, spot, -18, {"weight": "bold", "zorder": 4}))
     xs, ys = zip(*(_of(robot.position) for robot in mission.robots), strict=True)
     style = {"marker": "^", "color": [*colours.values()], "ec": PAPER}
     axes.scatter(xs, ys, s=size, lw=edge, zorder=3, **style)
-
-
-def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[Annotation]:
-    labels = []
-
-    def label(words: str, spot: Place, above: float, **style: Any) -> None:
-        style |= {"textcoords": "offset points", "ha": "center"}
-        labels.append(axes.annotate(words, spot, (0, above), **style))
-
-    for disc in mission.goal_discs:
-        colour = colours.get(disc.goal.members[0], SOFT)
-        area, (x, y) = disc.area, _of(disc.area.center)
-        high = max((dy for _, dy in area.offsets), default=area.radius)
-        label(f"{disc.label} {disc.goal.name}", (x, y + high), 5, color=colour)
-    for goal in _with_paths(mission):
-        colour = colours.get(goal.members[0], SOFT)
-        for point in goal.terms.trajectory[:1]:
-            label(f"{goal.id} {goal.name}", _of(point), 7, color=colour)
-    if len(mission.obstacles) <= _MANY_OBSTACLES:
-        for obstacle in mission.obstacles:
-            area, (x, y) = obstacle.area, _of(obstacle.area.center)
-            low = min((dy for _, dy in area.offsets), default=-area.radius)
-            label(obstacle.id, (x, y + low), -13, color=SOFT)
-    for robot in mission.robots:
-        label(robot.name or robot.id, _of(robot.position), -18, weight="bold", zorder=4)
     return labels
+
+
+def _labelled(axes: Axes, labels: Iterable[Label]) -> list[Annotation]:
+    return [
+        axes.annotate(words, spot, (0, above), textcoords="offset points", ha="center", **style)
+        for words, spot, above, style in labels
+    ]
 
 
 def _draw(axes: Axes, spot: Place, radius: float, offsets: Offsets = (), **style: Any) -> None:
