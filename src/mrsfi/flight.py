@@ -89,16 +89,16 @@ class Flight:
             ``map``, the true and believed paths of robots, or ``timeline``, the ticks at which
             faults were active and goals violated.
         """
-        from mrsfi_runtime.analysis import mission_plots  # noqa: PLC0415 - brings matplotlib
+        from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - brings matplotlib
 
-        kinds = {"map": mission_plots.flight_map, "timeline": mission_plots.flight_timeline}
+        kinds = {"map": plots.flight_map, "timeline": plots.flight_timeline}
         if what not in kinds:
             raise UsageError(f"what: found {what!r}; {expected(what, kinds)}")
         return kinds[what](self._story()).axes[0]
 
     def write_gif(self, path: Path | str) -> None:
         """Write it as an animated picture, for a pull request or slides."""
-        from mrsfi_runtime.analysis.mission_plots import flight_gif  # noqa: PLC0415 - likewise
+        from mrsfi_runtime.analysis.plots import flight_gif  # noqa: PLC0415 - likewise
 
         with whole_file(Path(path)) as file:
             file.write(flight_gif(self._story()))

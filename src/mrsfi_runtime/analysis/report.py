@@ -163,7 +163,6 @@ def draw_weakness(
             table(scene),
             f"flight_{what}",
             (scene,),
-            "mission_plots",
         )
         for what, table in (("timeline", story.timeline_table), ("map", story.places_table))
     ]

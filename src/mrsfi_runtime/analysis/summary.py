@@ -2,7 +2,7 @@
 
 ``summarise`` collects the results of a campaign, ``as_json`` returns them for scripts.
 ``illustrate``, at the end, lists the figures for which the campaign has numbers. An
-``Illustration`` names a function of ``plots`` or ``mission_plots`` and its arguments.
+``Illustration`` names a function of ``plots`` and its arguments.
 
 References
 ----------
@@ -11,7 +11,6 @@ Source paper, section V, figures 5 to 12.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -266,21 +265,20 @@ def _front(front: Front) -> dict[str, Any]:
 class Illustration(NamedTuple):
     """A figure and its table, whose title is the caption; ``name`` is the stem of their files.
 
-    A function of a module of ``analysis`` draws it from the arguments.
+    A function of ``plots`` draws it from the arguments.
     """
 
     name: str
     table: Table
     function: str
     arguments: tuple[Any, ...]
-    module: str = "plots"
 
     def save(self, folder: Path, suffixes: Sequence[str] = (".png", ".svg")) -> None:
         """Draw it into files in a folder."""
-        from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - takes its time
+        from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
 
-        draw = getattr(import_module(f"{__package__}.{self.module}"), self.function)
-        for suffix, content in rendered(draw(*self.arguments), suffixes).items():
+        figure = getattr(plots, self.function)(*self.arguments)
+        for suffix, content in plots.rendered(figure, suffixes).items():
             (folder / f"{self.name}{suffix}").write_bytes(content)
 
 
@@ -290,8 +288,8 @@ def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iter
     A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7; they differ only in the
     fitness. Figures 10 and 11 show the first two goals of its front, whatever else it minimises.
     """
-    table, drawn = tables.map_table("Mission map", summary.mission), (summary.mission,)
-    yield Illustration("figure_05_mission_map", table, "mission_map", drawn, "mission_plots")
+    table = tables.map_table("Mission map", summary.mission)
+    yield Illustration("figure_05_mission_map", table, "mission_map", (summary.mission,))
     if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:

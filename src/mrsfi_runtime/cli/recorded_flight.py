@@ -78,7 +78,7 @@ def fly_recorded(
         if page:
             page.write(_page(engine, faults, subject, outcome, recorder.recording(tallies)))
         if animation:
-            from mrsfi_runtime.analysis.mission_plots import flight_gif
+            from mrsfi_runtime.analysis.plots import flight_gif
             from mrsfi_runtime.analysis.story import story_of
 
             recording = recorder.recording(tallies)

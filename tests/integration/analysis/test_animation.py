@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Annotation
 from PIL import Image
 
-from mrsfi_runtime.analysis.mission_plots import flight_gif, flight_map
+from mrsfi_runtime.analysis.plots import flight_gif, flight_map
 from mrsfi_runtime.analysis.story import story_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.record.observers import named_faults

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from matplotlib.figure import Figure
 
-from mrsfi_runtime.analysis import mission_plots, plots
+from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.tables import GenerationFitness, Trend, find_patterns
 from tests.support.campaigns import random_specification
@@ -35,7 +35,7 @@ def types_figure() -> Figure:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
-    "map": lambda: mission_plots.mission_map(paper_mission()),
+    "map": lambda: plots.mission_map(paper_mission()),
     "mean": lambda: plots.mean_fitness(TREND, "fitness (ticks)"),
     "best": lambda: plots.best_fitness(TREND, "fitness (ticks)"),
     "by_generation": lambda: plots.generation_fronts(
@@ -94,7 +94,7 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path):
     robot = replace(waters.robots[0], name="a$x^2$<&")
 
     _, svg = save(
-        mission_plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))),
+        plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))),
         tmp_path / "map",
     )
 
@@ -102,7 +102,7 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path):
 
 
 def test_the_map_is_true_to_scale():
-    figure = mission_plots.mission_map(paper_mission())
+    figure = plots.mission_map(paper_mission())
 
     assert [axes.get_aspect() for axes in figure.axes[:2]] == [1.0, 1.0]
     near, far = figure.axes[:2]

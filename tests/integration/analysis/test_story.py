@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import Polygon
 
-from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
+from mrsfi_runtime.analysis.plots import flight_map, flight_timeline, mission_map
 from mrsfi_runtime.analysis.story import (
     Collision,
     Flown,
