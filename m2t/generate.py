@@ -24,14 +24,13 @@ from types import MappingProxyType
 from typing import Any
 
 from m2t import visitors
-from m2t.diagnostics import Report
 from m2t.emit import GenerationPlan, parse, plan_files, remark, template_environment, text_lines
 from m2t.metaclasses import contained, identifier, is_kind, slots
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 from m2t.models.constraints import defects_of_id
 from m2t.models.load import LoadedModels, edited, load_mission_folder, load_specification
 from m2t.models.write import unified_difference
-from m2t.read import ModelFiles
+from m2t.read import ModelFiles, Report
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError, UsageError, expected
 from mrsfi_runtime.files import MARKER, changing, lines_in_regions
 

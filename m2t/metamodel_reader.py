@@ -15,7 +15,6 @@ from lxml import etree
 from pyecore.ecore import EClass, EEnum, EObject
 from pyecore.resources import URI, ResourceSet
 
-from m2t.diagnostics import Report, shown
 from m2t.metaclasses import (
     CONTRACT,
     MEANING,
@@ -31,7 +30,7 @@ from m2t.metaclasses import (
     needs,
     slots,
 )
-from m2t.read import ECORE, XMI, XSI, Node, read_root
+from m2t.read import ECORE, XMI, XSI, Node, Report, read_root, shown
 from mrsfi_runtime.errors import ModelError
 
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))

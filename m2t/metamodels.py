@@ -15,9 +15,9 @@ from typing import Any, TypeAlias
 
 from pyecore.ecore import EAnnotation, EClass
 
-from m2t.diagnostics import Report, shown
 from m2t.metaclasses import BOUNDS, MEANING, OURS, features, is_kind, lineage
 from m2t.metamodel_reader import MetamodelReader
+from m2t.read import Report, shown
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import (
     ELEMENTS,

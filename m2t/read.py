@@ -1,13 +1,17 @@
-"""Read the files of a model as nodes with line numbers, safely even if they are malicious.
+"""Read the files of a model as nodes with line numbers, and collect the defects of models.
 
-Document types are refused, hence there are no entities, no external files and no network access.
-Size, number of elements and nesting are limited. Comments and processing instructions are dropped,
-as Eclipse does.
+A ``Report`` only collects: checks continue after a defect, and loading asks at the end how many
+errors there are. Every message ends with the name of its constraint. docs/constraints.md lists all
+constraints with their meaning, in the order in which they are checked.
+
+Malicious files do no harm: document types are refused, hence there are no entities, no external
+files and no network access; size, number of elements and nesting are limited. Comments and
+processing instructions are dropped, as Eclipse does.
 
 A model may stand in several files, as Eclipse splits it: ``<robots href="robots.xmi#r1"/>``
 replaces an element, and ``robots.xmi`` has the robot as its root. Several roots stand side by side
-in an ``<xmi:XMI>`` element. Begin with ``Node``, then ``read_xml`` for one file, ``ModelFiles``
-for all files of a model, and the functions at the end for the addresses of files.
+in an ``<xmi:XMI>`` element. Begin with ``Node`` and ``Report.add``, then ``read_xml`` for one file,
+``ModelFiles`` for all files of a model, and the functions at the end for the addresses of files.
 
 Notes
 -----
@@ -26,20 +30,39 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 from urllib.parse import unquote, urlsplit
 from xml.parsers import expat
 
-from m2t.diagnostics import Defect, FileLine, Report, shown
+from mrsfi_runtime.errors import Diagnostic, ModelError, Severity, nearest
 
 XMI = "http://www.omg.org/XMI"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 
+WARNINGS = (
+    "IdWithoutSpaces", "AreaInsideMission", "RobotInsideMission", "RobotStartsClear",
+    "RobotHasBattery", "SenderIsMember", "UniqueMessageField", "FieldOfSender",
+    "AvoidCollisionMembers", "DeadlineInsideMission", "FigureInsideMission",
+    "AsReactionsAssume", "FaultFieldCarried", "WindowInsideMission", "TriggerCanHappen",
+)  # fmt: skip
+"""Constraints whose defects do not stop loading; those of all others do."""
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_ELEMENTS = 500_000
 MAX_DEPTH = 100
+
+
+class Defect(Exception):  # noqa: N818 # models have defects
+    """A violation of a named constraint, by an element or file that the caller knows.
+
+    ``finding`` is the end of the message: the finding, the expectation, and the next step.
+    """
+
+    def __init__(self, constraint: str, finding: str) -> None:
+        super().__init__(finding)
+        self.constraint = constraint
+        self.finding = finding
 
 
 @dataclass(slots=True, eq=False)
@@ -91,6 +114,79 @@ class Node:
         yield self
         for child in self.children:
             yield from child.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class FileLine:
+    """Place of a defect of a whole file."""
+
+    path: Path
+    line: int
+
+    @property
+    def description(self) -> str:
+        """Name of the file."""
+        return self.path.name
+
+
+Place: TypeAlias = Node | FileLine
+"""Place of an element in a file, and its name in messages."""
+
+
+class Report:
+    """Collects the diagnostics of one validation; ``n_errors`` of them stop loading.
+
+    ``n_unsound`` of those prevent sound objects; a repeated reference does not, as the list of
+    objects holds it once. ``n_dangling`` are references to missing elements: objects can be made
+    without them. ``places`` maps objects to their places, and may grow.
+    """
+
+    def __init__(self, places: Mapping[Any, Place] = MappingProxyType({})) -> None:
+        self.places = places
+        self._found: dict[tuple[object, ...], Diagnostic] = {}
+        self.n_errors = 0
+        self.n_unsound = 0
+        self.n_dangling = 0
+
+    def place(self, element: Any) -> Place:
+        """Return the place of an object; a place is returned unchanged."""
+        return self.places.get(element, element)
+
+    def add(self, element: Any, constraint: str, finding: str) -> None:
+        """Add a defect of an object or a place; ``finding`` follows its name in the message."""
+        place = self.place(element)
+        key = (place, constraint, finding)
+        if key in self._found:  # of a feature that several classes inherit, for example
+            return
+        is_error, name = constraint not in WARNINGS, place.description
+        severity: Severity = "error" if is_error else "warning"
+        found = Diagnostic(place.path, place.line, name, constraint, severity, f"{name} {finding}")
+        self._found[key] = found
+        self.n_errors += is_error
+        self.n_unsound += is_error and constraint != "UniqueReference"
+        self.n_dangling += constraint == "ResolvedReference"
+
+    def require_no_errors(self) -> None:
+        """Raise a ``ModelError`` with all errors so far, one per line, if there are any."""
+        if self.n_errors:
+            raise self.error()
+
+    def error(self) -> ModelError:
+        """Return an error with all errors so far, one per line."""
+        return ModelError("\n".join(str(found) for found in self if found.severity == "error"))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self._found.values())
+
+
+def shown(text: str) -> str:
+    """Return a text of a model for use in a message: quoted, on one line, shortened."""
+    return repr(text if len(text) <= 60 else text[:60] + "...")
+
+
+def listed(names: Sequence[str], found: str = "") -> str:
+    """Return names for use in a message, with a suggestion of the intended one."""
+    return ", ".join(names) + nearest(found, names)
 
 
 def follow(

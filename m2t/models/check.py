@@ -20,18 +20,21 @@ from urllib.parse import unquote
 
 from pyecore.ecore import EEnum
 
-from m2t.diagnostics import Defect, Report, listed, shown
 from m2t.metaclasses import Slot, base_class, concrete_classes, conforms, slots
 from m2t.read import (
     ROOT_ATTRIBUTES,
     XMI,
     XSI,
+    Defect,
     ModelFile,
     ModelFiles,
     Node,
+    Report,
     contained_path,
+    listed,
     local_path,
     resolved_path,
+    shown,
 )
 from mrsfi_runtime.model.faults import LAST, MOST
 from mrsfi_runtime.model.polygons import MOST_CORNERS

@@ -1,7 +1,7 @@
 """Constraints that no metamodel can state: on missions, on faults, and on IDs.
 
 Each check gets objects whose structure is sound, so every required feature is present. Each
-reports all its findings. ``m2t.diagnostics`` lists the names of the constraints, and the EVL files
+reports all its findings. ``m2t.read`` lists the names of the constraints, and the EVL files
 that state the same for Eclipse. Begin with ``check_mission``, ``check_faults`` and
 ``check_identities``, in this order.
 
@@ -15,23 +15,19 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, product
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from pyecore.ecore import EObject
 
-from m2t.diagnostics import Defect, Report, listed, shown
 from m2t.metaclasses import BOUNDS, base_class, identifier, is_kind, is_set, slots, values
 from m2t.metamodels import meaning
 from m2t.models.check import ModelTree
 from m2t.models.write import java_double
+from m2t.read import Defect, Node, Report, listed, shown
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
 from mrsfi_runtime.model.mission import Coordinates, polygon, turn_width
 from mrsfi_runtime.model.polygons import meeting, near, off_polygon
-
-if TYPE_CHECKING:
-    from m2t.read import Node
-
 
 _TOLERATING = {"Visit": 1.0, "Track": 1.0, "FixedDistanceBetweenRobots": 2.0}
 """How many times the leeway of a robot the tolerance of a task has to be."""

@@ -22,12 +22,11 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 from urllib.parse import unquote
 
-from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, concrete_classes, is_kind, slots
 from m2t.metamodels import load_metamodels
 from m2t.models.check import check_structure
 from m2t.models.write import java_double
-from m2t.read import ModelFile, ModelFiles, Node, local_path
+from m2t.read import ModelFile, ModelFiles, Node, Report, local_path, shown
 from mrsfi_runtime.errors import ModelError
 
 Value: TypeAlias = str | None

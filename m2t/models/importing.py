@@ -19,14 +19,24 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from m2t.diagnostics import Report, shown
 from m2t.metaclasses import BOUNDS, Slot, concrete_classes, identifier, slots, snake_case
 from m2t.metamodels import load_metamodels
 from m2t.models.check import DOUBLE, MAX_NAME_LENGTH, ModelTree, Reference, check_structure, resolve
 from m2t.models.constraints import check_faults, check_mission
 from m2t.models.load import FAULTS_XMI, Objects
 from m2t.models.write import dumps
-from m2t.read import XMI, XSI, ModelFile, ModelFiles, Node, Spelling, follow, read_root
+from m2t.read import (
+    XMI,
+    XSI,
+    ModelFile,
+    ModelFiles,
+    Node,
+    Report,
+    Spelling,
+    follow,
+    read_root,
+    shown,
+)
 from mrsfi_runtime.errors import ModelError, UsageError
 from mrsfi_runtime.files import changing, whole_folder
 from mrsfi_runtime.project_file import MISSION_XMI

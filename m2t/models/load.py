@@ -25,7 +25,6 @@ from urllib.parse import quote
 
 from pyecore.resources import URI, ResourceSet
 
-from m2t.diagnostics import Report
 from m2t.metaclasses import copies, put, slots
 from m2t.metamodels import load_metamodels, meaning
 from m2t.models.check import (
@@ -38,7 +37,7 @@ from m2t.models.check import (
 )
 from m2t.models.constraints import check_faults, check_identities, check_mission, fault_types
 from m2t.models.write import dumps, dumps_file, unified_difference
-from m2t.read import ModelFiles, Node, Spelling, local_path
+from m2t.read import ModelFiles, Node, Report, Spelling, local_path
 from mrsfi_runtime.errors import Diagnostic, ModelError, SpecificationError, expected
 from mrsfi_runtime.files import changing, settle, write_atomically
 from mrsfi_runtime.model.faults import numbered, timed_fault

@@ -13,11 +13,10 @@ from typing import Any, cast
 
 from lxml import etree
 
-from m2t.diagnostics import Defect, Report, shown
 from m2t.metaclasses import contained, slots
 from m2t.metamodels import load_metamodels
 from m2t.models.check import require_value
-from m2t.read import read_root
+from m2t.read import Defect, Report, read_root, shown
 from mrsfi_runtime.errors import ModelError, expected
 
 _RESULT = "Result of mrsfi"

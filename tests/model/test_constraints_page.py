@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 
-from m2t.diagnostics import WARNINGS
 from m2t.models.fixes import FIXES
+from m2t.read import WARNINGS
 from tests.support.broken_models import BROKEN
 from tests.support.constraints import LISTED, REASONS
 
