@@ -11,17 +11,7 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from m2t.metaclasses import contained, is_kind, slots, values
-from m2t.models.constraints import (
-    Pairs,
-    broken_ticks,
-    exchanged_bounds,
-    exchanged_draw,
-    exchanged_window,
-    fault_types,
-    fits_event,
-    repeated,
-    strangers,
-)
+from m2t.models import constraints
 from m2t.models.load import Edit, Inspection, LoadedModels, edited
 from mrsfi_runtime.errors import Diagnostic
 
@@ -78,21 +68,21 @@ def _delete_self_dependence(goal: Any) -> None:
 
 def _add_members(task: Any) -> None:
     goal = task.eContainer()
-    goal.members.extend(strangers(goal))
+    goal.members.extend(constraints.strangers(goal))
 
 
 def _delete_repeated_field(entry: Any) -> None:
     message = entry.eContainer()  # None if deleted already: two defects of one name in one line
-    if message is not None and entry in repeated(message.body):
+    if message is not None and entry in constraints.repeated(message.body):
         message.body.remove(entry)
 
 
 def _round_ticks(kind: Any) -> None:
-    for name in broken_ticks(kind):
+    for name in constraints.broken_ticks(kind):
         setattr(kind, name, float(round(getattr(kind, name))))
 
 
-def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
+def _exchanging(pairs: Callable[[Any], constraints.Pairs]) -> Remedy:
     def exchange(element: Any) -> None:
         for one, other in pairs(element):
             first, second = getattr(element, one), getattr(element, other)
@@ -110,13 +100,13 @@ FIXES: Mapping[str, Fix] = {
     "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
     "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
     "RandomBoundsOrdered": Fix(
-        "Exchange the lowest and the highest random value", _exchanging(exchanged_draw)
+        "Exchange the lowest and the highest random value", _exchanging(constraints.exchanged_draw)
     ),
     "SearchBoundsOrdered": Fix(
-        "Exchange the lowest and the highest value", _exchanging(exchanged_bounds)
+        "Exchange the lowest and the highest value", _exchanging(constraints.exchanged_bounds)
     ),
     "WholeTicks": Fix("Round to whole ticks", _round_ticks),
-    "WindowOrdered": Fix("Exchange start and finish", _exchanging(exchanged_window)),
+    "WindowOrdered": Fix("Exchange start and finish", _exchanging(constraints.exchanged_window)),
 }
 """Fixes by constraint; the ``.evl`` files offer the same under the same titles."""
 
@@ -146,8 +136,8 @@ def delete_incomplete(models: LoadedModels) -> None:
 
 def _loses(element: Any, alive: Iterable[Any]) -> bool:
     """Remove an element's references to deleted elements; return whether it is then incomplete."""
-    is_incomplete = (is_kind(element.eClass, "Fault") and not fault_types(element)) or (
-        is_kind(element.eClass, "Trigger") and not fits_event(element)
+    is_incomplete = (is_kind(element.eClass, "Fault") and not constraints.fault_types(element)) or (
+        is_kind(element.eClass, "Trigger") and not constraints.fits_event(element)
     )
     for slot in slots(element.eClass).values():
         held = values(element, slot)
