@@ -11,10 +11,10 @@ variant is, and a goal breaks if it breaks in more than half of the flights of a
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from itertools import combinations, starmap
+from itertools import chain, combinations, starmap
 from operator import attrgetter, itemgetter
 from statistics import median_low
 from typing import Any, NamedTuple, Self, TypeAlias
@@ -53,19 +53,6 @@ BREAKS = {"missed": "fails", "true": "is violated", "believed": "has a false ala
 
 Step: TypeAlias = tuple[str, int, Specification]
 """A variant that a weakness needs: its kind, how urgent it is (0 first), and itself."""
-
-
-class Judged(NamedTuple):
-    """How many flights of a variant broke each column, and since which tick by the median."""
-
-    n_flown: int
-    n_broken: Mapping[Column, int]
-    since: Mapping[Column, int]
-
-    def gravest(self, goal: str) -> str | None:
-        """Return the gravest measure by which a goal breaks in more than half of the flights."""
-        n_of = [(2 * self.n_broken.get(Column(goal, each), 0), each) for each in MEASURES]
-        return next((each for n, each in reversed(n_of) if n > self.n_flown), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,9 +173,9 @@ class Elsewhere:
         steps, step, found = self._steps(weakness), None, Confirmation(self.world, OPEN)
         with suppress(StopIteration):
             step = next(steps)
-            while (judged := self._judged(step[2], yardstick)) is not None:
+            while not self.n_missing(step[2]):
                 kind, _, variant = step
-                step, result = None, self._result(weakness, kind, variant, judged)
+                step, result = None, self._result(weakness, kind, variant, yardstick)
                 is_same = result.verdict == SAME
                 if kind == LISTED:
                     found = result
@@ -197,36 +184,31 @@ class Elsewhere:
                 step = steps.send(is_same)
         return found, step
 
-    def _judged(self, variant: Specification, yardstick: Yardstick) -> Judged | None:
-        if self.n_missing(variant):
-            return None
-        flights = self.flights[form(variant)][: 1 if self.repeats_itself else None]
-        n_broken, since = Counter[Column](), defaultdict[Column, list[int]](list)
-        for each in flights:
-            for column in yardstick.broken(each.flown.found):
-                n_broken[column] += 1
-                if column in each.since:
-                    since[column].append(each.since[column])
-        return Judged(len(flights), n_broken, {at: median_low(some) for at, some in since.items()})
-
     def _result(
-        self, weakness: GoalWeakness, kind: str, variant: Specification, judged: Judged
+        self, weakness: GoalWeakness, kind: str, variant: Specification, yardstick: Yardstick
     ) -> Confirmation:
-        (goal, least), here = weakness.shown.column, weakness.shown.since
-        measure, mission = judged.gravest(goal), self.space.gate.mission
-        goals = tuple(each for each in mission.goal_ids if each != goal and judged.gravest(each))
-        flown = [each.flown.found for each in self.flights[form(variant)]]
+        column, here = weakness.shown.column, weakness.shown.since
+        flights = self.flights[form(variant)]
+        flown = flights[: 1 if self.repeats_itself else None]
+        broken = [yardstick.broken(each.flown.found) for each in flown]
+        n_broken = Counter(chain.from_iterable(broken))
+        measure = _gravest(column.goal, n_broken, len(flown))
+        goals = tuple(
+            goal
+            for goal in self.space.gate.mission.goal_ids
+            if goal != column.goal and _gravest(goal, n_broken, len(flown))
+        )
         if measure is not None:
-            is_same = MEASURES.index(measure) >= MEASURES.index(least)
+            is_same = MEASURES.index(measure) >= MEASURES.index(column.kind)
             verdict = SAME if is_same else WEAKER
-        elif any(isinstance(each, Outcome) for each in flown):
+        elif any(isinstance(each.flown.found, Outcome) for each in flights):
             verdict = OTHER if goals else NOTHING
         else:
             verdict = ERROR
-        there = judged.since.get(weakness.shown.column)
-        delay = None if here is None or there is None else there - here
-        n_broken = judged.n_broken.get(Column(goal, measure or least), 0)
-        numbers = n_broken, judged.n_flown, delay
+        pairs = zip(flown, broken, strict=True)
+        there = [each.since[column] for each, some in pairs if column in some & each.since.keys()]
+        delay = None if here is None or not there else median_low(there) - here
+        numbers = n_broken[Column(column.goal, measure or column.kind)], len(flown), delay
         return Confirmation(self.world, verdict, kind, variant, measure, goals, *numbers)
 
     def _steps(self, weakness: GoalWeakness) -> Generator[Step, bool, None]:
@@ -249,6 +231,12 @@ class Elsewhere:
             clashes = any(starmap(self.space.clash, combinations(tried, 2)))
             is_broken = not clashes and (yield SHRUNK, 1, tried)
             kept, broke = (kept, middle) if is_broken else (middle, broke)
+
+
+def _gravest(goal: str, n_broken: Counter[Column], n_flown: int) -> str | None:
+    """Return the gravest measure by which a goal breaks in more than half of the flights."""
+    n_of = ((2 * n_broken[Column(goal, each)], each) for each in reversed(MEASURES))
+    return next((each for n, each in n_of if n > n_flown), None)
 
 
 def _between(
