@@ -470,8 +470,8 @@ def in_seeds(
         breaking = Breaking(mission, evaluate, [seed])
         breaking(flown, seed)
         for each in weaknesses:
-            whole = (each.witness, *parts(each.witness))
-            n_held[each] += breaking.isolates(each.column, whole, seed)
+            broken, *alone = breaking((each.witness, *parts(each.witness)), seed)
+            n_held[each] += each.column in broken.difference(*alone)
     return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in weaknesses)
 
 
@@ -584,8 +584,3 @@ class Breaking(Prober[Broken]):
         }
         super().__init__(evaluate, lambda _, seed, flown: self.yardsticks[seed].broken(flown))
         self.known |= {((), seed): frozenset() for seed in seeds}
-
-    def isolates(self, column: Column, whole: Sequence[Specification], seed: int) -> bool:
-        """Return whether a specification breaks a column and the others, its parts, do not."""
-        broken, *alone = self(whole, seed)
-        return column in broken.difference(*alone)

@@ -335,13 +335,6 @@ ELSEWHERE = (
 """The table of flights in other worlds, which a record lacks before the first of them."""
 
 
-def stored_columns(path: Path, connection: sqlite3.Connection) -> frozenset[str]:
-    """Return the columns of a record's table of evaluations."""
-    with translated(path):
-        columns = connection.execute("PRAGMA table_info(evaluation)")
-        return frozenset(name for _, name, *_ in columns)
-
-
 def inserting(table: str, n_values: int) -> str:
     """Return the statement that inserts rows; of evaluations in the order of their columns."""
     columns = f" ({quoted(EVALUATION)})" if table == "evaluation" else ""

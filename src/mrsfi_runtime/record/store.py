@@ -150,7 +150,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(database.damaged(path, str(error))) from error
         manifest = self._decoded(database.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
-        self._columns = database.stored_columns(path, connection)
+        columns = self._select("PRAGMA table_info(evaluation)")
+        self._columns = frozenset(name for _, name, *_ in columns)
 
     @classmethod
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:

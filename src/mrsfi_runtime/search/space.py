@@ -99,10 +99,6 @@ class Candidate:
     triggers: tuple[str, ...] = ("",)
     kin: tuple[str, ...] = ()
 
-    def drawn_trigger(self, rng: Random) -> str:
-        """Draw a trigger or none, all equally likely; a pool without triggers draws no number."""
-        return rng.choice(self.triggers) if len(self.triggers) > 1 else ""
-
     def changed(
         self, values: Sequence[float], change: Callable[[float, float, float, bool], float]
     ) -> tuple[float, ...]:
@@ -183,8 +179,10 @@ class SearchSpace:
     def timed(
         self, fault: str, window: Window, values: tuple[float, ...], rng: Random
     ) -> TimedFault:
-        """Return a timed fault whose trigger is drawn."""
-        return TimedFault(fault, *window, values, self.candidates[fault].drawn_trigger(rng))
+        """Return a timed fault; its trigger is drawn, or none, all of them equally likely."""
+        triggers = self.candidates[fault].triggers
+        drawn = rng.choice(triggers) if len(triggers) > 1 else ""  # without any, no number is drawn
+        return TimedFault(fault, *window, values, drawn)
 
     def free_windows(self, fault: str, others: Iterable[TimedFault]) -> list[Window]:
         """Return the longest windows in which a fault conflicts with no other, in order."""
