@@ -1,7 +1,7 @@
 """Constraints that no metamodel can state: on missions, on faults, and on IDs.
 
 Each check gets objects whose structure is sound, so every required feature is present. Each
-reports all its findings. ``m2t.read`` lists the names of the constraints, and the EVL files
+reports all its findings. docs/constraints.md lists the names of the constraints, and the EVL files
 that state the same for Eclipse. Begin with ``check_mission``, ``check_faults`` and
 ``check_identities``, in this order.
 

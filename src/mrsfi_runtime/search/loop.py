@@ -327,7 +327,7 @@ AlgorithmFactory: TypeAlias = Callable[[SearchSpace, CampaignSettings], Algorith
 
 
 Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
-"""Returns a changed specification of at most the same size."""
+"""Returns a changed specification of at most the same size; neither is ever empty."""
 
 _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
 
@@ -335,8 +335,7 @@ _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
 def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
     """Replace one fault by a fault of the pool, in the longest window that is free."""
     kept = list(specification)
-    if kept:
-        kept.pop(rng.randrange(len(kept)))
+    kept.pop(rng.randrange(len(kept)))
     return filled(space, tuple(kept), len(specification), rng)
 
 
@@ -346,7 +345,7 @@ def forced(space: SearchSpace, specification: Specification, rng: Random) -> Spe
     values = _landmark(space, fault, specification, rng)
     timed = space.timed(fault, (0, space.duration - 1), values, rng)
     kept = [other for other in specification if not space.clash(timed, other)]
-    if len(kept) == len(specification) and kept:
+    if len(kept) == len(specification):
         kept.pop(rng.randrange(len(kept)))
     return space.ordered([timed, *kept])
 
@@ -430,8 +429,6 @@ _Change: TypeAlias = Callable[[SearchSpace, TimedFault, Specification, Random], 
 def _changed(
     change: _Change, space: SearchSpace, specification: Specification, rng: Random
 ) -> Specification:
-    if not specification:
-        return specification
     place = rng.randrange(len(specification))
     others = specification[:place] + specification[place + 1 :]
     return space.ordered([*others, change(space, specification[place], others, rng)])

@@ -431,27 +431,16 @@ def freely_crossed(
 
 
 def freely_mutated(
-    space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
-) -> Specification:
-    """Redraw window, values and trigger of timed faults at random, and repair overlaps."""
-    return _freely(space, specification, rng, share, None)
-
-
-def transformed(
-    space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
-) -> Specification:
-    """Replace timed faults by random faults of the pool, at random times, and repair overlaps."""
-    return _freely(space, specification, rng, share, tuple(space.candidates))
-
-
-def _freely(
     space: SearchSpace,
     specification: Specification,
     rng: Random,
-    share: float,
-    pool: Sequence[str] | None,
+    share: float = 0.5,
+    pool: Sequence[str] = (),
 ) -> Specification:
-    """Redraw timed faults, as faults of ``pool`` if one is given."""
+    """Redraw window, values and trigger of timed faults at random, and repair overlaps.
+
+    With a ``pool``, they become random faults of it.
+    """
 
     def anew(timed: TimedFault) -> TimedFault:
         fault = rng.choice(pool) if pool else timed.fault
@@ -462,6 +451,13 @@ def _freely(
     drawn = [anew(timed) if rng.random() < share else timed for timed in specification]
     found = repaired(space, drawn, rng)
     return found if len(found) == len(specification) else specification
+
+
+def transformed(
+    space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
+) -> Specification:
+    """Replace timed faults by random faults of the pool, at random times, and repair overlaps."""
+    return freely_mutated(space, specification, rng, share, tuple(space.candidates))
 
 
 CROSSOVERS: Mapping[str, Crossover] = MappingProxyType(

@@ -181,7 +181,8 @@ def test_triggers_change_nothing_else_of_what_is_drawn_first():
         for triggers in ((), TRIGGERS[:1])
     )
 
-    for draw in (lambda space, rng: filled(space, (), 1, rng), lambda s, rng: forced(s, (), rng)):
+    replaced = (TimedFault("f9", 0, 9, (200.0, -450.0)),)
+    for draw in (lambda s, rng: filled(s, (), 1, rng), lambda s, rng: forced(s, replaced, rng)):
         one, other = (draw(space, Random(5)) for space in (plain, declared))
         assert [timed._replace(trigger="") for timed in other] == [*one]
 
