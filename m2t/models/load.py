@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeAlias
+from typing import Any
 from urllib.parse import quote
 
 from pyecore.resources import URI, ResourceSet
@@ -40,7 +40,7 @@ from m2t.models.write import dumps, dumps_file, unified_difference
 from m2t.read import ModelFiles, Node, Report, Spelling, local_path
 from mrsfi_runtime.errors import Diagnostic, ModelError, SpecificationError, expected
 from mrsfi_runtime.files import changing, settle, write_atomically
-from mrsfi_runtime.model.faults import numbered, timed_fault
+from mrsfi_runtime.model.faults import FaultPool, Specification, numbered, timed_fault
 from mrsfi_runtime.project_file import MISSION_XMI, metamodels_chosen
 
 FAULTS_XMI = "faults.xmi"
@@ -396,75 +396,70 @@ def addresses(
     }
 
 
-SpecificationRow: TypeAlias = (
-    tuple[str, int, int, Mapping[str, float]] | tuple[str, int, int, Mapping[str, float], str]
-)
-"""ID of a pool fault, first tick, last tick, and values by parameter name; the ID of a trigger."""
-
-
 @metamodels_chosen()
 def write_specification(
     models: Path | LoadedModels,
-    rows: Sequence[SpecificationRow],
+    pool: FaultPool,
+    specification: Specification,
     path: Path,
     *,
     identifier: str,
     names: Sequence[str] | None = None,
     write: Callable[[Path, bytes], object] = write_atomically,
 ) -> None:
-    """Write timed faults as XMI, in their order, to a file that is replaced as a whole.
+    """Write timed faults of a pool as XMI, in their order, to a file that is replaced as a whole.
 
-    ``models`` is the mission folder, or the models loaded from it, whose ``faults.xmi`` is the
-    pool; ``identifier`` is the ID of the specification. ``names`` are the IDs of the timed faults,
-    by default those of ``numbered``; display names are those of the pool. Triggers that faults wait
-    for are copied, and triggers of effects refer to the timed faults. A fault that is not in the
-    pool, or that the gate refuses, raises a ``SpecificationError``.
+    ``models`` is the mission folder, or the models loaded from it, whose ``faults.xmi`` has the
+    faults, with values where the pool has no parameter of a name; ``identifier`` is the ID of the
+    specification. ``names`` are the IDs of the timed faults, by default those of ``numbered``;
+    display names are those of the models. Triggers that faults wait for are copied, and triggers of
+    effects refer to the timed faults. A fault that the models lack, or that the gate refuses,
+    raises a ``SpecificationError``.
     """
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent
-    pool = {fault.ID: fault for fault in models.pool}
-    specification = load_metamodels().faults_class()
-    specification.ID = identifier
-    names = numbered(row[0] for row in rows) if names is None else names
-    for name, (fault_id, start, finish, given, *_) in zip(names, rows, strict=True):
-        if fault_id not in pool:
-            what = f"fault '{fault_id}' is not in the pool of {folder}"
-            raise SpecificationError(f"{what}; {expected(fault_id, pool)}")
-        fault = copies([pool[fault_id]])[pool[fault_id]]
+    originals = {fault.ID: fault for fault in models.pool}
+    root = load_metamodels().faults_class()
+    root.ID = identifier
+    names = numbered(timed.fault for timed in specification) if names is None else names
+    for name, timed in zip(names, specification, strict=True):
+        if timed.fault not in originals:
+            what = f"fault '{timed.fault}' is not in the pool of {folder}"
+            raise SpecificationError(f"{what}; {expected(timed.fault, originals)}")
+        original = originals[timed.fault]
+        fault = copies([original])[original]
         (kind,) = fault_types(fault)
-        means = meaning(kind)
+        means, given = meaning(kind), pool[timed.fault].kind.named(timed.values)
         usual = {known.name: getattr(kind, known.name) for known in means.parameters}
-        timed = timed_fault(fault_id, means, start, finish, {**usual, **given})
-        fault.ID, fault.start, fault.finish = name, timed.start, timed.finish
-        for known, value in zip(means.parameters, timed.values, strict=True):
+        fitting = timed_fault(timed.fault, means, timed.start, timed.finish, {**usual, **given})
+        fault.ID, fault.start, fault.finish = name, fitting.start, fitting.finish
+        for known, value in zip(means.parameters, fitting.values, strict=True):
             if known.name in given:
                 is_integer = slots(kind.eClass)[known.name].type.name == "EInt"
                 setattr(kind, known.name, int(value) if is_integer else value)
-        specification.faults.append(fault)
-    _set_triggers(models, specification, rows)
+        root.faults.append(fault)
+    _set_triggers(models, root, specification)
     hrefs = addresses(models, path.parent)
-    write(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
+    write(path, dumps(root, hrefs=hrefs, xmi_ids=models.xmi_ids))
 
 
-def _set_triggers(
-    models: LoadedModels, specification: Any, rows: Sequence[SpecificationRow]
-) -> None:
-    """Let timed faults wait for copies of the pool's triggers, as their rows specify."""
+def _set_triggers(models: LoadedModels, root: Any, specification: Specification) -> None:
+    """Let timed faults wait for copies of the models' triggers, as the specification says."""
     known = {} if models.faults is None else {each.ID: each for each in models.faults.triggers}
-    waited = ["".join(row[4:]) for row in rows]
+    waited = [timed.trigger for timed in specification]
     for trigger in waited:
         if trigger and trigger not in known:
             what = f"trigger '{trigger}' is not in the pool of {models.mission_path.parent}"
             raise SpecificationError(f"{what}; {expected(trigger, known)}")
     made = copies(known[each] for each in known if each in waited)
-    specification.triggers.extend(made[known[each]] for each in known if each in waited)
+    root.triggers.extend(made[known[each]] for each in known if each in waited)
     for original, copy in made.items():
         if original in known.values():
             sources = {fault.ID for fault in original.faults}
             copy.faults.clear()
-            timed = zip(specification.faults, rows, strict=True)
-            copy.faults.extend(fault for fault, row in timed if row[0] in sources)
-    for fault, trigger in zip(specification.faults, waited, strict=True):
+            pairs = zip(root.faults, specification, strict=True)
+            copy.faults.extend(fault for fault, timed in pairs if timed.fault in sources)
+    for fault, trigger in zip(root.faults, waited, strict=True):
         fault.trigger = made[known[trigger]] if trigger else None
 
 

@@ -29,7 +29,7 @@ from mrsfi_runtime.model.mission import starvation
 
 if TYPE_CHECKING:
     from m2t.models.fixes import Mending
-    from m2t.models.load import Inspection, LoadedModels, SpecificationRow
+    from m2t.models.load import Inspection, LoadedModels
     from mrsfi_runtime.analysis.report import SpecificationWriter
 
 
@@ -50,16 +50,8 @@ def specification_writer(
 
     models = cache(lambda: load_models(source) if isinstance(source, Path) else source())
     return lambda pool, timed, path, identifier, names: load.write_specification(
-        models(), rows_of(pool, timed), path, identifier=identifier, names=names, write=put
+        models(), pool, timed, path, identifier=identifier, names=names, write=put
     )
-
-
-def rows_of(pool: FaultPool, specification: Specification) -> "list[SpecificationRow]":
-    """Return the rows of a fault specification, with values by the names of their parameters."""
-    return [
-        (fault, start, finish, pool[fault].kind.named(values), trigger)
-        for fault, start, finish, values, trigger in specification
-    ]
 
 
 @dataclass(frozen=True, slots=True)

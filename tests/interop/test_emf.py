@@ -10,6 +10,7 @@ import pytest
 
 from m2t.models.load import load_mission_folder, saved, write_specification
 from m2t.models.write import dumps
+from mrsfi_runtime.model.faults import TimedFault
 from tests.interop.eclipse import (
     METAMODELS,
     ROOT,
@@ -114,18 +115,18 @@ def test_emf_validates_metamodels_and_models_and_saves_the_same_bytes(tmp_path, 
 
 
 def test_emf_validates_specifications_of_scripts_and_saves_the_same_bytes(tmp_path, note):
-    folder = copy_models(tmp_path)
-    pool = [fault.ID for fault in load_mission_folder(folder).faults.faults]
-    every = [(fault, 3 * place, 900 + place, {}) for place, fault in enumerate(pool)]
-    odd = [("f9", 0, 0, {"NEW_X": 1e-5, "NEW_Y": -1e9}), ("f14", 5, 9, {"FIXED_VAL": 12.0})]
-    write_specification(folder, every, folder / "every.xmi", identifier="every")
-    write_specification(folder, odd, tmp_path / "odd.xmi", identifier="odd")
-    write_specification(folder, [], folder / "none.xmi", identifier="none")
+    folder, pool = copy_models(tmp_path), paper_code().pool
+    every = tuple(TimedFault(e.id, 3 * n, 900 + n, e.values) for n, e in enumerate(pool))
+    f9 = TimedFault("f9", 0, 0, (1e-5, -1e9, *pool["f9"].values[2:]))
+    odd = (f9, TimedFault("f14", 5, 9, (12.0,)))
+    write_specification(folder, pool, every, folder / "every.xmi", identifier="every")
+    write_specification(folder, pool, odd, tmp_path / "odd.xmi", identifier="odd")
+    write_specification(folder, pool, (), folder / "none.xmi", identifier="none")
     triggers = with_triggers(paper_code()).pool.triggers
     edit(folder / FAULTS_FILE, "</faults:F", f"{in_xmi(triggers)}</faults:F")
     waits = zip(pool, cycle(trigger.id for trigger in triggers), strict=False)
-    waiting = [(fault, 3, 900, {}, trigger) for fault, trigger in waits]
-    write_specification(folder, waiting, folder / "waiting.xmi", identifier="waiting")
+    waiting = tuple(TimedFault(e.id, 3, 900, e.values, trigger) for e, trigger in waits)
+    write_specification(folder, pool, waiting, folder / "waiting.xmi", identifier="waiting")
 
     names = ("every.xmi", "none.xmi", "waiting.xmi")
     files = resave([tmp_path / "odd.xmi", *(folder / name for name in names)], tmp_path / "out")

@@ -21,8 +21,10 @@ from m2t.models.load import (
 )
 from m2t.read import MAX_BYTES, MAX_ELEMENTS, Spelling
 from mrsfi_runtime.errors import Diagnostic, ModelError
+from mrsfi_runtime.model.faults import TimedFault
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit, line_of
 from tests.support.models.split import PARTS, split_folder
+from tests.support.world import paper_code
 
 TEXT = (MODELS / MISSION).read_text(encoding="ascii")
 BARE = re.sub(r"<(/?)mission:", r"<\1", TEXT).replace("xmlns:mission=", "xmlns=")
@@ -283,7 +285,9 @@ def test_specification_found_by_search_refers_into_the_parts(tmp_path):
     folder = split_folder(tmp_path, PARTS["goals_and_tasks"])
     path = tmp_path / "found.xmi"
 
-    write_specification(folder, [("f2", 3, 9, {})], path, identifier="found")
+    pool = paper_code().pool
+    timed = (TimedFault("f2", 3, 9, pool["f2"].values),)
+    write_specification(folder, pool, timed, path, identifier="found")
 
     models = load_specification(path)
     assert b"goals.xmi#m4" in path.read_bytes()

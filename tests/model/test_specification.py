@@ -7,29 +7,29 @@ import pytest
 
 from m2t.generate import rendered_file
 from m2t.models.load import (
-    SpecificationRow,
     inspect_folder,
     inspect_specification,
     load_mission_folder,
     load_specification,
     write_specification,
 )
-from mrsfi.loading import rows_of
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.generated_code import pool_from_text
+from mrsfi_runtime.model.fault_types import Parameter, Range
 from mrsfi_runtime.model.faults import Event, TimedFault, Trigger
 from mrsfi_runtime.model.mission import Area, Coordinates
 from tests.support.models.copies import FAULTS, copy_models, edit
 from tests.support.triggers import in_xmi, with_triggers
 from tests.support.world import paper_code
 
-ROWS: list[SpecificationRow] = [
-    ("f9", 0, 10, {"NEW_X": 1.5, "NEW_Y": -3.0}),
-    ("f14", 5, 999, {"FIXED_VAL": 12.0}),
-    ("f9", 20, 20, {}),
-    ("f25", 3, 4, {}),
-]
+POOL = paper_code().pool
+TIMED = (
+    TimedFault("f9", 0, 10, (1.5, -3.0, *POOL["f9"].values[2:])),
+    TimedFault("f14", 5, 999, (12.0,)),
+    TimedFault("f9", 20, 20, POOL["f9"].values),
+    TimedFault("f25", 3, 4, POOL["f25"].values),
+)
 
 WRITTEN = Path(__file__).with_name("written.xmi")
 
@@ -42,7 +42,7 @@ def _target(tmp_path: Path) -> Path:
 
 def test_written_specification_reads_as_expected_loads_and_validates_again(tmp_path):
     path = _target(tmp_path)
-    write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
+    write_specification(copy_models(tmp_path), POOL, TIMED, path, identifier="critical_1")
 
     models = load_specification(path)
 
@@ -61,7 +61,7 @@ def test_bounds_of_the_pool_are_copied(tmp_path):
     folder, path = copy_models(tmp_path), _target(tmp_path)
     edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="200.0" DELAY_MAX="300.0"')
 
-    write_specification(folder, [("f8", 0, 1, {"DELAY": 7.0})], path, identifier="s")
+    write_specification(folder, POOL, (TimedFault("f8", 0, 1, (7.0,)),), path, identifier="s")
 
     assert '<delayMessage DELAY="7.0" DELAY_MAX="300.0">' in path.read_text(encoding="ascii")
 
@@ -70,7 +70,8 @@ def test_the_likelihood_of_the_pool_reaches_code_and_what_is_written(tmp_path):
     folder, path = copy_models(tmp_path), _target(tmp_path)
     edit(folder / FAULTS, 'ID="f8"', 'ID="f8" likelihood="1e-4"')
 
-    write_specification(folder, [("f8", 0, 1, {}), ("f9", 0, 1, {})], path, identifier="s")
+    timed = tuple(TimedFault(fault, 0, 1, POOL[fault].values) for fault in ("f8", "f9"))
+    write_specification(folder, POOL, timed, path, identifier="s")
 
     pool = pool_from_text(rendered_file("fault_loader.py", load_mission_folder(folder)))
     written = pool_from_text(rendered_file("fault_loader.py", load_specification(path)))
@@ -88,13 +89,13 @@ def test_what_waits_is_written_with_its_triggers_and_flies_as_in_the_pool(tmp_pa
     edit(folder / FAULTS, "</faults:F", f"{in_xmi(triggers)}</faults:F")
     waits = [trigger.id for trigger in triggers]
     faults = ("f9", "f9", "f14", "f30", "f2", "f8", "f28", "f29", "f21", "f26", "f1", "f5", "f20")
-    timed = [
+    timed = tuple(
         TimedFault(fault, 80 * n, 80 * n + 79, pool[fault].values, trigger)
         for n, (fault, trigger) in enumerate(zip(faults, ["", *waits], strict=False))
-    ]
+    )
     path = _target(tmp_path)
 
-    write_specification(folder, rows_of(pool, tuple(timed)), path, identifier="s")
+    write_specification(folder, pool, timed, path, identifier="s")
 
     assert inspect_folder(folder).diagnostics == ()
     assert pool_from_text(rendered_file("fault_loader.py", load_mission_folder(folder))) == pool
@@ -117,7 +118,8 @@ def test_an_area_of_the_mission_is_entered_as_one_of_the_trigger(tmp_path):
     at = f'{robot}<at href="mission.xmi#a8"/></triggers></faults:F'
     edit(folder / FAULTS, "</faults:F", at)
 
-    write_specification(folder, [("f9", 0, 9, {}, "t")], path, identifier="s")
+    timed = (TimedFault("f9", 0, 9, POOL["f9"].values, "t"),)
+    write_specification(folder, POOL, timed, path, identifier="s")
 
     assert inspect_folder(folder).diagnostics == ()
     area = Area("a8", Coordinates(500.0, 500.0, 1.0), 40.0)
@@ -129,7 +131,7 @@ def test_an_area_of_the_mission_is_entered_as_one_of_the_trigger(tmp_path):
 
 def test_empty_specification_loads_with_the_mission_beside_it(folder):
 
-    write_specification(folder, [], folder / "empty.xmi", identifier="none")
+    write_specification(folder, POOL, (), folder / "empty.xmi", identifier="none")
 
     models = load_specification(folder / "empty.xmi")
     assert (models.faults.ID, list(models.faults.faults)) == ("none", [])
@@ -139,7 +141,7 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path):
     folder = copy_models(tmp_path / "my missions # 1")
     path = _target(tmp_path)
 
-    write_specification(folder, ROWS, path, identifier="s")
+    write_specification(folder, POOL, TIMED, path, identifier="s")
 
     assert "../my%20missions%20%23%201/models/uuv/mission.xmi#o5" in path.read_text()
     assert inspect_specification(path).diagnostics == ()
@@ -148,16 +150,19 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path):
 @pytest.mark.parametrize(
     "row",
     [
-        ("f99", 0, 1, {}),
-        ("f9", 0, 1, {"NEW_W": 1.0}),
-        ("f9", 2, 1, {}),
-        ("f9", 1, 2, {}, "low"),
+        TimedFault("f99", 0, 1),
+        TimedFault("f9", 0, 1, (1.0,)),
+        TimedFault("f9", 2, 1, POOL["f9"].values),
+        TimedFault("f9", 1, 2, POOL["f9"].values, "low"),
     ],
 )
 def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, refused):
     path = _target(tmp_path)
+    other = replace(POOL["f9"].kind, parameters=(Parameter("NEW_W", Range.X),))
+    renamed = replace(POOL, faults=(replace(POOL["f9"], kind=other),))
+    pool = renamed if len(row.values) == 1 else POOL
 
     with refused(SpecificationError):
-        write_specification(copy_models(tmp_path), [row], path, identifier="s")
+        write_specification(copy_models(tmp_path), pool, (row,), path, identifier="s")
 
     assert not path.exists()

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi.loading import rows_of
 from mrsfi_runtime.analysis.documents import report_text
 from mrsfi_runtime.analysis.page import campaign_page
 from mrsfi_runtime.analysis.summary import (
@@ -44,7 +43,8 @@ def write(
     pool: FaultPool, timed: Specification, path: Path, name: str, names: Sequence[str] | None
 ) -> None:
     """Stand in for the writer of XMI, which lives in another room."""
-    path.write_text(json.dumps([name, rows_of(pool, timed)]))
+    assert {each.fault for each in timed} <= pool.by_id.keys()
+    path.write_text(json.dumps([name, timed]))
 
 
 def stems(folder: Path, suffix: str) -> list[str]:
@@ -107,7 +107,7 @@ def test_the_ten_most_critical_specifications_are_written(focused):
         name, rows = json.loads(file.read_text())
         assert name == f"evaluation_{best.index}"
         assert [tuple(row[:3]) for row in rows] == [timed[:3] for timed in best.specification]
-        assert [tuple(row[3].values()) for row in rows] == [t.values for t in best.specification]
+        assert [tuple(row[3]) for row in rows] == [t.values for t in best.specification]
 
 
 def test_the_summary_says_what_was_found(focused):
