@@ -16,28 +16,18 @@ This module imports no websocket, so that ``mrsfi bridge --help`` starts quickly
 
 import ipaddress
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
-from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 from mrsfi_bridge.errors import ProtocolError, SettingsError
-from mrsfi_bridge.structures import (
-    SCALAR,
-    TIMES,
-    VARIABLE,
-    Constant,
-    Definition,
-    Field,
-    Structure,
-    parse_message,
-    parse_parts,
-)
+from mrsfi_bridge.structures import TIMES, Definition, Structure, parse_message, parse_parts
 
 STANDARD = Path(__file__).parent / "types"
 """Definitions that come with the server: services, and messages that ``rosbags`` lacks."""
@@ -47,7 +37,6 @@ _MAX_SHOWN = 80
 _MESSAGES = {name: f"builtin_interfaces/{name.capitalize()}" for name in TIMES}
 """Messages in ROS 2 and in ``rosbags`` that are primitive types in ROS 1."""
 
-_TIMES = {message: name for name, message in _MESSAGES.items()}
 _PACKAGES = {"rosapi_msgs": "rosapi", "example_interfaces": "rospy_tutorials"}
 """Packages of ROS 2 whose definitions belong to another package in ROS 1."""
 
@@ -171,36 +160,19 @@ class TypeTable:
 
 def _standard_message(name: str, ros: int) -> Definition | None:
     """Return a standard message of ROS, if there is one of this name."""
-    found = _messages(ros).get(name.replace("/", "/msg/"))
-    if found is None:
+    known, full = _known(ros), name.replace("/", "/msg/")
+    if full not in known.fielddefs:
         return None
-    constants, fields = found
-    none = "structure_needs_at_least_one_member"  # stands for no field
-    return Definition(
-        name,
-        tuple(_field(name, ros, field, *node) for field, node in fields if field != none),
-        tuple(Constant(constant, str(value)) for constant, _, value in constants),
-    )
+    text, _ = known.generate_msgdef(full, ros_version=ros)
+    own, *_ = text.split("=" * 80)  # the definitions of its parts follow
+    if ros != 1 and name == "geometry_msgs/Quaternion":
+        own = own.replace("float64 w", "float64 w 1.0")  # rosbags has no defaults
+    return parse_message(name, own.splitlines(), Path(full), ros)
 
 
 @cache
-def _messages(ros: int) -> Mapping[str, Any]:
-    return get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY).fielddefs
-
-
-def _field(message: str, ros: int, name: str, kind: Nodetype, found: Any) -> Field:
-    if kind in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
-        element, length = found
-        type_name = _field(message, ros, name, *element).type
-        is_fixed = kind is Nodetype.ARRAY
-        return Field(name, type_name, *((length,) if is_fixed else (VARIABLE, length)))
-    if kind is Nodetype.BASE:
-        is_unit = ros != 1 and (message, name) == ("geometry_msgs/Quaternion", "w")
-        type_name, bound = found
-        default = 1.0 if is_unit else None  # rosbags has no defaults
-        return Field(name, "byte" if type_name == "octet" else type_name, SCALAR, bound, default)
-    short = found.replace("/msg/", "/")
-    return Field(name, _TIMES.get(short, short) if ros == 1 else short)
+def _known(ros: int) -> Typestore:
+    return get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY)
 
 
 def full_name(name: str) -> str:
