@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mrsfi_runtime.kernel.commands import feasible, reported_place, reports_position, turned
-from mrsfi_runtime.kernel.geometry import inside, scattered
+from mrsfi_runtime.kernel.geometry import in_area, scattered
 from mrsfi_runtime.kernel.goal_tasks.table import is_reached
 from mrsfi_runtime.kernel.injections import (
     ACTIVATION,
@@ -42,9 +42,8 @@ from mrsfi_runtime.kernel.injections import (
     WaitingState,
 )
 from mrsfi_runtime.kernel.randomness import choice, uniform
-from mrsfi_runtime.kernel.state import CommandState, State, SwitchState, excess, kernel
+from mrsfi_runtime.kernel.state import CommandState, State, SwitchState, kernel
 from mrsfi_runtime.model.faults import Event
-from mrsfi_runtime.model.polygons import off_polygon
 
 Belief: TypeAlias = tuple[float, float, float]
 """Believed value of a property: a position, or one number and zeros."""
@@ -290,11 +289,7 @@ def happens(world: State, plan: Plan, violated: list[int], trigger: TriggerState
         return is_reached(world, trigger.of)
     if trigger.event == ENTERED:
         robot = world.robots[trigger.of]
-        if trigger.n_corners == 0:
-            return inside(robot.x, robot.y, trigger.x, trigger.y, trigger.radius)
-        dx, dy, first = robot.x - trigger.x, robot.y - trigger.y, trigger.first_corner
-        off = off_polygon(world.corners, first, trigger.n_corners, dx, dy)
-        return excess(trigger.radius + off, trigger.radius) <= 0.0
+        return in_area(world, trigger, robot.x, robot.y)
     for source in range(trigger.first_source, trigger.first_source + trigger.n_sources):
         if plan.tallies[plan.sources[source]].changed > 0:
             return True

@@ -6,6 +6,7 @@ edges, or minus that inside, so that the rules for discs hold for polygons as th
 
 import math
 
+from mrsfi_runtime.kernel.injections import TriggerState
 from mrsfi_runtime.kernel.randomness import choice, uniform
 from mrsfi_runtime.kernel.state import RESERVE, AreaState, State, excess, kernel
 from mrsfi_runtime.model.polygons import crosses, off_polygon, off_segment, off_way, square_off
@@ -55,15 +56,15 @@ def well_inside(
 
 
 @kernel
-def in_area(view: State, area: AreaState, x: float, y: float) -> bool:
-    """Return whether a point is inside an area or at its edge."""
+def in_area(view: State, area: AreaState | TriggerState, x: float, y: float) -> bool:
+    """Return whether a point is inside an area, or that of a trigger, or at its edge."""
     if area.n_corners == 0:
         return inside(x, y, area.x, area.y, area.radius)
     return excess(area.radius - depth_in_area(view, area, x, y), area.radius) <= 0.0
 
 
 @kernel
-def depth_in_area(view: State, area: AreaState, x: float, y: float) -> float:
+def depth_in_area(view: State, area: AreaState | TriggerState, x: float, y: float) -> float:
     """Return how far inside an area a point is."""
     if area.n_corners == 0:
         return area.radius - distance(x, y, area.x, area.y)
