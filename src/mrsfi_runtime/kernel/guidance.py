@@ -3,7 +3,7 @@
 from mrsfi_runtime.kernel.commands import set_speed, steer
 from mrsfi_runtime.kernel.geometry import distance, inside, well_in_area
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
-from mrsfi_runtime.kernel.state import AreaState, GoalState, RobotState, State, kernel
+from mrsfi_runtime.kernel.state import AreaState, GoalState, State, kernel
 
 ROAM_ATTEMPTS = 8  # headings that a roaming robot draws before it turns to the middle of its area
 
@@ -73,25 +73,21 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
 def roam_in(ci: State, area: AreaState, index: int) -> None:
     """Head for an area from outside; inside, turn to a random heading before leaving it."""
     robot, edge = ci.robots[index], leeway(ci, index)
-    if not stays(ci, area, robot, 0.0, 0.0, edge):
+    if not well_in_area(ci, area, robot.x, robot.y, edge):
         steer(ci, index, area.x - robot.x, area.y - robot.y)
         return
     step = pace(ci, index)
     command = ci.commands[index]
-    if stays(ci, area, robot, step * command.heading_x, step * command.heading_y, edge):
+    x, y = robot.x + step * command.heading_x, robot.y + step * command.heading_y
+    if well_in_area(ci, area, x, y, edge):
         return
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
-        if stays(ci, area, robot, 2.0 * step * turn.x, 2.0 * step * turn.y, edge):
+        x, y = robot.x + 2.0 * step * turn.x, robot.y + 2.0 * step * turn.y
+        if well_in_area(ci, area, x, y, edge):
             steer(ci, index, turn.x, turn.y)
             return
     steer(ci, index, area.x - robot.x, area.y - robot.y)
-
-
-@kernel
-def stays(ci: State, area: AreaState, robot: RobotState, dx: float, dy: float, edge: float) -> bool:
-    """Return whether a robot moved by (dx, dy) is inside an area, and not near its edge."""
-    return well_in_area(ci, area, robot.x + dx, robot.y + dy, edge)
