@@ -153,6 +153,7 @@ def initial_state(mission: Mission, seed: int) -> State:
     map_, cells, shown = mapped(
         area, mission.obstacles, widest + 3.0 * LOOK_AHEAD * fastest + (widest + clearance)
     )
+    outlines = tuple(_area(mission, corners, each.area) for each in mission.obstacles)
     state = State(
         mission=MissionState(
             seed=seed_key(seed),
@@ -162,10 +163,10 @@ def initial_state(mission: Mission, seed: int) -> State:
             y=float(area.center.y),
             radius=float(area.radius),
         ),
-        obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
+        obstacles=[ObstacleState(at.x, at.y, at.radius, at.x, at.y) for at in outlines],
         traits=tuple(map(_traits, mission.robots)),
         directions=DIRECTIONS,
-        outlines=tuple(_area(mission, corners, each.area) for each in mission.obstacles),
+        outlines=outlines,
         corners=corners,
         map=map_,
         cells=cells,
@@ -280,11 +281,6 @@ def _area(mission: Mission, corners: Corners, area: Area, tolerance: float = 0.0
         return AreaState(x, y, radius + float(tolerance), 0, 0, 0.0)
     first, n = mission.polygons[area], len(area.corners)
     return AreaState(x, y, radius, first, n, -off_polygon(corners, first, n, 0.0, 0.0))
-
-
-def _obstacle(area: Area) -> ObstacleState:
-    x, y = float(area.center.x), float(area.center.y)
-    return ObstacleState(x=x, y=y, radius=float(area.radius), model_x=x, model_y=y)
 
 
 def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
