@@ -57,9 +57,7 @@ def violated(view: State, g: int) -> bool:
     if sensor.active == 0:
         return True
     robot, area = view.robots[sensor.robot], next_area(view, goal.first_member)
-    if not in_area(view, area, robot.x, robot.y):
-        return True
-    return sample_reserve(view, goal) < 0.0
+    return not in_area(view, area, robot.x, robot.y) or sample_reserve(view, goal) < 0.0
 
 
 @kernel
