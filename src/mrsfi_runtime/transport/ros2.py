@@ -25,12 +25,11 @@ import socket
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from functools import partial
-from heapq import heappop, heappush
 from itertools import count
 from pathlib import Path
 from random import sample
-from threading import Lock, Thread, get_ident
-from time import monotonic
+from sched import scheduler
+from threading import Thread, get_ident
 from typing import Any, NamedTuple, TypeAlias
 
 from cyclonedds.builtin import (
@@ -353,9 +352,7 @@ class Ros2Transport(ListenedTransport):
         self._ours: dict[str, tuple[Topic, str]] = {}  # by their names in DDS, with their types
         self._asked: tuple[str, ...] = ()
         self._calls: dict[str, _Call] = {}
-        self._queue: list[tuple[float, int, Callable[[], None]]] = []
-        self._order = count()
-        self._lock = Lock()
+        self._later = scheduler()
         self._participants = BuiltinDataReader(self._participant, BuiltinTopicDcpsParticipant)
         self._endpoints = {
             PUBLISHERS: BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication),
@@ -416,8 +413,7 @@ class Ros2Transport(ListenedTransport):
 
     def call_later(self, seconds: float, function: Callable[[], None]) -> None:
         """Call a function after a time, in the thread of the callbacks."""
-        with self._lock:
-            heappush(self._queue, (monotonic() + seconds, next(self._order), function))
+        self._later.enter(seconds, 0, self._call_due, (function,))
         self._wake.set(True)
 
     def barrier(self, then: Callable[[], None]) -> None:
@@ -459,26 +455,20 @@ class Ros2Transport(ListenedTransport):
                 _delete(self._participant)
 
     def _serve(self) -> None:
+        due: float | None = None  # seconds until the next function is
         while not self._is_closing:
-            with self._lock:
-                due = self._queue[0][0] - monotonic() if self._queue else 1.0
-            if due > 0.0:
-                self._waits.wait(int(min(due, 1.0) * 1e9))
+            self._waits.wait(int(min(1.0 if due is None else due, 1.0) * 1e9))
             self._wake.take()
             with suppress(Exception):  # reported to the listener
                 self.settle()
             for reader, receive in [*self._served]:
                 with suppress(Exception):
                     _take(reader, receive)
-            self._run_due()
+            due = self._later.run(blocking=False)
 
-    def _run_due(self) -> None:
-        while not self._is_closing:
-            with self._lock:
-                if not self._queue or self._queue[0][0] > monotonic():
-                    return
-                *_, function = heappop(self._queue)
-            with suppress(Exception):
+    def _call_due(self, function: Callable[[], None]) -> None:
+        with suppress(Exception):
+            if not self._is_closing:
                 self.reporting(function)()
 
     def _hear(
