@@ -15,7 +15,7 @@ mission. ``GENERATED`` is the table of nodes that use the topics of docs/bus.md.
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
@@ -230,38 +230,36 @@ class NodeMapping:
     ``frame_id``, and ``/clock`` is published ``clock_hz`` times a tick.
     """
 
-    table: Table = field(default_factory=lambda: GENERATED)
-    tells: tuple[Rule, ...] = ()
-    obeys: tuple[Rule, ...] = ()
-    answer: Topic = _ANSWER
-    reset: Service = _RESET
-    names: Mapping[str, str] = field(default_factory=dict)
-    types: tuple[str, ...] = ()
-    frame_id: str = "map"
-    clock_hz: int = 1
+    table: Table
+    tells: tuple[Rule, ...]
+    obeys: tuple[Rule, ...]
+    answer: Topic
+    reset: Service
+    names: Mapping[str, str]
+    types: tuple[str, ...]
+    frame_id: str
+    clock_hz: int
 
     @classmethod
-    def of(cls, table: Table | None, source: str = "[node]") -> "NodeMapping":
+    def of(cls, table: Table | None) -> "NodeMapping":
         """Return the mapping that a table describes; the default has the generated topics.
 
-        An invalid table is a ``UsageError`` that begins with the source.
+        An invalid table is a ``UsageError``.
         """
         table = GENERATED if table is None else table
         for name in table:
             if name not in _NAMES:
-                raise UsageError(f"{source}: found '{name}'; {expected(name, _NAMES)}")
-        tells = tuple(_rules(table, "tells", QUANTITIES, source))
-        obeys = tuple(_rules(table, "obeys", COMMANDS, source))
+                raise UsageError(f"[node]: found '{name}'; {expected(name, _NAMES)}")
         return cls(
             table=table,
-            tells=tells,
-            obeys=obeys,
-            answer=_answer(table.get("answer"), source),
-            reset=_RESET._replace(name=_text(table, "reset", source, _RESET.name)),
-            names=_names(table.get("names", {}), source),
+            tells=tuple(_rules(table, "tells", QUANTITIES)),
+            obeys=tuple(_rules(table, "obeys", COMMANDS)),
+            answer=_answer(table.get("answer")),
+            reset=_RESET._replace(name=_text(table, "reset", "[node]", _RESET.name)),
+            names=_names(table.get("names", {})),
             types=tuple(map(str, table.get("types", ()))),
-            frame_id=_text(table, "frame_id", source, "map"),
-            clock_hz=_clock_hz(table.get("clock_hz", 1), source),
+            frame_id=_text(table, "frame_id", "[node]", "map"),
+            clock_hz=_clock_hz(table.get("clock_hz", 1)),
         )
 
     def elements(self, mission: Mission) -> tuple[Element, ...]:
@@ -317,14 +315,12 @@ def path_text(path: Path) -> str:
     return text.removeprefix(".")
 
 
-def _rules(
-    table: Table, name: str, known: Mapping[str, Mapping[str, Any]], source: str
-) -> Iterator[Rule]:
+def _rules(table: Table, name: str, known: Mapping[str, Mapping[str, Any]]) -> Iterator[Rule]:
     rules = table.get(name, [])
     if not isinstance(rules, list) or not rules:
-        raise UsageError(f"{source}: found no [[node.{name}]]; expected at least one topic")
+        raise UsageError(f"[node]: found no [[node.{name}]]; expected at least one topic")
     for number, rule in enumerate(rules, 1):
-        place = f"{source}: [[node.{name}]] {number}"
+        place = f"[node]: [[node.{name}]] {number}"
         if not isinstance(rule, Mapping):
             raise UsageError(f"{place}: found {rule!r}; expected a table")
         for key in rule:
@@ -357,9 +353,9 @@ def _qos(rule: Table, place: str) -> TopicQos:
     return TopicQos(**given)
 
 
-def _clock_hz(given: Any, source: str) -> int:
+def _clock_hz(given: Any) -> int:
     if type(given) is not int or not 1 <= given <= 1000:
-        raise UsageError(f"{source}: clock_hz: found {given!r}; expected an integer, 1 to 1000")
+        raise UsageError(f"[node]: clock_hz: found {given!r}; expected an integer, 1 to 1000")
     return given
 
 
@@ -426,18 +422,18 @@ def _type(rule: Table, place: str) -> str:
         raise UsageError(f"{place}: {error}") from error
 
 
-def _answer(given: Any, source: str) -> Topic:
+def _answer(given: Any) -> Topic:
     if given is None:
         return _ANSWER
-    place = f"{source}: answer"
+    place = "[node]: answer"
     if not isinstance(given, Mapping) or given.keys() != {"topic", "type"}:
         raise UsageError(f"{place}: found {given!r}; expected {{ topic = …, type = … }}")
     return Topic(_text(given, "topic", place), _type(given, place))
 
 
-def _names(given: Any, source: str) -> dict[str, str]:
+def _names(given: Any) -> dict[str, str]:
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given.values()):
-        raise UsageError(f"{source}: names: found {given!r}; expected {{ r1 = 'husky1' }}")
+        raise UsageError(f"[node]: names: found {given!r}; expected {{ r1 = 'husky1' }}")
     return {plain_name(element): name for element, name in given.items()}
 
 

@@ -27,7 +27,7 @@ def obeys(**other):
     return {"tells": [TELLS], "obeys": [{**OBEYS, **other}]}
 
 
-FIRST = "f: [[node.tells]] 1: "
+FIRST = "[node]: [[node.tells]] 1: "
 
 
 @pytest.mark.parametrize(
@@ -36,11 +36,11 @@ FIRST = "f: [[node.tells]] 1: "
         (
             {"tels": []},
             (
-                "f: found 'tels'; expected one of tells, obeys, answer, reset, names, types, "
+                "[node]: found 'tels'; expected one of tells, obeys, answer, reset, names, types, "
                 "frame_id, clock_hz; did you mean 'tells'?"
             ),
         ),
-        ({"tells": [TELLS]}, "f: found no [[node.obeys]]; expected at least one topic"),
+        ({"tells": [TELLS]}, "[node]: found no [[node.obeys]]; expected at least one topic"),
         (
             tells(topik="x"),
             FIRST + "found 'topik'; expected one of topic, type, fields, world, qos; "
@@ -77,17 +77,20 @@ FIRST = "f: [[node.tells]] 1: "
             FIRST + "found 'sped'; expected one of x, y, z, speed, vx, "
             "vy, energy, heading_x, heading_y, yaw, qz, qw, sent, radius; did you mean 'speed'?",
         ),
-        (obeys(fields={"x": "vx"}), "f: [[node.obeys]] 1: found 'vx' alone; expected vx and vy"),
+        (
+            obeys(fields={"x": "vx"}),
+            "[node]: [[node.obeys]] 1: found 'vx' alone; expected vx and vy",
+        ),
         (
             obeys(world="/w", fields={"x": "speed"}),
             (
-                "f: [[node.obeys]] 1: found world = '/w'; expected a topic with {robot} "
+                "[node]: [[node.obeys]] 1: found world = '/w'; expected a topic with {robot} "
                 "and no fields: its messages are passed on unchanged"
             ),
         ),
         (
             {**tells(), "answer": "/done"},
-            "f: answer: found '/done'; expected { topic = …, type = … }",
+            "[node]: answer: found '/done'; expected { topic = …, type = … }",
         ),
         (tells(qos=3), FIRST + "found qos = 3; expected { depth = 10 }"),
         (
@@ -99,14 +102,17 @@ FIRST = "f: [[node.tells]] 1: "
             FIRST + "reliability: found 'best'; expected one of reliable, best_effort",
         ),
         (tells(qos={"depth": 0}), FIRST + "depth: found 0; expected a number of messages"),
-        ({**tells(), "clock_hz": 0}, "f: clock_hz: found 0; expected an integer, 1 to 1000"),
-        ({**tells(), "frame_id": 1}, "f: found frame_id = 1; expected a text"),
-        ({**tells(), "names": {"r1": 1}}, "f: names: found {'r1': 1}; expected { r1 = 'husky1' }"),
+        ({**tells(), "clock_hz": 0}, "[node]: clock_hz: found 0; expected an integer, 1 to 1000"),
+        ({**tells(), "frame_id": 1}, "[node]: found frame_id = 1; expected a text"),
+        (
+            {**tells(), "names": {"r1": 1}},
+            "[node]: names: found {'r1': 1}; expected { r1 = 'husky1' }",
+        ),
     ],
 )
 def test_a_table_that_makes_no_sense_is_refused(table, said):
     with pytest.raises(UsageError) as raised:
-        NodeMapping.of(table, "f")
+        NodeMapping.of(table)
 
     assert str(raised.value) == said
 
