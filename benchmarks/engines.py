@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.measuring import drawn, seconds
 from mrsfi.engines import evaluator
-from mrsfi_runtime.engine.cluster import Cluster, ClusterPool
+from mrsfi_runtime.engine.cluster import ClusterPool
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.engine_settings import COMPILED, LOCAL, REFERENCE, EngineSettings, Workers
@@ -36,9 +36,7 @@ def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> Evalu
     if not on_dask:
         evaluating = evaluator(load_code(MISSION), 1, settings, Workers(workers))
         return stack.enter_context(evaluating)
-    return ClusterPool(
-        stack.enter_context(Cluster(LOCAL, workers)), load_code(MISSION), 1, settings
-    )
+    return stack.enter_context(ClusterPool(LOCAL, workers, load_code(MISSION), 1, settings))
 
 
 def main() -> None:

@@ -273,11 +273,11 @@ def evaluator(
         with WorkerPool(code, seed, n_workers, engine) as pool:
             yield pool
         return
-    from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: PLC0415 - optional
+    from mrsfi_runtime.engine.cluster import ClusterPool  # noqa: PLC0415 - optional
 
-    with Cluster(workers.dask, workers.count(engine)) as cluster:
-        on_reached(f"{counted(cluster.n_workers(), 'workers')} of {cluster.address}")
-        yield ClusterPool(cluster, code, seed, engine)
+    n_local = workers.count(engine)
+    with ClusterPool(workers.dask, n_local, code, seed, engine, on_reached) as many:
+        yield many
 
 
 @contextmanager

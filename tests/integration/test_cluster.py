@@ -22,7 +22,8 @@ require_dask()
 import dask  # noqa: E402 - needs dask
 import distributed  # noqa: E402 - needs dask
 
-from mrsfi_runtime.engine.cluster import Cluster, ClusterPool  # noqa: E402 - needs dask
+from mrsfi_runtime.engine import cluster  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster import ClusterPool  # noqa: E402 - needs dask
 
 MISSION = "tight_margins"
 GENERATED = ROOT / "generated" / MISSION
@@ -43,6 +44,13 @@ def drawn() -> list[Specification]:
     return specifications(load_code(GENERATED), 30, 6)
 
 
+def pool_at(
+    address: str, code: Path = GENERATED, settings: EngineSettings = SLOW_ENGINE, n_workers: int = 1
+) -> ClusterPool:
+    """Return an evaluator of a mission, with mission seed 1 by default."""
+    return ClusterPool(address, n_workers, load_code(code), 1, settings)
+
+
 @pytest.fixture(scope="module")
 def expected(specifications: Sequence[Specification]) -> list[object]:
     """What the same specifications come to in this process."""
@@ -53,9 +61,7 @@ def expected(specifications: Sequence[Specification]) -> list[object]:
 @slow
 @pytest.mark.parametrize("name", [REFERENCE, pytest.param(COMPILED, marks=slow)])
 def test_results_are_those_of_this_process_in_order(two_workers, specifications, expected, name):
-    with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, EngineSettings(name))
-
+    with pool_at(two_workers.address, settings=EngineSettings(name)) as pool:
         for order in (1, -1):
             assert list(pool.evaluate_many(specifications[::order])) == expected[::order]
         assert list(pool.evaluate_many([])) == []
@@ -64,10 +70,9 @@ def test_results_are_those_of_this_process_in_order(two_workers, specifications,
 def test_a_worker_gets_the_code_once_and_is_left_as_it_was(two_workers, specifications):
     folders = [worker.log.parent for worker in two_workers.workers]
 
-    with Cluster(two_workers.address) as cluster:
+    with pool_at(two_workers.address) as pool:
         for seed in (1, 2):
-            pool = ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE)
-            list(pool.evaluate_many(specifications[:4]))
+            list(pool.evaluate_many(specifications[:4], seed))
         during = [list(folder.rglob("mission_loader.py")) for folder in folders]
 
     assert [len(found) for found in during] == [1, 1]
@@ -75,10 +80,8 @@ def test_a_worker_gets_the_code_once_and_is_left_as_it_was(two_workers, specific
 
 
 def test_mission_seeds_are_kept_apart(two_workers, specifications):
-    with Cluster(two_workers.address) as cluster, ReferenceEngine(load_code(GENERATED), 2) as other:
-        pools = [ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE) for seed in (1, 2)]
-
-        first, second = (list(pool.evaluate_many(specifications[:4])) for pool in pools)
+    with pool_at(two_workers.address) as pool, ReferenceEngine(load_code(GENERATED), 2) as other:
+        first, second = (list(pool.evaluate_many(specifications[:4], seed)) for seed in (1, 2))
 
         assert first != second == list(other.evaluate_many(specifications[:4]))
 
@@ -91,8 +94,7 @@ def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
 
     with ReferenceEngine(load_code(folder), 1) as here:
         expected = list(here.evaluate_many(specifications[:2]))
-    with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
+    with pool_at(two_workers.address, folder) as pool:
         found = list(pool.evaluate_many(specifications[:2]))
 
     assert all(isinstance(result, FailedFlight) for result in found)
@@ -106,10 +108,11 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
     monkeypatch.syspath_prepend(str(tmp_path))
     folder = edited(tmp_path, "imports", "from only_here import HIGHEST\n", MISSION)
 
-    with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
-        with pytest.raises(EvaluationError, match="No module named 'only_here'") as refused:
-            list(pool.evaluate_many(specifications[:1]))
+    with (
+        pool_at(two_workers.address, folder) as pool,
+        pytest.raises(EvaluationError, match="No module named 'only_here'") as refused,
+    ):
+        list(pool.evaluate_many(specifications[:1]))
 
     assert "on the worker at tcp://127.0.0.1:" in str(refused.value)
     file = folder / "collective_intelligence.py"
@@ -119,8 +122,7 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
 
 
 def test_a_search_that_stops_asking_leaves_the_workers_free(two_workers, specifications, expected):
-    with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+    with pool_at(two_workers.address) as pool:
         asked = pool.evaluate_many(specifications)
 
         first = next(asked)
@@ -132,8 +134,7 @@ def test_a_search_that_stops_asking_leaves_the_workers_free(two_workers, specifi
 
 @slow
 def test_a_worker_that_joins_late_takes_over_from_one_that_died(tmp_path, specifications, expected):
-    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+    with scheduler(tmp_path, 1) as place, pool_at(place.address) as pool:
         before = list(pool.evaluate_many(specifications))
         place.workers[0].kill()
         place.start_worker()
@@ -146,33 +147,34 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifi
     body = "    import os\n    import signal\n\n    os.kill(os.getpid(), signal.SIGKILL)\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
 
-    with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
-        with pytest.raises(EvaluationError, match="while they evaluated the same chunk"):
-            list(pool.evaluate_many(specifications[:1]))
+    with (
+        scheduler(tmp_path / "dask", 1, is_quick=True) as place,
+        pool_at(place.address, folder) as pool,
+        pytest.raises(EvaluationError, match="while they evaluated the same chunk"),
+    ):
+        list(pool.evaluate_many(specifications[:1]))
 
 
 @slow
-def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(tmp_path, specifications):
-    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(
+    tmp_path, specifications, monkeypatch
+):
+    with scheduler(tmp_path, 1) as place, pool_at(place.address) as pool:
         place.workers[0].kill()
-        impatient(cluster)
+        monkeypatch.setattr(cluster, "WORKER_SECONDS", 0.5)
 
         with pytest.raises(TransportError, match=f"start some with `dask worker {place.address}"):
             list(pool.evaluate_many(specifications))
 
 
-def impatient(cluster: Cluster) -> None:
-    cluster._patience = 0.5
+def test_a_scheduler_without_workers_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "WORKER_SECONDS", 0.5)
 
-
-def test_a_scheduler_without_workers_is_refused(tmp_path):
     with (
         scheduler(tmp_path, 0) as place,
         pytest.raises(TransportError, match=r"found no worker within 0\.5 s; start some with"),
     ):
-        Cluster(place.address, patience=0.5)
+        pool_at(place.address)
 
 
 @slow
@@ -183,36 +185,30 @@ def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(tmp_path,
     other = {"PYTHONPATH": str(tmp_path / "other")}
     expected = r"the worker at \S+ would not give the same results: it has mrsfi \S.* \(source "
 
-    with scheduler(tmp_path / "dask", 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+    with scheduler(tmp_path / "dask", 1) as place, pool_at(place.address) as pool:
         place.start_worker(other)
         place.wait_for_workers()
         with pytest.raises(TransportError, match=expected):
             list(pool.evaluate_many(specifications))
-        with Cluster(place.address) as second, pytest.raises(TransportError, match=expected):
-            ClusterPool(second, load_code(GENERATED), 1, SLOW_ENGINE)
+        with pytest.raises(TransportError, match=expected):
+            pool_at(place.address)
 
 
 @slow
 def test_a_worker_without_mrsfi_is_refused(tmp_path):
     with scheduler(tmp_path / "dask", 0) as place:
         place.start_worker(without_mrsfi(tmp_path / "none"))
-        with (
-            Cluster(place.address) as cluster,
-            pytest.raises(
-                TransportError, match=r"No module named 'mrsfi_runtime'.*expected the same"
-            ),
+        with pytest.raises(
+            TransportError, match=r"No module named 'mrsfi_runtime'.*expected the same"
         ):
-            ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+            pool_at(place.address)
 
 
 @slow
 def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected):
-    with Cluster("local", 2) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
-
-        assert cluster.n_workers() == 2
-        assert all("://127.0.0.1:" in address for address in cluster._client.nthreads())
+    with pool_at("local", n_workers=2) as pool:
+        assert pool.n_workers == 2
+        assert all("://127.0.0.1:" in address for address in pool._client.nthreads())
         assert list(pool.evaluate_many(specifications)) == expected
 
 
@@ -232,9 +228,8 @@ def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
     with (
         scheduler(tmp_path, 1, protocol="tls") as place,
         dask.config.set(tls),
-        Cluster(place.address) as cluster,
+        pool_at(place.address) as pool,
     ):
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         found = list(pool.evaluate_many(specifications))
 
     assert place.address.startswith("tls://")

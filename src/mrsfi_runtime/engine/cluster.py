@@ -1,9 +1,9 @@
 """Evaluation on a dask cluster, in chunks of fault specifications.
 
 A worker may be on another machine. A ``Shipment`` carries the mission's code to it, once;
-``MissionPlugin`` unpacks it in an empty folder, builds an engine for each of the settings, and
-keeps both. A worker whose environment could give other results refuses. A ``Cluster`` is the
-connection: it sends tasks, and receives results or clear errors. ``ClusterPool`` is the evaluator.
+``MissionPlugin`` unpacks it in an empty folder, builds an engine, and keeps both. A worker whose
+environment could give other results refuses. ``ClusterPool`` is the evaluator: it connects, sends
+chunks, and receives results or clear errors.
 
 Results do not depend on the size of chunks. A chunk of a lost worker goes to another worker.
 """
@@ -15,9 +15,9 @@ import shutil
 import sys
 import warnings
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from hashlib import sha256
@@ -34,7 +34,7 @@ import mrsfi_runtime
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import open_engine
 from mrsfi_runtime.engine.pools import starting_workers
-from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
+from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost, counted
 from mrsfi_runtime.fence import copied_files
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -135,11 +135,10 @@ class Chunk:
 
     plugin: str
     seed: int
-    settings: EngineSettings
     specifications: tuple[Specification, ...]
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _evaluate, (self.plugin, self.seed, self.settings, self.specifications)
+        return _evaluate, (self.plugin, self.seed, self.specifications)
 
 
 def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
@@ -147,22 +146,23 @@ def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
 
 
 class MissionPlugin(WorkerPlugin):
-    """Keeps the code of a mission on a worker, and one engine for each of the settings.
+    """Keeps the code of a mission on a worker, and its engine.
 
     A worker evaluates one chunk at a time. Compiled code spreads it over the worker's threads.
     Plain Python would gain nothing from threads, and regions need not be thread-safe.
     """
 
-    def __init__(self, name: str, shipment: Shipment) -> None:
+    def __init__(self, name: str, shipment: Shipment, settings: EngineSettings) -> None:
         self.name = name
         self._shipment = shipment
+        self._settings = settings
 
     def setup(self, worker: Any) -> None:
         """Unpack the code into the folder of a worker; refuse a differing environment."""
         self._address = str(worker.address)
         self._folder = Path(worker.local_directory) / self.name
         self._n_threads = int(worker.state.nthreads)
-        self._engines: dict[EngineSettings, Engine] = {}
+        self._engine: Engine | None = None
         self._lock = Lock()
         self._require_same_environment()
         try:
@@ -173,20 +173,18 @@ class MissionPlugin(WorkerPlugin):
             ) from error
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
-        """Close the engines, and remove the folder."""
-        for engine in self._engines.values():
-            engine.close()
+        """Close the engine, and remove the folder."""
+        if self._engine is not None:
+            self._engine.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def evaluate(
-        self, seed: int, settings: EngineSettings, specifications: tuple[Specification, ...]
-    ) -> EvaluatedChunk:
+    def evaluate(self, seed: int, specifications: tuple[Specification, ...]) -> EvaluatedChunk:
         """Evaluate a chunk; errors and failures have the original paths of the code."""
         self._require_same_environment()  # it may have joined late
         original = partial(self._shipment.with_original_paths, folder=self._folder)
         with self._lock:
             try:
-                engine = self._engine(seed, settings)
+                self._engine = engine = self._engine or self._opened(seed)
                 start = perf_counter()
                 results = [*engine.evaluate_many(specifications, seed)]
                 seconds = perf_counter() - start
@@ -205,17 +203,15 @@ class MissionPlugin(WorkerPlugin):
                 f"{differences}; install the same versions there, or stop that worker"
             )
 
-    def _engine(self, seed: int, settings: EngineSettings) -> Engine:
-        if settings not in self._engines:
-            try:
-                code = load_code(self._folder, self._shipment.pool)
-                self._engines[settings] = open_engine(settings, code, seed, self._n_threads)
-            except MrsfiError as error:
-                raise type(error)(
-                    f"on the worker at {self._address}: {error}; the packages that regions import "
-                    "have to be installed on every worker"
-                ) from error
-        return self._engines[settings]
+    def _opened(self, seed: int) -> Engine:
+        try:
+            code = load_code(self._folder, self._shipment.pool)
+            return open_engine(self._settings, code, seed, self._n_threads)
+        except MrsfiError as error:
+            raise type(error)(
+                f"on the worker at {self._address}: {error}; the packages that regions import "
+                "have to be installed on every worker"
+            ) from error
 
 
 CONNECT_SECONDS = 5.0
@@ -228,14 +224,29 @@ _INSTALL = "expected the same mrsfi[dask,fast] on every worker as here"
 _SILENT = logging.CRITICAL + 1
 
 
-class Cluster(AbstractContextManager["Cluster"]):
-    """A scheduler with workers that come and go, or ``LOCAL`` with so many processes."""
+CHUNK_SECONDS = 0.35
+"""Duration of a chunk: long beside dask's 2 ms for a task, short enough to repeat elsewhere."""
 
-    def __init__(self, address: str, n_workers: int = 1, patience: float = WORKER_SECONDS) -> None:
-        self.address = address
-        self._patience = patience
-        self._has_workers_until = monotonic()
-        self._plugins: dict[str, str] = {}
+
+class ClusterPool(Evaluator):
+    """The workers of a scheduler, which come and go, or ``LOCAL`` with so many processes.
+
+    Every worker has an engine, and gets the generated code once. ``on_reached`` receives the number
+    of workers before that. An engine that cannot be opened is reported before any worker begins.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        n_workers: int,
+        code: MissionCode,
+        seed: int,
+        settings: EngineSettings,
+        on_reached: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._address = address
+        self._seed = seed
+        self._pace = Pace()
         with ExitStack() as stack:
             for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
                 log = logging.getLogger(name)  # relevant messages become errors
@@ -244,47 +255,76 @@ class Cluster(AbstractContextManager["Cluster"]):
             target = _local(n_workers, stack) if address == LOCAL else address
             self._client = self._connected(target)
             stack.callback(self._client.close, timeout=CONNECT_SECONDS)
-            stack.callback(self._take_back)
             self._wait_for_workers()
+            self.n_workers = max(self._count_workers(), 1)
+            on_reached(f"{counted(self.n_workers, 'workers')} of {address}")
+            open_engine(settings, code, seed).close()
+            self._plugin = self._shipped(Shipment.of(code.directory, code.pool), settings)
+            stack.callback(self._take_back)
             self._stack = stack.pop_all()
 
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
         """Leave the cluster as it was; a local one ends."""
         self._stack.close()
 
-    def n_workers(self) -> int:
-        """Return the current number of workers, at least 1; ``wait`` reports if there are none."""
-        return max(self._count_workers(), 1)
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+        seed = self._seed if seed is None else seed
+        self.n_workers = n_workers = max(self._count_workers(), 1)  # none is reported in a while
+        first = 0
+        waiting: deque[Any] = deque()
+        try:
+            while waiting or first < len(specifications):
+                # Two for each worker, so that the next is there when one is done
+                n_wanted = 2 * n_workers - sum(not future.done() for future in waiting)
+                while first < len(specifications) and n_wanted > 0:
+                    size = self._pace.chunk_size(len(specifications), n_workers)
+                    chunked = tuple(specifications[first : first + size])
+                    waiting.append(self._begin(Chunk(self._plugin, seed, chunked)))
+                    first += size
+                    n_wanted -= 1
+                while waiting and waiting[0].done():
+                    results, seconds = self._result(waiting.popleft())
+                    self._pace.learn(len(results), seconds)
+                    yield from results
+                if waiting:
+                    self._wait(waiting)
+        finally:
+            self._give_up(waiting)
 
-    def ship(self, shipment: Shipment) -> str:
+    def _shipped(self, shipment: Shipment, settings: EngineSettings) -> str:
         """Send a mission's code once to each present and later worker; return the plugin's name."""
-        if shipment.name not in self._plugins:
-            name = f"{shipment.name}-{self._client.id}"  # another command's end must not remove it
-            try:
-                self._client.register_plugin(MissionPlugin(name, shipment), name)
-            except MrsfiError:
-                raise
-            except Exception as error:  # dask's type if a worker cannot load it
-                raise TransportError(
-                    f"a worker of {self.address} cannot take the mission's code: {error}; "
-                    f"{_INSTALL}"
-                ) from error
-            self._plugins[shipment.name] = name
-        return self._plugins[shipment.name]
+        name = f"{shipment.name}-{self._client.id}"  # another command's end must not remove it
+        try:
+            self._client.register_plugin(MissionPlugin(name, shipment, settings), name)
+        except MrsfiError:
+            raise
+        except Exception as error:  # dask's type if a worker cannot load it
+            raise TransportError(
+                f"a worker of {self._address} cannot take the mission's code: {error}; {_INSTALL}"
+            ) from error
+        return name
 
-    def begin(self, chunk: Chunk) -> Any:
+    def _take_back(self) -> None:
+        if self._client.status == "running":
+            with suppress(OSError, CancelledError):
+                self._client.unregister_worker_plugin(self._plugin)
+
+    def _begin(self, chunk: Chunk) -> Any:
         """Have a chunk evaluated on any worker; return dask's future for it."""
         key = f"evaluate-{uuid4()}"
         with self._translated():
             return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
 
-    def result(self, future: Any) -> EvaluatedChunk:
+    def _result(self, future: Any) -> EvaluatedChunk:
         """Return the results of a chunk, or raise the reason why there are none."""
         with self._translated():
             evaluated: EvaluatedChunk = future.result()
         return evaluated
 
-    def wait(self, futures: Iterable[Any]) -> None:
+    def _wait(self, futures: Iterable[Any]) -> None:
         """Wait for another chunk, at most a second; raise if workers are missing for too long."""
         open_ones = [future for future in futures if not future.done()]
         with suppress(TimeoutError, CancelledError), self._client.as_current():
@@ -293,12 +333,12 @@ class Cluster(AbstractContextManager["Cluster"]):
             return
         if self._count_workers():
             self._has_workers_until = monotonic()
-        elif monotonic() > self._has_workers_until + self._patience:
+        elif monotonic() > self._has_workers_until + WORKER_SECONDS:
             raise TransportError(
-                f"{self.address} has had no worker for {self._patience:g} s; {self._advice()}"
+                f"{self._address} has had no worker for {WORKER_SECONDS:g} s; {self._advice()}"
             )
 
-    def give_up(self, futures: Sequence[Any]) -> None:
+    def _give_up(self, futures: Sequence[Any]) -> None:
         """Cancel chunks that are no longer needed."""
         if futures and self._client.status == "running":
             with suppress(OSError, CancelledError):
@@ -310,56 +350,50 @@ class Cluster(AbstractContextManager["Cluster"]):
             yield
         except KilledWorker as error:
             raise WorkerLost(
-                f"{error.allowed_failures + 1} workers of {self.address} died in turn while they "
+                f"{error.allowed_failures + 1} workers of {self._address} died in turn while they "
                 f"evaluated the same chunk, the last at {error.last_worker.address}; "
                 "resume the campaign without --dask and with --workers 1 to see why"
             ) from error
         except ImportError as error:
             raise TransportError(
-                f"a worker of {self.address} cannot evaluate: {error}; {_INSTALL}"
+                f"a worker of {self._address} cannot evaluate: {error}; {_INSTALL}"
             ) from error
         except (OSError, CancelledError) as error:
             raise TransportError(
-                f"{self.address}: the connection to the scheduler is lost "
+                f"{self._address}: the connection to the scheduler is lost "
                 f"({type(error).__name__}); check that it still runs, and resume"
             ) from error
 
     def _connected(self, target: Any) -> Any:
-        _require_certificates(self.address)
+        _require_certificates(self._address)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of versions that differ: we refuse them
                 return Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
         except OSError as error:
             raise TransportError(
-                f"--dask {self.address}: no scheduler answers: {error}; start one with "
+                f"--dask {self._address}: no scheduler answers: {error}; start one with "
                 "`dask scheduler`, or correct the address"
             ) from error
 
     def _wait_for_workers(self) -> None:
         try:
-            self._client.wait_for_workers(1, timeout=self._patience)
+            self._client.wait_for_workers(1, timeout=WORKER_SECONDS)
         except TimeoutError as error:
             raise TransportError(
-                f"--dask {self.address}: found no worker within {self._patience:g} s; "
+                f"--dask {self._address}: found no worker within {WORKER_SECONDS:g} s; "
                 f"{self._advice()}"
             ) from error
         self._has_workers_until = monotonic()
 
     def _advice(self) -> str:
-        if self.address == LOCAL:
+        if self._address == LOCAL:
             return "expected worker processes on this machine; use --workers without --dask"
-        return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
+        return f"start some with `dask worker {self._address} --nworkers auto --nthreads 1`"
 
     def _count_workers(self) -> int:
         with self._translated():
             return len(self._client.nthreads())
-
-    def _take_back(self) -> None:
-        for name in self._plugins.values():
-            if self._client.status == "running":
-                with suppress(OSError, CancelledError):
-                    self._client.unregister_worker_plugin(name)
 
 
 def _require_certificates(address: str) -> None:
@@ -388,56 +422,6 @@ def _local(n_workers: int, stack: ExitStack) -> Any:
             return stack.enter_context(LocalCluster(n_workers=n_workers, **here, **limits))
     except RuntimeError as error:
         raise TransportError(f"--dask {LOCAL}: {error}; use --workers without --dask") from error
-
-
-CHUNK_SECONDS = 0.35
-"""Duration of a chunk: long beside dask's 2 ms for a task, short enough to repeat elsewhere."""
-
-
-class ClusterPool(Evaluator):
-    """The workers of a cluster, with an engine each; every one gets the generated code once.
-
-    An engine that cannot be opened is reported before any worker begins. Workers keep their engines
-    for the next pool of the cluster.
-    """
-
-    def __init__(
-        self, cluster: Cluster, code: MissionCode, seed: int, settings: EngineSettings
-    ) -> None:
-        open_engine(settings, code, seed).close()
-        self._cluster = cluster
-        self._seed = seed
-        self._settings = settings
-        self._pace = Pace()
-        self._plugin = cluster.ship(Shipment.of(code.directory, code.pool))
-
-    def evaluate_many(
-        self, specifications: Sequence[Specification], seed: int | None = None
-    ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come."""
-        seed = self._seed if seed is None else seed
-        self.n_workers = n_workers = self._cluster.n_workers()
-        first = 0
-        waiting: deque[Any] = deque()
-        try:
-            while waiting or first < len(specifications):
-                # Two for each worker, so that the next is there when one is done
-                n_wanted = 2 * n_workers - sum(not future.done() for future in waiting)
-                while first < len(specifications) and n_wanted > 0:
-                    size = self._pace.chunk_size(len(specifications), n_workers)
-                    chunked = tuple(specifications[first : first + size])
-                    chunk = Chunk(self._plugin, seed, self._settings, chunked)
-                    waiting.append(self._cluster.begin(chunk))
-                    first += size
-                    n_wanted -= 1
-                while waiting and waiting[0].done():
-                    results, seconds = self._cluster.result(waiting.popleft())
-                    self._pace.learn(len(results), seconds)
-                    yield from results
-                if waiting:
-                    self._cluster.wait(waiting)
-        finally:
-            self._cluster.give_up(waiting)
 
 
 class Pace:

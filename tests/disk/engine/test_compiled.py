@@ -109,10 +109,12 @@ def test_what_is_no_address_is_refused_with_what_was_expected(text, refused):
 
 def test_an_address_with_tls_is_refused_while_no_certificates_are_configured(refused):
     require_dask()
-    from mrsfi_runtime.engine.cluster import Cluster
+    from mrsfi_runtime.engine.cluster import ClusterPool
+
+    code = load_code(ROOT / "generated" / "tight_margins")
 
     with refused(UsageError):
-        Cluster("tls://127.0.0.1:8786")
+        ClusterPool("tls://127.0.0.1:8786", 1, code, 1, EngineSettings())
 
 
 @pytest.fixture
