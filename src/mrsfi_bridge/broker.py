@@ -28,7 +28,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.frames import PLAIN, Outgoing
-from mrsfi_bridge.protocol import check_name
+from mrsfi_bridge.protocol import Budget, check_name
 from mrsfi_bridge.settings import Limits, ServiceType, TypeTable
 from mrsfi_bridge.structures import Structure
 
@@ -65,7 +65,7 @@ class Broker:
     def __init__(self, types: TypeTable, limits: Limits) -> None:
         self._types = types
         self._limits = limits
-        self._n_latched_bytes = 0
+        self._latched = Budget(limits.latched_bytes)
         self.topics: dict[str, Topic] = {}
 
     def advertise(
@@ -80,7 +80,7 @@ class Broker:
         """End the publications of a client on a topic, and forget what they latched."""
         topic = self.topics.get(name)
         if topic is not None and (publication := topic.publishers.pop(client, None)):
-            self._n_latched_bytes -= publication.n_bytes
+            self._latched.give_back(publication.n_bytes)
             self._release(topic)
 
     def publish(self, client: Hashable, name: str, message: Any) -> None:
@@ -140,13 +140,11 @@ class Broker:
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
         """Keep a message for later subscribers."""
         n_bytes = len(outgoing.frames(topic.name, PLAIN))
-        n_all_bytes = self._n_latched_bytes + n_bytes - publication.n_bytes
-        limit = self._limits.latched_bytes
-        if n_all_bytes > limit:
+        if not self._latched.take(n_bytes - publication.n_bytes):
+            limit = self._limits.latched_bytes
             raise ProtocolError(
                 f"topic '{topic.name}': latched messages exceed {limit} bytes, the limit"
             )
-        self._n_latched_bytes = n_all_bytes
         publication.last, publication.n_bytes = outgoing, n_bytes
 
     def _topic(self, name: str, type_name: str | None) -> Topic:

@@ -128,14 +128,13 @@ class TypeTable:
             raise SettingsError(
                 f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
             )
-        path = self._path(name, "msg")
-        known = _standard_message(name, self.ros) if path is None else None
-        self._open.append(name)
-        try:
-            if known is not None:
-                return self._structure(known)
+        has_own = self._path(name, "msg") is not None
+        found = None if has_own else _standard_message(name, self.ros)
+        if found is None:
             path = self._find(name, "msg")
             found = parse_message(name, _text(path).splitlines(), path, self.ros)
+        self._open.append(name)
+        try:
             return self._structure(found)
         finally:
             self._open.pop()
