@@ -11,6 +11,7 @@ import ctypes
 import fcntl
 import json
 import os
+import pickle
 import platform
 import sys
 from collections.abc import Callable, Sequence
@@ -270,15 +271,8 @@ def key_of(*parts: str) -> str:
 
 def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
     """Return the code of a key, cached or compiled now, and whether it was compiled now."""
-
-    def make() -> bytes:
-        code = compile_()
-        return json.dumps([code.names, code.taken, code.is_near]).encode() + b"\n" + code.binary
-
-    content, is_new = kept(key, make)
-    head, _, binary = content.partition(b"\n")
-    names, taken, is_near = json.loads(head)
-    return MachineCode(tuple(names), binary, tuple(taken), is_near), is_new
+    content, is_new = kept(key, lambda: pickle.dumps(compile_()))
+    return pickle.loads(content), is_new
 
 
 @cache
