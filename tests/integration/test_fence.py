@@ -32,7 +32,10 @@ def limited(monkeypatch):
 def test_a_worker_that_gets_no_further_ends_the_evaluation(tmp_path):
     code = load_code(edited(tmp_path, "g1.check", FOREVER))
 
-    with WorkerPool(code, 1, 2) as pool, pytest.raises(WorkerLost, match=r":\d+: .* at tick 5: "):
+    with (
+        WorkerPool(code, 1, 2, EngineSettings()) as pool,
+        pytest.raises(WorkerLost, match=r":\d+: .* at tick 5: "),
+    ):
         list(pool.evaluate_many([MOVED, ()]))
 
 

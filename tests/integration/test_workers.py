@@ -7,6 +7,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import FailedFlight
+from mrsfi_runtime.record.engine_settings import EngineSettings
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
 
@@ -20,7 +21,7 @@ SPECIFICATIONS = [
 def test_any_number_of_workers_gives_the_same_results_in_order():
     results = []
     for n_workers in (1, 2):
-        with WorkerPool(load_code(GENERATED), 1, n_workers) as pool:
+        with WorkerPool(load_code(GENERATED), 1, n_workers, EngineSettings()) as pool:
             results.append(list(pool.evaluate_many(SPECIFICATIONS)))
 
     assert results[0] == results[1]
@@ -39,7 +40,7 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
 def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers, body, told):
     folder = edited(tmp_path, "g2.check", body)
 
-    with WorkerPool(load_code(folder), 1, n_workers) as pool:
+    with WorkerPool(load_code(folder), 1, n_workers, EngineSettings()) as pool:
         results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
 
     assert all(isinstance(result, FailedFlight) for result in results)

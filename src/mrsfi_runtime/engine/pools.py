@@ -29,13 +29,8 @@ class WorkerPool(Evaluator):
     """Worker processes that each load the generated code once."""
 
     def __init__(
-        self,
-        code: MissionCode,
-        seed: int,
-        n_workers: int = 1,
-        settings: EngineSettings | None = None,
+        self, code: MissionCode, seed: int, n_workers: int, settings: EngineSettings
     ) -> None:
-        settings = EngineSettings() if settings is None else settings
         self._seed = seed
         self._open_engine = partial(
             _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
