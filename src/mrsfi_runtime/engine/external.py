@@ -224,7 +224,7 @@ def places_of(url: str) -> Places:
 
 
 def joined(
-    command: str | None, settings: EngineSettings, types: TypeTable, opened: ExitStack
+    settings: EngineSettings, types: TypeTable, opened: ExitStack, command: str | None = "{url}"
 ) -> tuple[EmbeddedTransport, str]:
     """Embed a server for a program, until ``opened`` closes; return a transport and its URL.
 
@@ -239,6 +239,13 @@ def joined(
     embedded = EmbeddedTransport(bridge)
     opened.callback(embedded.close)
     return embedded, bridge.url if token is None else f"{bridge.url}/?token={token}"
+
+
+def at_server(url: str, settings: EngineSettings, opened: ExitStack) -> RosbridgeTransport:
+    """Return a connection to a server that runs already, until ``opened`` closes."""
+    server = RosbridgeTransport(url, settings.client, settings.ros)
+    opened.callback(server.close)
+    return server
 
 
 class ExternalEngine(PlainEngine):
@@ -264,7 +271,7 @@ class ExternalEngine(PlainEngine):
     def started_world(self, opened: ExitStack) -> EmbeddedTransport:
         """Return the transport of a simulation, which the first flight starts."""
         command, types = self.settings.world_command or "", TypeTable(ros=self.settings.ros)
-        transport, url = joined(command, self.settings, types, opened)
+        transport, url = joined(self.settings, types, opened, command)
         self.keep_world(command, places_of(url), opened)
         return transport
 
@@ -380,13 +387,12 @@ class InjectorEngine(ExternalEngine):
         if settings.name == ROS2:
             return self._join_domain(speech, opened)
         if settings.url is not None:
-            server = RosbridgeTransport(settings.url, settings.client, settings.ros)
-            opened.callback(server.close)
+            server = at_server(settings.url, settings, opened)
             if not settings.has_own_world:
                 self._world = self.bundled(PrefixedTransport(server, settings.world_prefix))
             transport = PrefixedTransport(server, settings.node_prefix)
             return transport, Pace(settings.node_pace), places_of(settings.url)
-        embedded, url = joined(settings.node, settings, speech.types, opened)
+        embedded, url = joined(settings, speech.types, opened, settings.node)
         self._embedded = embedded
         if not settings.has_own_world:
             self._world = self.bundled(self.started_world(opened))

@@ -13,21 +13,19 @@ References
 Source paper, sections III-F and III-G.
 """
 
-import secrets
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple
 from multiprocessing.connection import Connection
 from subprocess import DEVNULL, TimeoutExpired
 from threading import Thread
 
-from mrsfi_bridge.embedded import EmbeddedBridge
-from mrsfi_bridge.settings import ServerSettings, TypeTable
+from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport, Patience
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.engine.external import ExternalEngine, child_of, ending
+from mrsfi_runtime.engine.external import ExternalEngine, at_server, child_of, ending, joined
 from mrsfi_runtime.errors import (
     MrsfiError,
     TransportClosed,
@@ -74,18 +72,12 @@ def serve_simulation(
 @contextmanager
 def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
     """Yield a transport and the URL of its server."""
-    url, ros = settings.url, settings.ros
-    if url is not None:
-        with closing(RosbridgeTransport(url, settings.client, ros)) as joined:
-            yield PrefixedTransport(joined, settings.world_prefix), url
-        return
-    token = secrets.token_urlsafe()  # keeps out other users of this machine
-    with (
-        errors_as_ours(),
-        EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
-        closing(EmbeddedTransport(bridge)) as embedded,
-    ):
-        yield embedded, f"{bridge.url}/?token={token}"
+    with errors_as_ours(), ExitStack() as opened:
+        if settings.url is None:
+            yield joined(settings, TypeTable(ros=settings.ros), opened)
+        else:
+            server = at_server(settings.url, settings, opened)
+            yield PrefixedTransport(server, settings.world_prefix), settings.url
 
 
 def main(number: int) -> None:
@@ -193,18 +185,12 @@ class RosbridgeEngine(ExternalEngine):
         settings, url = self.settings, self.settings.url
         if settings.world_command is not None:
             return self.started_world(opened)
-
-        def join(url: str) -> RosbridgeTransport:
-            transport = RosbridgeTransport(url, settings.client, settings.ros)
-            opened.callback(transport.close)
-            return transport
-
         # first: it explains best what is wrong with the URL
-        found = None if url is None else join(url)
+        found = None if url is None else at_server(url, settings, opened)
         if settings.side == BOTH:
             self.simulation = SimulationProcess(self.code, settings)
             opened.callback(self.simulation.close)
-            found = found or join(self.simulation.url)
+            found = found or at_server(self.simulation.url, settings, opened)
         assert found is not None  # the settings made sense
         return found
 
