@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from importlib.machinery import ModuleSpec, SourceFileLoader
-from importlib.util import module_from_spec
+from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any, cast
@@ -202,9 +202,7 @@ def _name_of(*paths: Path) -> str:
 def load_module(name: str, path: Path) -> ModuleType:
     """Import a file under a name; if this fails, it is an ``EvaluationError``."""
     loader = _SourceLoader(name, str(path.absolute()))
-    spec = ModuleSpec(name, loader, origin=loader.path)
-    spec.has_location = True
-    module = module_from_spec(spec)
+    module = module_from_spec(cast("ModuleSpec", spec_from_loader(name, loader)))
     sys.modules[name] = module
     as_ours = partial(failed, directory=path.parent, what="cannot be imported", file=path)
     with fenced(as_ours), importing(path.parent, module):
