@@ -46,8 +46,6 @@ def margin(world: State, g: int, least: float) -> tuple[float, int]:
             gap = distance(robot.x, robot.y, second.x, second.y)
             most = max(most, abs(gap - goal.distance))
     left = goal.tolerance - most
-    if left <= least:
-        return left, 1
     return left, patience(left, least, 2.0 * world.longest[g])
 
 

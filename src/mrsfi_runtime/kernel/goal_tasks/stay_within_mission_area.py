@@ -70,8 +70,6 @@ def settle(view: State, g: int) -> None:
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
     """Return how far inside the outermost required member is, and when that can be less."""
     left = world.mission.radius - math.sqrt(-decisive(world, g))
-    if left <= least:
-        return left, 1
     return left, patience(left, least, world.longest[g])
 
 
