@@ -37,7 +37,6 @@ from mrsfi_runtime.cosimulation.bus_topics import (
     CountedTopics,
     Go,
     Patience,
-    Process,
     Setup,
     Tick,
     numbers,
@@ -50,6 +49,7 @@ from mrsfi_runtime.cosimulation.lockstep import (
     Simulation,
     take_true_values,
 )
+from mrsfi_runtime.cosimulation.programs import KeptProcess
 from mrsfi_runtime.errors import (
     MrsfiError,
     ProtocolError,
@@ -128,7 +128,7 @@ class BusLockstep:
         truth: tuple[Topic, ...],
         patience: Patience,
         mind: Mind | None = None,
-        process: Process | None = None,
+        process: KeptProcess | None = None,
         most_late: int = 0,
     ) -> None:
         self._transport = transport
@@ -214,9 +214,8 @@ class BusLockstep:
         """
         self._n_runs += 1
         self._refusal = None
-        process = self._process
-        if process is not None and (process.restarts or process.ended() or not process.pid):
-            process.start(seed)
+        if self._process is not None and self._process.is_due:
+            self._process.start(seed)
         deadline = monotonic() + self._patience.handshake
         is_overtaken = False
         while True:
@@ -256,8 +255,7 @@ class BusLockstep:
         return reply
 
     def _ending(self) -> TransportClosed | None:
-        how = "" if self._process is None else self._process.ended()
-        return TransportClosed(f"the simulation ended: {how}") if how else None
+        return None if self._process is None else self._process.ended()
 
     def _overdue(self, silence: float) -> MrsfiError | None:
         if (ended := self._ending()) is not None:

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any, Final, NamedTuple, Protocol, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.transport.topics import (
@@ -351,25 +351,6 @@ class Patience:
 
     tick: float = 10.0
     handshake: float = 30.0
-
-
-class Process(Protocol):
-    """An external program that is started here; ``pid`` is 0 while it does not run.
-
-    If ``restarts`` is set, each flight starts it anew, and otherwise the first.
-    """
-
-    pid: int
-    restarts: bool
-
-    def start(self, seed: int) -> None:
-        """End it if it runs, and start it for a mission seed."""
-
-    def stop(self) -> None:
-        """End it if it runs."""
-
-    def ended(self) -> str:
-        """Return how it ended, or an empty text while it runs."""
 
 
 ANSWER, BARRIER = "answer", "barrier"

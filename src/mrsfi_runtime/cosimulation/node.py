@@ -26,11 +26,11 @@ from mrsfi_runtime.cosimulation.bus_topics import (
     TICK,
     Pace,
     Patience,
-    Process,
     Setup,
 )
 from mrsfi_runtime.cosimulation.lockstep import Flight, Mind
 from mrsfi_runtime.cosimulation.node_speech import Hearing, Held, Relay, Speech
+from mrsfi_runtime.cosimulation.programs import KeptProcess
 from mrsfi_runtime.errors import (
     MrsfiError,
     ProtocolError,
@@ -74,7 +74,7 @@ class Node(Mind):
         speech: Speech,
         pace: Pace,
         patience: Patience,
-        process: Process | None = None,
+        process: KeptProcess | None = None,
     ) -> None:
         self._transport = transport
         self.speech = speech
@@ -125,9 +125,7 @@ class Node(Mind):
         self._n_obeyed = 0
         deadline = monotonic() + self._patience.handshake
         is_new = self._ready is None
-        if self._process is not None and (
-            self._restarts or self._process.ended() or not self._process.pid
-        ):
+        if self._process is not None and self._process.is_due:
             self._process.stop()
             gone = monotonic() + 2.0  # or another client subscribes, too
             while self._joined() and monotonic() < gone:
@@ -215,8 +213,7 @@ class Node(Mind):
             raise self._wrong(f"the server refused a message of the node: {reason}")
 
     def _ending(self) -> TransportClosed | None:
-        how = "" if self._process is None else self._process.ended()
-        return TransportClosed(f"the node ended: {how}") if how else None
+        return None if self._process is None else self._process.ended()
 
     def _wrong(self, text: str) -> ProtocolError:
         self.is_to_blame = True

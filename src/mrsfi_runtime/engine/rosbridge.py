@@ -25,7 +25,8 @@ from mrsfi_bridge.settings import TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import SimulationHost
 from mrsfi_runtime.cosimulation.bus_topics import GO_BUNDLE, BundlingTransport, Patience
 from mrsfi_runtime.cosimulation.lockstep import Flight
-from mrsfi_runtime.engine.external import ExternalEngine, at_server, child_of, ending, joined
+from mrsfi_runtime.cosimulation.programs import child_of, ending
+from mrsfi_runtime.engine.external import ExternalEngine, at_server, joined
 from mrsfi_runtime.errors import (
     MrsfiError,
     TransportClosed,
