@@ -286,13 +286,16 @@ class ClusterPool(Evaluator):
                     first += size
                     n_wanted -= 1
                 while waiting and waiting[0].done():
-                    results, seconds = self._result(waiting.popleft())
+                    with self._translated():
+                        results, seconds = waiting.popleft().result()
                     self._pace.learn(len(results), seconds)
                     yield from results
                 if waiting:
                     self._wait(waiting)
         finally:
-            self._give_up(waiting)
+            if waiting and self._client.status == "running":  # chunks that are no longer needed
+                with suppress(OSError, CancelledError):
+                    self._client.cancel(waiting)
 
     def _shipped(self, shipment: Shipment, settings: EngineSettings) -> str:
         """Send a mission's code once to each present and later worker; return the plugin's name."""
@@ -318,12 +321,6 @@ class ClusterPool(Evaluator):
         with self._translated():
             return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
 
-    def _result(self, future: Any) -> EvaluatedChunk:
-        """Return the results of a chunk, or raise the reason why there are none."""
-        with self._translated():
-            evaluated: EvaluatedChunk = future.result()
-        return evaluated
-
     def _wait(self, futures: Iterable[Any]) -> None:
         """Wait for another chunk, at most a second; raise if workers are missing for too long."""
         open_ones = [future for future in futures if not future.done()]
@@ -337,12 +334,6 @@ class ClusterPool(Evaluator):
             raise TransportError(
                 f"{self._address} has had no worker for {WORKER_SECONDS:g} s; {self._advice()}"
             )
-
-    def _give_up(self, futures: Sequence[Any]) -> None:
-        """Cancel chunks that are no longer needed."""
-        if futures and self._client.status == "running":
-            with suppress(OSError, CancelledError):
-                self._client.cancel(futures)
 
     @contextmanager
     def _translated(self) -> Iterator[None]:
