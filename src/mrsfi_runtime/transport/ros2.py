@@ -298,13 +298,10 @@ class _Call:
 
     def _send(self, message: Any) -> None:
         """Send a request until the first reply: who serves may not know this client yet."""
-        self.writer.write(message)
-        if not self.is_met:
-            self._later(_AGAIN, partial(self._send_again, message))
-
-    def _send_again(self, message: Any) -> None:
         if message.seq in self._open:
-            self._send(message)
+            self.writer.write(message)
+            if not self.is_met:
+                self._later(_AGAIN, partial(self._send, message))
 
     def receive(self, message: Any) -> None:
         """Take a reply, which may be that of another client."""
