@@ -180,7 +180,6 @@ class BusLockstep:
             self._topics.open()
             world = initial_state(self._mission, seed)
             flight.begin(world, sends_all=True)  # the simulation may be external
-            world.commands, world.switches = flight.sent.commands, flight.sent.switches
             self._mind.soon(partial(self._send_go, 0))
             self._completion.wait(self._overdue)
             self._topics.close()

@@ -45,7 +45,6 @@ from mrsfi_runtime.kernel.state import (
     RobotState,
     SensorState,
     State,
-    SwitchState,
     excess,
 )
 from mrsfi_runtime.model.fault_types import FaultType
@@ -238,10 +237,10 @@ Observer: TypeAlias = Callable[[State, State, Verdicts], None]
 class Flight:
     """One run: the collective intelligence takes its steps, and every tick is judged.
 
-    ``world`` is the true state, moved by the caller; until the run begins, it is also the belief.
-    ``plan`` are the faults. ``sent`` are the last commands sent to the simulation, ``verdicts``
-    the counts so far, once per goal and tick. ``observer`` is called every tick. It must not change
-    its arguments; the next tick changes them.
+    ``world`` is the true state, moved by the caller, with the last commands sent to the simulation;
+    until the run begins, it is also the belief. ``plan`` are the faults, ``verdicts`` the counts so
+    far, once per goal and tick. ``observer`` is called every tick. It must not change its
+    arguments; the next tick changes them.
     """
 
     def __init__(
@@ -254,13 +253,15 @@ class Flight:
         observer: Observer | None = None,
     ) -> None:
         self.world = self.belief = first_state(mission, seed)
-        self.sent = _orders(self.belief)
         self.verdicts = no_verdicts(len(mission.goals))
         self._functions = functions
         self.plan = plan
         self._interface = interface
         self._inbox = first_state(mission, seed)
-        self._orders = _orders(self.belief)
+        self._orders = Orders(
+            [replace(command) for command in self.belief.commands],
+            [replace(switch) for switch in self.belief.switches],
+        )
         self._observer = observer
 
     def begin(self, world: State, *, sends_all: bool = False) -> None:
@@ -297,7 +298,7 @@ class Flight:
 
     def _send(self, *, sends_all: bool = False) -> None:
         """Send the commands that changed, or all."""
-        orders, sent, interface = self._orders, self.sent, self._interface
+        orders, sent, interface = self._orders, self.world, self._interface
         for index, order in enumerate(orders.commands):
             last = sent.commands[index]
             is_turned = order.heading_x != last.heading_x or order.heading_y != last.heading_y
@@ -337,13 +338,6 @@ class Mind:
 
     def end(self) -> None:
         """Finish a flight."""
-
-
-def _orders(state: State) -> Orders:
-    return Orders(
-        [replace(command) for command in state.commands],
-        [SwitchState(switch.active, 0) for switch in state.switches],
-    )
 
 
 def true_values(world: State, index: int) -> list[float]:
