@@ -382,12 +382,17 @@ class SimulationHost:
         transport.provide(STOP, self._on_stop)
 
     def serve(self) -> None:
-        """Serve runs until ``stop`` is called.
+        """Serve runs until ``stop`` is called, or until an error, whose reason the CI receives.
 
         Lost messages, a lost connection, and a CI of other semantics are a ``TransportError``.
         Errors of the simulation's own code are raised as is.
         """
-        self._completion.wait(self._overdue)
+        try:
+            self._completion.wait(self._overdue)
+        except Exception as error:
+            with suppress(TransportError):
+                self._failure({"data": f"{self.where()}: {error}"})
+            raise
 
     def stop(self) -> None:
         """Let ``serve`` return; may be called by any thread."""
@@ -400,10 +405,6 @@ class SimulationHost:
         if not self._topics.is_open:
             return "no run"
         return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._topics.tick}"
-
-    def report_failure(self, error: Exception) -> None:
-        """Send the CI the reason why the simulation cannot continue."""
-        self._failure({"data": f"{self.where()}: {error}"})
 
     def _fail(self, error: Exception) -> None:
         self._failed_at = self.where()

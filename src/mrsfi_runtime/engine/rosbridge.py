@@ -61,13 +61,8 @@ def serve_simulation(
         on_ready(reached, host)
         try:
             host.serve()
-        except Exception as error:
-            where = host.where()
-            with suppress(TransportError):
-                host.report_failure(error)
-            if isinstance(error, TransportError):
-                raise type(error)(f"{where}: {error}") from error
-            raise
+        except TransportError as error:
+            raise type(error)(f"{host.where()}: {error}") from error
 
 
 @contextmanager

@@ -204,14 +204,13 @@ def flown_in_process(specification=(), code=CODE):
 
 @contextmanager
 def served(simulation):
-    """Serve in a thread until the simulation fails, and tell the other side; yield its errors."""
+    """Serve in a thread until the simulation fails; yield its errors."""
     ended = []
 
     def serve():
         try:
             simulation.serve()
         except TransportError as error:
-            simulation.report_failure(error)
             ended.append(str(error))
 
     thread = Thread(target=serve)
