@@ -272,7 +272,7 @@ class ClusterPool(Evaluator):
     ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come."""
         seed = self._seed if seed is None else seed
-        self.n_workers = n_workers = max(self._count_workers(), 1)  # none is reported in a while
+        self.n_workers = n_workers = max(self._count_workers(), 1)  # `_wait` reports none
         first = 0
         waiting: deque[Any] = deque()
         try:
