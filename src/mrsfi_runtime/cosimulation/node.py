@@ -162,8 +162,7 @@ class Node(Mind):
 
     def overdue(self, silence: float) -> MrsfiError | None:
         """Return the error, if any, after so many seconds without progress."""
-        if (ended := self._ending()) is not None:
-            self.is_to_blame = True
+        if (ended := self._ended()) is not None:
             return ended
         if silence <= self._patience.tick or self._pace.is_free:
             return None
@@ -211,9 +210,6 @@ class Node(Mind):
         is_flying = self._flight is not None and self._has_flown
         if is_flying and topic in self.speech.obeyed | {"", self._mapping.answer.name}:
             raise self._wrong(f"the server refused a message of the node: {reason}")
-
-    def _ending(self) -> TransportClosed | None:
-        return None if self._process is None else self._process.ended()
 
     def _wrong(self, text: str) -> ProtocolError:
         self.is_to_blame = True
@@ -389,8 +385,8 @@ class Node(Mind):
             raise ended
 
     def _ended(self) -> TransportClosed | None:
-        """Return that the node's process has ended; after a flight, the node is to blame."""
-        ended = self._ending()
+        """Return that the node's process has ended; once it was ready, it is to blame."""
+        ended = None if self._process is None else self._process.ended()
         self.is_to_blame |= ended is not None and self._has_flown
         return ended
 
