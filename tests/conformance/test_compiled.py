@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -34,7 +35,7 @@ from tests.support.models.shapes import small_mission
 from tests.support.trace import traced
 from tests.support.tree import ROOT
 from tests.support.triggers import with_triggers
-from tests.support.world import paper_code, specifications
+from tests.support.world import code_of, paper_code, specifications
 from tests.tiers import night, seeds, slow
 
 SEED = 3
@@ -79,12 +80,13 @@ def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n, d
     assert outcomes == [reference.evaluate(specification) for specification in drawn]
 
 
-def test_a_robot_believed_to_be_just_ahead_of_another_is_avoided_at_once():
-    """Robots that are far apart are looked at less often when compiled, unless one jumps."""
+@pytest.mark.parametrize(("fault", "told"), [("f11", "r3"), ("f9", None)])
+def test_what_is_believed_to_be_just_ahead_of_a_robot_is_avoided_at_once(fault, told):
+    """What is far away is looked at less often when compiled, unless a belief is false."""
     code = paper_code(120)
     reference = ReferenceEngine(code, SEED)
     (moments,) = reference.record(()).moments()
-    told = code.mission.robot_index["r3"]  # whose position the fault falsifies
+    told = code.mission.robot_index.get(told)  # whose position the fault falsifies
     ahead = []
     for tick in range(5, 100, 5):
         for other in {*range(len(code.mission.robots))} - {told}:
@@ -92,7 +94,7 @@ def test_a_robot_believed_to_be_just_ahead_of_another_is_avoided_at_once():
                 moments["world"][name][tick, other] for name in ("robots", "commands")
             )
             x, y = (robot[axis] + 20.0 * command[f"heading_{axis}"] for axis in "xy")
-            ahead.append((TimedFault("f11", tick, tick + 2, (float(x), float(y), 1.0)),))
+            ahead.append((TimedFault(fault, tick, tick + 2, (float(x), float(y), 1.0)),))
 
     with open_engine(COMPILED, code, SEED, 2) as engine:
         outcomes = list(engine.evaluate_many(ahead))
@@ -100,6 +102,32 @@ def test_a_robot_believed_to_be_just_ahead_of_another_is_avoided_at_once():
     assert outcomes == [reference.evaluate(specification) for specification in ahead]
     turned = {outcome.digest for outcome in outcomes}
     assert len(turned) == len(ahead)
+
+
+def test_a_robot_that_reports_its_position_again_is_checked_at_once():
+    """It goes on, and comes near others, while its GPS sensor is off."""
+    code = code_of("atlas_search", 250)
+    off = [(TimedFault("f24", first, first + 110, ()),) for first in range(60, 130, 7)]
+    reference = ReferenceEngine(code, 1)
+
+    with open_engine(COMPILED, code, 1) as engine:
+        assert [*engine.evaluate_many(off)] == [reference.evaluate(each) for each in off]
+
+
+def test_a_robot_near_the_edge_of_the_mission_area_turns_back_at_the_same_tick():
+    """The edge is far from the robots of the paper's mission; here it is where they roam."""
+    given = paper_code(250)
+    turned = set()
+    for radius in (330.0, 400.0, 470.0, 540.0):
+        area = replace(given.mission.area, radius=radius)
+        code = replace(given, mission=replace(given.mission, area=area))
+        drawn = ((), *specifications(code, 3))
+        reference = ReferenceEngine(code, SEED)
+        with open_engine(COMPILED, code, SEED) as engine:
+            outcomes = [*engine.evaluate_many(drawn)]
+        assert outcomes == [reference.evaluate(each) for each in drawn]
+        turned.add(outcomes[0].digest)
+    assert len(turned) > 2
 
 
 @pytest.mark.parametrize("name", ["depot", "fleet_30", "undersea", "uuv_sampling"])

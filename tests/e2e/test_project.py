@@ -14,10 +14,12 @@ import pytest
 
 from m2t.models.load import load_mission_folder, load_specification, write_specification
 from mrsfi.engines import Project, project
+from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.project_file import project_metamodels
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, attribute, copy_metamodels
 from tests.support.tree import ROOT
+from tests.support.world import paper_code
 from tests.tiers import slow
 
 SETTINGS = """[project]
@@ -158,7 +160,8 @@ def test_a_script_that_loads_models_reads_them_too_from_anywhere_inside(place, m
 
     assert models.mission.robots[0].payload == 3.5
     assert "MRSFI_METAMODELS" not in os.environ
-    write_specification(models, [("f9", 0, 9, {})], Path("one.xmi"), identifier="one")
+    timed = TimedFault("f9", 0, 9, (200.0, -450.0, 1.0))
+    write_specification(models, paper_code().pool, (timed,), Path("one.xmi"), identifier="one")
     assert load_specification(Path("one.xmi")).mission.robots[0].payload == 3.5
 
 

@@ -164,12 +164,8 @@ def test_a_draw_that_is_a_bound_is_not_below_it(harbour, tick):
 
 def test_specifications_in_xmi_are_read_and_fly_alike(harbour, tmp_path):
     faults = (TimedFault("h23", 10, 40, (1.5, -3.0, 0.25)), TimedFault("h15", 5, 99, (12.0,)))
-    rows = [
-        ("h23", 10, 40, {"NEW_X": 1.5, "NEW_Y": -3.0, "NEW_Z": 0.25}),
-        ("h15", 5, 99, {"FIXED_VAL": 12.0}),
-    ]
     path = tmp_path / "found.xmi"
-    write_specification(HARBOUR, rows, path, identifier="found")
+    write_specification(HARBOUR, harbour.code.pool, faults, path, identifier="found")
 
     harbour.fly(faults, 5, read_specification(harbour.mission, path))
 

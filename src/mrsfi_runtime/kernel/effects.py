@@ -137,7 +137,7 @@ def believe(
     target, tick = injection.target, ci.mission.tick
     a, b, _ = value
     if injection.affected == POSITION:
-        ci.mission.displaced = tick + 1
+        ci.map.displaced = tick + 1
         robot = ci.robots[target]
         robot.x, robot.y, robot.z = value
     elif injection.affected == OBSTACLE:
@@ -155,7 +155,7 @@ def believe(
     else:
         ci.sensors[target].rate = a
     if injection.affected != POSITION:
-        ci.mission.misled = tick + 1
+        ci.map.misled = tick + 1
     note(plan, injection, tick, a != before[0] or b != before[1])
 
 
@@ -327,7 +327,7 @@ def send(world: State, inbox: State) -> None:
             sent.x, sent.y = reported_place(world, index)
             sent.z = robot.z
         else:
-            inbox.mission.displaced = world.mission.tick + 1
+            inbox.map.displaced = world.mission.tick + 1
         sent.speed = robot.speed
         sent.energy = robot.energy
     for index in range(len(world.sensors)):
@@ -345,7 +345,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     and costs) are reset to the model's values, so that no effect outlives its window.
     """
     remember(ci, plan)
-    ci.mission.displaced = max(ci.mission.displaced, inbox.mission.displaced)
+    ci.map.displaced = max(ci.map.displaced, inbox.map.displaced)
     for index in range(len(ci.robots)):
         robot, wake = ci.robots[index], ci.wakes[index]
         sent = inbox.robots[index]

@@ -50,11 +50,7 @@ def no_memory() -> MutableSequence[float]:
 
 @dataclass(slots=True)
 class MissionState:
-    """The mission: ticks are ``0 … duration - 1``; the area is a disc.
-
-    ``displaced`` is the last tick at which a robot's position may be false in belief, or may have
-    jumped since the tick before, ``misled`` that at which anything else may; in truth nothing does.
-    """
+    """The mission: ticks are ``0 … duration - 1``; the area is a disc."""
 
     seed: int
     tick: int
@@ -62,8 +58,6 @@ class MissionState:
     x: float
     y: float
     radius: float
-    displaced: int = -1
-    misled: int = -1
 
 
 @dataclass(slots=True)
@@ -314,11 +308,13 @@ class HeardState:
 
 @dataclass(slots=True)
 class MapState:
-    """The map of ``kernel.neighbours``: its lower left corner, and its resolution.
+    """The map of ``kernel.neighbours``: its lower left corner, its resolution, and what is wrong.
 
     A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
     ``is_wrong`` is 1 if the believed position of an obstacle may differ from the model's; code
-    that moves an obstacle must set it. ``was_wrong`` is 1 if it was so a tick ago.
+    that moves an obstacle must set it. ``was_wrong`` is 1 if it was so a tick ago. ``displaced`` is
+    the last tick at which a robot's position may be false in belief, or may have jumped since the
+    tick before, ``misled`` that at which another property may be; in truth none is.
     """
 
     x: float
@@ -327,6 +323,8 @@ class MapState:
     reach: float
     is_wrong: int
     was_wrong: int = 0
+    displaced: int = -1
+    misled: int = -1
 
 
 @dataclass(frozen=True, slots=True)

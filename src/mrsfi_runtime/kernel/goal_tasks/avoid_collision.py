@@ -95,7 +95,7 @@ def rouse(view: State, g: int) -> None:
     goal, tick = view.goals[g], view.mission.tick
     if goal.n_members > FEW:
         return
-    may_jump = view.mission.displaced >= tick
+    may_jump = view.map.displaced >= tick
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]

@@ -97,7 +97,7 @@ def is_quiet(view: State, g: int) -> bool:
     tick, goal = view.mission.tick, view.goals[g]
     if len(view.quiet) == 0 or view.quiet[g] <= tick:
         return False
-    if view.mission.displaced >= tick:
+    if view.map.displaced >= tick:
         for m in range(goal.first_member, goal.first_member + goal.n_members):
             robot = view.robots[view.members[m].robot]
             if jumps(view.wakes[view.members[m].robot], robot.x, robot.y):

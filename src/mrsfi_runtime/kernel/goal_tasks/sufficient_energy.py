@@ -45,7 +45,7 @@ decisive = kth_best(energy)
 def violated(view: State, g: int) -> bool:
     """Return whether fewer members than required have the energy that the forecast needs."""
     tick = view.mission.tick
-    if len(view.quiet) > 0 and view.mission.misled < tick:
+    if len(view.quiet) > 0 and view.map.misled < tick:
         if view.quiet[g] > tick:
             return False
         if abs(view.quiet[g]) <= tick:
