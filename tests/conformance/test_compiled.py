@@ -116,11 +116,12 @@ def test_a_robot_that_reports_its_position_again_is_checked_at_once():
 
 def test_a_robot_near_the_edge_of_the_mission_area_turns_back_at_the_same_tick():
     """The edge is far from the robots of the paper's mission; here it is where they roam."""
-    given = paper_code(250)
-    turned = set()
+    given, turned = paper_code(250), set()
+    known = given.mission.robots
+    robots = tuple(replace(each, max_speed=each.speed, turn_rate=20.0) for each in known)
     for radius in (330.0, 400.0, 470.0, 540.0):
         area = replace(given.mission.area, radius=radius)
-        code = replace(given, mission=replace(given.mission, area=area))
+        code = replace(given, mission=replace(given.mission, area=area, robots=robots))
         drawn = ((), *specifications(code, 3))
         reference = ReferenceEngine(code, SEED)
         with open_engine(COMPILED, code, SEED) as engine:
