@@ -9,6 +9,10 @@ for how many ticks a margin need not be computed, as it cannot fall below the le
 member's value falls by more than a bound in a tick, neither does the ``kth_best``: the k members
 that are best now all keep a value of at least the present k-th best minus the bound.
 
+The same bound makes a goal *quiet* until the tick at which one of its members can break the rule,
+or has to react to it: it is not checked before, unless a belief may be false (``is_quiet``). No
+goal is quiet in flights of the reference engine, or where a team's code may change a state.
+
 References
 ----------
 Margins are the robustness of signal temporal logic (A. Donzé and O. Maler, "Robust Satisfaction of
