@@ -310,7 +310,7 @@ class ResumableRecord:
         ``number`` were asked for before these; ``index`` of those were evaluated without error.
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
-        evaluations = self.store.evaluations(index, n_known)
+        evaluations = iter([*self.store.evaluations(index, n_known)])
         results: list[Result] = []
         for place, asked in enumerate(specifications[:n_known], number):
             result = self.failures.get(place) or next(evaluations, None)

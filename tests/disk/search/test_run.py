@@ -105,7 +105,7 @@ def run(store: CampaignStore, interruption: Interruption | None = None) -> int:
     return next(numbers)
 
 
-@pytest.mark.parametrize("stride", [19, pytest.param(3, marks=slow)])
+@pytest.mark.parametrize("stride", [19, pytest.param(1, marks=slow)])
 def test_what_was_evaluated_before_an_interrupt_is_stored_once_and_resumed(stride):
     with store_of([]) as whole:
         n_whole = run(whole)
