@@ -5,7 +5,7 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import pytest
 
@@ -14,6 +14,7 @@ from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 from tests.support.rendezvous import searched, write_rendezvous
 from tests.support.rosbridge import process
+from tests.support.undrawn import empty_figures
 
 Ended: TypeAlias = subprocess.CompletedProcess[str]
 
@@ -25,18 +26,8 @@ def undrawn() -> Iterator[None]:
     Only while a module runs, as workers go to and fro between the rooms. Processes of their own
     draw figures, unless ``UNDRAWN`` is on their path.
     """
-
-    drawn: Any = Illustration.save
-
-    def save(illustration: Illustration, folder: Path, *suffixes: str) -> None:
-        if suffixes:  # for a paper
-            drawn(illustration, folder, *suffixes)
-            return
-        for suffix in (".png", ".svg"):
-            (folder / f"{illustration.name}{suffix}").write_bytes(b"")
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Illustration, "save", save)
+        patch.setattr(Illustration, "save", empty_figures.save)
         yield
 
 
