@@ -15,7 +15,7 @@ Source paper, sections III-B b) and III-G; what each fault does, in ``docs/fault
 from array import array
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.state import State, no_memory
@@ -164,7 +164,7 @@ OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
 
 _START: Final = 4
 _FINISH: Final = 5  # positions of the first and the last active tick in a row
-_TRIGGER = attrgetter("trigger")
+_ABSENT: Final = ((0.0, 0.0, 0.0), (0.0, 0.0), (0.0,), ())  # by the number of values
 
 
 class PlanRows(NamedTuple):
@@ -246,16 +246,17 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     """Return the plan of a fault specification as rows."""
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]] = ([], [], [])
     own: list[OwnRow] = []
-    n_held = 0
+    n_held, waits = 0, False
     for number, timed in enumerate(specification):
-        fault, start, finish, values, _ = timed
+        fault, start, finish, values, trigger = timed
+        waits |= trigger != ""
         kind, change, is_random, is_held_back, targets, places = shapes[fault]
         if kind.effect >= 0:  # user-defined
             own += _own_rows(number, timed, kind, targets)
             continue
         if change is not None:
             values = change(*values)
-        a, b, c = (*values, 0.0, 0.0, 0.0)[:3]
+        a, b, c = values + _ABSENT[len(values)]
         delay = 0
         if is_held_back:
             finish, delay = _held_back(timed, kind.mode, shapes.last)
@@ -267,7 +268,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     for listed in (*lists, own):
         listed.sort(key=itemgetter(_START))
     rows = PlanRows(lists, own, n_held, len(specification))
-    return _waiting(shapes, specification, rows) if any(map(_TRIGGER, specification)) else rows
+    return _waiting(shapes, specification, rows) if waits else rows
 
 
 def _waiting(shapes: FaultShapes, specification: Specification, rows: PlanRows) -> PlanRows:
