@@ -374,7 +374,8 @@ def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tel
             done = f"harvest  {n_done} of at most {n_most} {unit}"
             tell_of(lambda: f"{done}  {_found(known.weaknesses())}  {time_left(rest)}")
 
-    n, found = find_weaknesses(space, store, evaluator.evaluate_many, engine.record, progress)
+    evaluate, record = evaluator.evaluate_many, partial(evaluator.record_many, engine)
+    n, found = find_weaknesses(space, store, evaluate, record, progress)
     if store.n_flights > n_before:
         tell(f"harvest  {counted(n, 'flights')}  {_found(found)}")
 
@@ -390,7 +391,7 @@ def _found(weaknesses: Iterable[Weakness]) -> str:
 def refined(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
-    record: Record,
+    engine: Engine,
     found: Sequence[GoalWeakness],
     n_seeds: int | None,
     *,
@@ -407,6 +408,7 @@ def refined(
     if is_mildest:
         space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
         shown, seeds = [each.shown for each in found], following(seed, shrinking.N_SEEDS)
+        record = partial(evaluator.record_many, engine)
         least = shrinking.mildest(space, known, shown, prober, record, seeds)
         judged = [one.weakness for one in least]
     if n_seeds is not None:

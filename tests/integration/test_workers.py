@@ -2,6 +2,7 @@
 
 import pytest
 
+from mrsfi_runtime.engine import recording
 from mrsfi_runtime.engine.flights import ReferenceEngine
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.generated_code import load_code
@@ -27,6 +28,20 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
     assert results[0] == results[1]
     engine = ReferenceEngine(load_code(GENERATED), 1)
     assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
+
+
+def test_workers_record_what_an_engine_here_would(monkeypatch):
+    monkeypatch.setattr(recording, "CHUNK", 1 << 20)  # so that some chunks are compressed
+    here = ReferenceEngine(load_code(GENERATED), 1)
+
+    with WorkerPool(here.code, 1, 2, EngineSettings()) as pool:
+        flown = [*pool.record_many(here, SPECIFICATIONS[:3])]
+
+    for there, expected in zip(flown, here.record_many(here, SPECIFICATIONS[:3]), strict=True):
+        assert there.tallies == expected.tallies
+        assert len(there) == len(expected) == here.code.mission.duration > 2 * there.chunk
+        chunks = zip(there.moments(), expected.moments(), strict=True)
+        assert all(a.tobytes() == b.tobytes() for a, b in chunks)
 
 
 @pytest.mark.parametrize(

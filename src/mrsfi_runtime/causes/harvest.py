@@ -37,7 +37,7 @@ from mrsfi_runtime.causes.weakness import (
     Yardstick,
     faults_of,
 )
-from mrsfi_runtime.engine.recording import Record
+from mrsfi_runtime.engine.recording import RecordMany
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated, Margin, Mission, Outcome
 from mrsfi_runtime.record import database
@@ -381,7 +381,7 @@ def harvest(
     space: SearchSpace,
     store: CampaignStore,
     evaluate_many: EvaluateIn,
-    record: Record,
+    record_many: RecordMany,
     on_progress: Progress = lambda *_: None,
 ) -> tuple[int, tuple[Weakness, ...]]:
     """Search for all weaknesses, and record each flight; return how many flew, and what was found.
@@ -421,7 +421,7 @@ def harvest(
     n_others = min(N_SEEDS - 1, left // len(weakness.flown_with(weaknesses)))
     found = weakness.in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
     if yardstick is not None:
-        found = weakness.dated(yardstick, found, record)
+        found = weakness.dated(yardstick, found, record_many)
     smallest = [each.shown for each in least(goal_weaknesses(found))]
     mild: tuple[Mildest, ...] = ()
     if smallest:
@@ -430,7 +430,7 @@ def harvest(
             known,
             smallest,
             prober,
-            record,
+            record_many,
             seeds[:N_MILD],
             lambda n_done, n_all: on_progress("bisections", n_done, n_all, known),
         )

@@ -30,7 +30,7 @@ from mrsfi_runtime.causes.weakness import (
     form,
     parts,
 )
-from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.engine.recording import Recording, RecordMany
 from mrsfi_runtime.kernel.state import PROPERTIES
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks, touched
@@ -163,18 +163,18 @@ def mildest(
     known: Known,
     found: Sequence[Weakness],
     evaluate: EvaluateIn,
-    record: Record,
+    record_many: RecordMany,
     seeds: Sequence[int],
     on_progress: Callable[[int, int], None] = lambda *_: None,
 ) -> tuple[Mildest, ...]:
     """Return the mildest variant of each weakness, in their order.
 
     A variant must break the goal in all ``seeds``, while no part of it does. If no starting variant
-    does, it must do so in as many of the first seeds as the best one. ``known`` and ``record`` are
-    of the first seed. ``on_progress`` receives how many bisections have ended, from 0 on, and how
-    many there are.
+    does, it must do so in as many of the first seeds as the best one. ``known`` and ``record_many``
+    are of the first seed. ``on_progress`` receives how many bisections have ended, from 0 on, and
+    how many there are.
     """
-    deviation, n_ended = Deviation(space, record(())), count()
+    deviation, n_ended = Deviation(space, *record_many([()])), count()
     flown = Breaking(space.gate.mission, evaluate, seeds)
     flown.known |= {(each, seeds[0]): broken for each, broken in known.flown.items()}
     most = sum(len(_AXES) * len(each.witness) for each in found)
@@ -190,7 +190,7 @@ def mildest(
         walks.append(_shrunk(deviation, starts, each.column, seeds, end))
     ended = zip(found, _side_by_side(walks, flown), strict=True)
     least = [_mildest(deviation, known, flown, each, *shrunk) for each, shrunk in ended]
-    with_ticks = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record)
+    with_ticks = dated(flown.yardsticks[seeds[0]], [each.weakness for each in least], record_many)
     return tuple(replace(each, weakness=one) for each, one in zip(least, with_ticks, strict=True))
 
 

@@ -19,7 +19,7 @@ from operator import and_, itemgetter
 from typing import Any, NamedTuple, Self, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import Column, EvaluateIn, Prober
-from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.engine.recording import Recording, RecordMany
 from mrsfi_runtime.errors import EvaluationError, counted
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.model.fault_types import Units
@@ -476,11 +476,11 @@ def in_seeds(
 
 
 def dated(
-    yardstick: Yardstick, weaknesses: Sequence[Weakness], record: Record
+    yardstick: Yardstick, weaknesses: Sequence[Weakness], record_many: RecordMany
 ) -> tuple[Weakness, ...]:
     """Return weaknesses with the ticks from which on goals are broken; each witness is flown."""
     witnesses = dict.fromkeys(each.witness for each in weaknesses)
-    since = {each: yardstick.since(record(each)) for each in witnesses}
+    since = dict(zip(witnesses, map(yardstick.since, record_many(witnesses)), strict=True))
     return tuple(replace(each, since=since[each.witness].get(each.column)) for each in weaknesses)
 
 

@@ -349,7 +349,7 @@ def weaknesses_command(
         is_named = bool(engine)  # a named engine has to be the one that flew it
         if is_told and (is_mildest or n_seeds is not None or is_named):
             with flying_again(run, engine, workers, tell) as (flown, evaluator, own):
-                found = refined(flown, evaluator, own.record, found, n_seeds, is_mildest=is_mildest)
+                found = refined(flown, evaluator, own, found, n_seeds, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)
         if is_bounds:
             campaign_results.print_bounds(campaign.pool, goals, [known, *beside])

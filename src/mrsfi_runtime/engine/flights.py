@@ -53,6 +53,12 @@ class Evaluator(ABC):
     ) -> Iterator[Evaluated]:
         """Evaluate with one mission seed, and yield the results in order, as they come."""
 
+    def record_many(
+        self, own: "Engine", specifications: Iterable[Specification]
+    ) -> Iterator["Recording"]:
+        """Record flights of the default mission seed, in order, on ``own`` if nowhere else."""
+        return map(own.record, specifications)
+
     def close(self) -> None:  # noqa: B027 - most have nothing to release
         """Release its resources, if any; it may be called again."""
 

@@ -7,7 +7,7 @@ import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent import futures  # which imports processes when they are used
 from contextlib import contextmanager
 from functools import lru_cache, partial
@@ -15,6 +15,7 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
 from types import ModuleType
+from typing import TYPE_CHECKING, TypeVar
 
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.opening import open_engine
@@ -23,6 +24,11 @@ from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Evaluated
 from mrsfi_runtime.record.engine_settings import EngineSettings
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.recording import Recording
+
+Result = TypeVar("Result")
 
 
 class WorkerPool(Evaluator):
@@ -53,8 +59,15 @@ class WorkerPool(Evaluator):
         with _worker_lost(), starting_workers():
             return _results(self._executor.map(evaluate, specifications, chunksize=size))
 
+    def record_many(
+        self, _: Engine, specifications: Iterable[Specification]
+    ) -> Iterator["Recording"]:
+        """Record flights of the default mission seed on the workers; they come in order."""
+        with _worker_lost(), starting_workers():
+            return _results(self._executor.map(partial(_record, self._open_engine), specifications))
 
-def _results(results: Iterator[Evaluated]) -> Iterator[Evaluated]:
+
+def _results(results: Iterator[Result]) -> Iterator[Result]:
     with _worker_lost():
         yield from results
 
@@ -109,3 +122,7 @@ def _evaluate(
     open_engine: Callable[[], Engine], seed: int, specification: Specification
 ) -> Evaluated:
     return open_engine().attempt(specification, seed)
+
+
+def _record(open_engine: Callable[[], Engine], specification: Specification) -> "Recording":
+    return open_engine().record(specification)

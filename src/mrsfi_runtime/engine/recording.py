@@ -9,7 +9,7 @@ plain Python objects; the compiled engine writes the records itself.
 
 import weakref
 import zlib
-from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
 from contextlib import suppress
 from functools import cache, cached_property
 from tempfile import SpooledTemporaryFile
@@ -99,6 +99,9 @@ class Recording:
         self._places: list[dict[tuple[str, ...], tuple[int, int]]] = []
         self._decoded: tuple[int, Records] | None = None
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return _again, (self.dtype, self.tallies, self.received, [*self.moments()])
+
     def __len__(self) -> int:
         return self._n_before + len(self._last)
 
@@ -180,6 +183,20 @@ class Recording:
         return moments
 
 
+def _again(
+    dtype: np.dtype[Any],
+    tallies: list[FaultTally],
+    received: frozenset[Target] | None,
+    moments: Iterable[Records],
+) -> Recording:
+    """Return a recording that comes from another process."""
+    found = Recording(dtype)
+    found.tallies, found.received = tallies, received
+    for each in moments:
+        found.append(each)
+    return found
+
+
 class Part:
     """A named part of each tick of a recording, which has named parts itself."""
 
@@ -223,6 +240,9 @@ def _as_words(moments: Records) -> npt.NDArray[np.uint64]:
 
 Record: TypeAlias = Callable[[Specification], Recording]
 """Flies fault specifications, all of one mission seed, and returns every tick."""
+
+RecordMany: TypeAlias = Callable[[Iterable[Specification]], Iterable[Recording]]
+"""Does the same for many, which come in order."""
 
 
 class Recorder:

@@ -1,6 +1,7 @@
 """What a campaign finds out about weaknesses after its search, without the command."""
 
 from dataclasses import replace
+from functools import partial
 from random import Random
 
 import numpy as np
@@ -54,7 +55,7 @@ def store(tmp_path, evaluations):
 def test_what_was_flown_is_enough_to_know_it_again(store, space, engine):
     assert known_by(space, store) is None
 
-    n_flights, found = harvest(space, store, engine.evaluate_many, engine.record)
+    n_flights, found = harvest(space, store, engine.evaluate_many, partial(map, engine.record))
 
     again = known_by(space, store)
     assert again.n_flights == n_flights
@@ -73,7 +74,13 @@ def harvested(space, store, *flying):
 def test_progress_never_goes_back_and_its_bound_never_rises(store, space, engine):
     steps = []
 
-    harvest(space, store, engine.evaluate_many, engine.record, lambda *step: steps.append(step[:3]))
+    harvest(
+        space,
+        store,
+        engine.evaluate_many,
+        partial(map, engine.record),
+        lambda *step: steps.append(step[:3]),
+    )
 
     units = [*dict.fromkeys(unit for unit, _, _ in steps)]
     assert units == ["flights", "bisections"]
@@ -91,7 +98,7 @@ def n_shrinking(found):
 
 
 def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
-    found = harvested(space, store, engine.evaluate_many, engine.record)
+    found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
 
     told = least(found.goal_weaknesses)
     assert [each.goal for each in told] == [each.weakness.column.goal for each in found.mildest]
@@ -111,17 +118,23 @@ def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
 
 
 def test_what_is_shrunk_side_by_side_ends_as_what_is_shrunk_alone(store, space, engine):
-    found, batches, seeds = harvested(space, store, engine.evaluate_many, engine.record), [], (1, 2)
+    found, batches, seeds = (
+        harvested(space, store, engine.evaluate_many, partial(map, engine.record)),
+        [],
+        (1, 2),
+    )
 
     def noted(specifications, seed):
         batches.append(len(specifications))
         return engine.evaluate_many(specifications, seed)
 
-    together = mildest(space, found.known, found.weaknesses, noted, engine.record, seeds)
+    together = mildest(
+        space, found.known, found.weaknesses, noted, partial(map, engine.record), seeds
+    )
 
     for each, weakness in zip(together, found.weaknesses, strict=True):
         (alone,) = mildest(
-            space, found.known, [weakness], engine.evaluate_many, engine.record, seeds
+            space, found.known, [weakness], engine.evaluate_many, partial(map, engine.record), seeds
         )
         assert each.weakness == alone.weakness
     assert sum(each.n_flights for each in together) == sum(batches) - len(seeds)  # without faults
@@ -129,7 +142,7 @@ def test_what_is_shrunk_side_by_side_ends_as_what_is_shrunk_alone(store, space, 
 
 
 def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
-    found = harvested(space, store, engine.evaluate_many, engine.record)
+    found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
 
     verdicts = {"believed": "is_believed", "true": "is_true", "missed": "missed"}
     for each in [*found.weaknesses, *(each.weakness for each in found.mildest)]:
@@ -139,7 +152,7 @@ def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
 
 
 def test_what_a_record_says_of_a_goal_that_there_is_not_is_refused(store, space, engine, refused):
-    harvest(space, store, engine.evaluate_many, engine.record)
+    harvest(space, store, engine.evaluate_many, partial(map, engine.record))
     text = store.kept("weaknesses", str)
     store.keep("weaknesses", text.replace('"goal":"', '"goal":"no'))
 
@@ -166,7 +179,7 @@ def test_a_goal_that_only_evaluations_break_is_explained_by_them(tmp_path):
             Evaluation(index, 0, flown(each), (0.0,), 1, each) for index, each in enumerate(drawn)
         )
 
-        found = harvested(space, store, lambda some, _: map(flown, some), recorded)
+        found = harvested(space, store, lambda some, _: map(flown, some), partial(map, recorded))
 
     assert {each.faults for each in found.weaknesses} == {tuple(sorted(guilty))}
 
@@ -179,7 +192,7 @@ def test_what_was_violated_came_near_even_where_nothing_tells_by_how_much(tmp_pa
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append(flown)
 
-        found = harvested(space, store, lambda some, _: [held] * len(some), None)
+        found = harvested(space, store, lambda some, _: [held] * len(some), list)
 
     assert found.nearest == {"g1": ((0.5, 7), 0), "g2": (None, 1), "g3": ((1.0, 9), 1)}
 
@@ -194,7 +207,7 @@ def test_only_records_of_semantics_3_say_how_far_a_goal_was_beyond_its_limit(
     with CampaignStore.create(tmp_path, CampaignSettings(), manifest) as store:
         store.append([Evaluation(0, 0, flown, (0.0,), 1, ())])
 
-        near = harvested(space, store, lambda some, _: [flown] * len(some), None).nearest
+        near = harvested(space, store, lambda some, _: [flown] * len(some), list).nearest
         told = Weakness(Column("g1", "true"), (), (), 1, 1)
         (found,) = detected(space.gate.mission, store, [told], ())
 
@@ -212,7 +225,7 @@ def test_what_is_recorded_is_not_flown_again(store, space, engine):
         return engine.evaluate_many(specifications, seed)
 
     with pytest.raises(WorkerLost):
-        harvest(space, store, cut, engine.record)
+        harvest(space, store, cut, partial(map, engine.record))
     n_kept = len(store.flights())
     flown.clear()
 
@@ -220,7 +233,7 @@ def test_what_is_recorded_is_not_flown_again(store, space, engine):
         flown.extend(specifications)
         return engine.evaluate_many(specifications, seed)
 
-    harvest(space, store, noted, engine.record)
+    harvest(space, store, noted, partial(map, engine.record))
 
     assert n_kept > 40
     assert n_kept + len(flown) == len(store.flights())
@@ -233,7 +246,7 @@ def test_there_are_no_more_flights_than_those_of_the_search(
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append(evaluations[:n_evaluations])
 
-        found = harvested(space, store, engine.evaluate_many, engine.record)
+        found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
 
     assert found.n_flights <= n_evaluations
     assert {each.n_seeds for each in found.weaknesses} <= {*range(n_seeds, N_SEEDS + 1)}
@@ -241,4 +254,9 @@ def test_there_are_no_more_flights_than_those_of_the_search(
 
 def test_a_mission_that_fails_without_faults_has_no_yardstick(store, space, engine, refused):
     with refused(EvaluationError):
-        harvest(space, store, lambda some, _: [FailedFlight("late")] * len(some), engine.record)
+        harvest(
+            space,
+            store,
+            lambda some, _: [FailedFlight("late")] * len(some),
+            partial(map, engine.record),
+        )

@@ -349,8 +349,8 @@ def test_what_it_flies_for_a_seed_changes_with_intent_only():
     assert [each.statistics["n_evaluations"] for each in summaries] == [*map(len, flown_again)]
 
 
-def recorded(_):
-    return RECORDED
+def recorded(specifications):
+    return [RECORDED for _ in specifications]
 
 
 class Stand:
