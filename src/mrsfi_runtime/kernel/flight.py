@@ -45,6 +45,7 @@ from mrsfi_runtime.kernel.state import (
     ChartedState,
     CommandState,
     DirectionState,
+    GapState,
     GoalState,
     GraceState,
     HeardState,
@@ -181,6 +182,7 @@ def initial_state(mission: Mission, seed: int) -> State:
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     state.wishes = [WishState() for _ in state.robots]
+    state.gaps = [GapState() for _ in state.goals]
     state.heard = [HeardState(own.x, own.y, own.z, own.speed, own.energy) for own in state.robots]
     state.heard += [HeardState() for _ in state.sensors]
     state.heard += [HeardState(rock.x, rock.y) for rock in state.obstacles]
@@ -498,6 +500,7 @@ def measure(verdicts: Verdicts, world: State, goal: int) -> None:
     if is_nearer or verdicts.due[goal] == 0:
         verdicts.margin[goal] = left
         verdicts.nearest[goal] = tick
+    world.gaps[goal].limit = max(verdicts.margin[goal], 0.0)
     is_over = verdicts.true[goal] > 0 and verdicts.missed[goal] > 0 and is_forecast(task)
     verdicts.due[goal] = NEVER if is_over else tick + min(wait, max(ticks_left(world), 1))
 

@@ -344,6 +344,19 @@ class ChartedState:
     y: float
 
 
+@dataclass(slots=True)
+class GapState:
+    """The least gap, at most ``limit``, that the check of AvoidCollision found in a tick.
+
+    It is the margin. Only of more than ``FEW`` members is it found so, and in truth: in belief,
+    ``limit`` stays below 0, which asks for none.
+    """
+
+    limit: float = -1.0
+    least: float = 0.0
+    tick: int = -1
+
+
 @dataclass(slots=True, kw_only=True)
 class LookupState:
     """Scratch space for neighbour queries. Not part of the state: never recorded or hashed.
@@ -391,11 +404,12 @@ class State:
     The following change, but are never recorded or hashed: ``wakes`` has an entry per robot, then
     one per obstacle; ``wishes`` one per robot; ``grace``, empty unless a goal has some, one per
     goal, whose ``latest`` margins follow; ``aims``, empty unless a robot has noise, how many
-    waypoints each member has surely passed; ``calm``, empty unless its use is allowed, the tick
-    before which no member of an AvoidCollision goal has to be looked at, or, negative, before which
-    it stays awake; ``quiet`` likewise, for each goal the tick before which it is surely kept, and
-    nothing has to react for it, unless the belief is misled; ``heard``, an entry per robot, sensor
-    and obstacle, empty where no code of a team runs. ``lookup`` is scratch space.
+    waypoints each member has surely passed; ``gaps`` has one per goal; ``calm``, empty unless its
+    use is allowed, the tick before which no member of an AvoidCollision goal has to be looked at,
+    or, negative, before which it stays awake; ``quiet`` likewise, for each goal the tick before
+    which it is surely kept, and nothing has to react for it, unless the belief is misled;
+    ``heard``, an entry per robot, sensor and obstacle, empty where no code of a team runs.
+    ``lookup`` is scratch space.
     """
 
     mission: MissionState
@@ -428,6 +442,7 @@ class State:
     grace: list[GraceState] = field(default_factory=list)
     aims: list[int] = field(default_factory=list)
     latest: list[float] = field(default_factory=list)
+    gaps: list[GapState] = field(default_factory=list)
     calm: list[int] = field(default_factory=list)
     quiet: list[int] = field(default_factory=list)
     heard: list[HeardState] = field(default_factory=list)

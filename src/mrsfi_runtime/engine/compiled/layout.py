@@ -52,7 +52,7 @@ _HIDDEN: Mapping[type, tuple[str, ...]] = {State: (RECORDED, CALLS)}
 ALIKE: Mapping[type, Mapping[str, str]] = {
     State: {
         **dict.fromkeys(("commands", "traits", "wishes"), "robots"),
-        **dict.fromkeys(("required", "apart", "longest"), "goals"),
+        **dict.fromkeys(("required", "apart", "longest", "gaps"), "goals"),
         "switches": "sensors",
         "outlines": "obstacles",
         "routes": "members",

@@ -77,6 +77,11 @@ def violated(view: State, g: int) -> bool:
         rouse(view, g)
         if view.quiet[g] > view.mission.tick:
             return False
+    gap = view.gaps[g]
+    if gap.limit >= 0.0 and view.goals[g].n_members > FEW:
+        gap.least = gap_between_neighbours(view, g, gap_to_obstacles(view, g, gap.limit))
+        gap.tick = view.mission.tick
+        return gap.least < 0.0
     return hits_obstacle(view, g) or hits_robot(view, g)
 
 
@@ -301,11 +306,16 @@ def gap_between(view: State, goal: GoalState, index: int, other: int, limit: flo
 
 @kernel
 def margin(world: State, g: int, least: float) -> tuple[float, int]:
-    """Return the least gap between two discs, and when one can be below ``least``."""
-    speed, spare = world.longest[g], max(least, 0.0)
+    """Return the least gap between two discs, and when one can be below ``least``.
+
+    The default check of more than ``FEW`` members has found it in this tick.
+    """
+    speed, spare, gap = world.longest[g], max(least, 0.0), world.gaps[g]
     ahead = HORIZON if world.goals[g].n_members <= FEW else 0
-    to_obstacle = gap_to_obstacles(world, g, spare + ahead * speed)
-    to_robot = gap_between_robots(world, g, spare + 2.0 * ahead * speed)
+    to_obstacle = to_robot = gap.least
+    if gap.tick != world.mission.tick:
+        to_obstacle = gap_to_obstacles(world, g, spare + ahead * speed)
+        to_robot = gap_between_robots(world, g, spare + 2.0 * ahead * speed)
     left = min(to_obstacle, to_robot)
     if left <= least:
         return left, 1
