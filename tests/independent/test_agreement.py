@@ -240,7 +240,7 @@ def test_drawn_missions_fly_alike_on_every_engine(tmp_path, seed):
 
 
 @pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 0, 2))
-@pytest.mark.parametrize("room", [15.0, 60.0])
+@pytest.mark.parametrize("room", [15.0, 60.0, 300.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
     rng = Random(n_robots)
     models = write(tmp_path / "models", *draw_crowd(rng, n_robots, room))
