@@ -443,12 +443,25 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
     return timed
 
 
-class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
-    """Admits fault specifications to one mission and pool, and caches what it checks.
+class Admission(NamedTuple):
+    """What a gate checks of a timed fault, by its fault of the pool.
 
-    By ID of a fault it has the type, the number of values if only that is checked, and the keys
-    that no other fault may touch at the same time: its targets, or itself. Faults of a written
-    specification may be copies of ``originals``, by ID.
+    ``wholes`` are the places of whole numbers among ``n_values``; ``is_range`` is whether the first
+    must not exceed the second. No other fault may touch one of the ``keys`` at the same time: its
+    targets, or itself.
+    """
+
+    kind: FaultType
+    n_values: int
+    wholes: tuple[int, ...]
+    is_range: bool
+    keys: tuple[Target | str, ...]
+
+
+class Gate(dict[str, Admission]):
+    """Admits fault specifications to one mission and pool, and caches what it checks, by fault.
+
+    Faults of a written specification may be copies of ``originals``, by ID.
     """
 
     def __init__(
@@ -459,14 +472,14 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         self.pool = pool
         self._originals = pool.by_id if originals is None else originals
 
-    def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
+    def __missing__(self, fault_id: str) -> Admission:
         fault = self.pool[fault_id]
         itself = f"{original(fault_id, self._originals)}: {fault.words}"
+        kind, parameters = fault.kind, fault.kind.parameters
+        wholes = tuple(place for place, each in enumerate(parameters) if each.is_integer)
+        is_range = kind.mode is Mode.RANDOM and len(parameters) > 1
         keys: tuple[Target | str, ...] = touched(self.mission, fault) or (itself,)
-        parameters = fault.kind.parameters
-        is_random = fault.kind.mode is Mode.RANDOM and bool(parameters)
-        is_any = not is_random and not any(each.is_integer for each in parameters)
-        self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
+        self[fault_id] = found = Admission(kind, len(parameters), wholes, is_range, keys)
         return found
 
     def admitted(self, specification: Iterable[TimedFault]) -> Specification:
@@ -481,11 +494,19 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             wanted = "timed faults, in a list or tuple"
             raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
         found = asked if _are_plain(asked) else tuple(map(plain, asked))
+        self._require(sorted(found, key=itemgetter(1)))  # by start
+        return found
+
+    def _require(self, specification: Iterable[TimedFault]) -> None:
+        """Refuse plain timed faults that do not fit; what does is not looked at for long."""
         newest: dict[Target | str, TimedFault] = {}
-        for timed in sorted(found, key=itemgetter(1)):  # by start
+        for timed in specification:
             fault, start, _, values, trigger = timed
-            kind, n_values, keys = self[fault]
-            if len(values) != n_values:
+            kind, n_values, wholes, is_range, keys = self[fault]
+            fits = len(values) == n_values and not (is_range and values[0] > values[1])
+            for place in wholes if fits else ():
+                fits &= 0.0 <= values[place] <= LAST and values[place].is_integer()
+            if not fits:
                 fitting(kind, timed)
             if trigger:
                 self._require_trigger(timed)
@@ -493,14 +514,13 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
                 if newest.get(key, _NONE)[2] >= start:
                     raise self._overlap(newest[key], timed)
                 newest[key] = timed
-        return found
 
     def conflicts(self) -> Mapping[str, frozenset[str]]:
         """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
 
         A fault that touches nothing conflicts only with itself.
         """
-        keys = {fault.id: frozenset(self[fault.id][2]) for fault in self.pool}
+        keys = {fault.id: frozenset(self[fault.id].keys) for fault in self.pool}
         return {
             fault_id: frozenset(other for other, others in keys.items() if key & others)
             for fault_id, key in keys.items()
@@ -520,8 +540,9 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
             raise SpecificationError(text, (timed.fault,))
 
     def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
-        others = {*self[second.fault][2]}
-        shared = (key for key in self[first.fault][2] if key in others and not isinstance(key, str))
+        others = {*self[second.fault].keys}
+        keys = self[first.fault].keys
+        shared = (key for key in keys if key in others and not isinstance(key, str))
         what = ", ".join(describe(self.mission, key) for key in shared) or "nothing"
         return SpecificationError(
             f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
