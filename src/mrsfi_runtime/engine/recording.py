@@ -32,6 +32,8 @@ CHUNK = 8 << 20
 
 _IN_MEMORY = 16 << 20  # bytes of what is compressed before it goes to a file
 
+_MADE_ANEW = {"_columns", "_stream"}  # where a recording comes from another process
+
 SIDES = ("world", "belief")
 """The states of a tick: truth and belief."""
 
@@ -99,8 +101,19 @@ class Recording:
         self._places: list[dict[tuple[str, ...], tuple[int, int]]] = []
         self._decoded: tuple[int, Records] | None = None
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return _again, (self.dtype, self.tallies, self.received, [*self.moments()])
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: each for name, each in vars(self).items() if name not in _MADE_ANEW}
+        if self._places:
+            with temporary_files_writable():
+                self._stream.seek(0)
+                kept["compressed"] = self._stream.read()
+        return kept | {"_decoded": None}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        compressed = kept.pop("compressed", b"")
+        vars(self).update(kept)
+        with temporary_files_writable():
+            self._stream.write(compressed)
 
     def __len__(self) -> int:
         return self._n_before + len(self._last)
@@ -181,20 +194,6 @@ class Recording:
         for path, column in self._columns.items():
             words[:, column.words.ravel()] = self._read(chunk, path)
         return moments
-
-
-def _again(
-    dtype: np.dtype[Any],
-    tallies: list[FaultTally],
-    received: frozenset[Target] | None,
-    moments: Iterable[Records],
-) -> Recording:
-    """Return a recording that comes from another process."""
-    found = Recording(dtype)
-    found.tallies, found.received = tallies, received
-    for each in moments:
-        found.append(each)
-    return found
 
 
 class Part:
