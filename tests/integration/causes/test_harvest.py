@@ -29,6 +29,11 @@ def engine(tmp_path_factory):
     return ReferenceEngine(load_code(write_rendezvous(tmp_path_factory.mktemp("harvested"))), 1)
 
 
+def flown_on(engine):
+    """Return how an engine evaluates specifications, and how it records them."""
+    return engine.evaluate_many, partial(map, engine.record)
+
+
 @pytest.fixture(scope="module")
 def space(engine):
     return SearchSpace.of(engine.code.mission, engine.code.pool)
@@ -55,7 +60,7 @@ def store(tmp_path, evaluations):
 def test_what_was_flown_is_enough_to_know_it_again(store, space, engine):
     assert known_by(space, store) is None
 
-    n_flights, found = harvest(space, store, engine.evaluate_many, partial(map, engine.record))
+    n_flights, found = harvest(space, store, *flown_on(engine))
 
     again = known_by(space, store)
     assert again.n_flights == n_flights
@@ -74,13 +79,7 @@ def harvested(space, store, *flying):
 def test_progress_never_goes_back_and_its_bound_never_rises(store, space, engine):
     steps = []
 
-    harvest(
-        space,
-        store,
-        engine.evaluate_many,
-        partial(map, engine.record),
-        lambda *step: steps.append(step[:3]),
-    )
+    harvest(space, store, *flown_on(engine), lambda *step: steps.append(step[:3]))
 
     units = [*dict.fromkeys(unit for unit, _, _ in steps)]
     assert units == ["flights", "bisections"]
@@ -98,7 +97,7 @@ def n_shrinking(found):
 
 
 def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
-    found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
+    found = harvested(space, store, *flown_on(engine))
 
     told = least(found.goal_weaknesses)
     assert [each.goal for each in told] == [each.weakness.column.goal for each in found.mildest]
@@ -118,11 +117,7 @@ def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
 
 
 def test_what_is_shrunk_side_by_side_ends_as_what_is_shrunk_alone(store, space, engine):
-    found, batches, seeds = (
-        harvested(space, store, engine.evaluate_many, partial(map, engine.record)),
-        [],
-        (1, 2),
-    )
+    found, batches, seeds = harvested(space, store, *flown_on(engine)), [], (1, 2)
 
     def noted(specifications, seed):
         batches.append(len(specifications))
@@ -133,16 +128,14 @@ def test_what_is_shrunk_side_by_side_ends_as_what_is_shrunk_alone(store, space, 
     )
 
     for each, weakness in zip(together, found.weaknesses, strict=True):
-        (alone,) = mildest(
-            space, found.known, [weakness], engine.evaluate_many, partial(map, engine.record), seeds
-        )
+        (alone,) = mildest(space, found.known, [weakness], *flown_on(engine), seeds)
         assert each.weakness == alone.weakness
     assert sum(each.n_flights for each in together) == sum(batches) - len(seeds)  # without faults
     assert sum(batches) > 1.5 * len(batches)
 
 
 def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
-    found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
+    found = harvested(space, store, *flown_on(engine))
 
     verdicts = {"believed": "is_believed", "true": "is_true", "missed": "missed"}
     for each in [*found.weaknesses, *(each.weakness for each in found.mildest)]:
@@ -152,7 +145,7 @@ def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
 
 
 def test_what_a_record_says_of_a_goal_that_there_is_not_is_refused(store, space, engine, refused):
-    harvest(space, store, engine.evaluate_many, partial(map, engine.record))
+    harvest(space, store, *flown_on(engine))
     text = store.kept("weaknesses", str)
     store.keep("weaknesses", text.replace('"goal":"', '"goal":"no'))
 
@@ -246,7 +239,7 @@ def test_there_are_no_more_flights_than_those_of_the_search(
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append(evaluations[:n_evaluations])
 
-        found = harvested(space, store, engine.evaluate_many, partial(map, engine.record))
+        found = harvested(space, store, *flown_on(engine))
 
     assert found.n_flights <= n_evaluations
     assert {each.n_seeds for each in found.weaknesses} <= {*range(n_seeds, N_SEEDS + 1)}
